@@ -3,9 +3,44 @@
 /// A point in the data's units.
 pub(super) type Point = (f64, f64);
 
+/// How a curve is drawn with few points and kept with more for the script: the limits of both.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Thinning {
+    /// Lowest and highest of each run of neighbours, for curves over time.
+    Extremes([usize; 2]),
+    /// Highest of each run, for spectra, in which only peaks count.
+    Peaks([usize; 2]),
+    /// Evenly spaced points, for curves in a plane; both times the same.
+    Path(usize),
+    /// All points.
+    None,
+}
+
+impl Thinning {
+    /// Returns the points to draw.
+    pub(super) fn drawn(self, points: &[Point]) -> Vec<Point> {
+        match self {
+            Self::Extremes([limit, _]) => decimated(points, limit),
+            Self::Peaks([limit, _]) => peaks(points, limit),
+            Self::Path(limit) => thinned(points, limit),
+            Self::None => points.to_vec(),
+        }
+    }
+
+    /// Returns the points to keep.
+    pub(super) fn kept(self, points: &[Point]) -> Vec<Point> {
+        match self {
+            Self::Extremes([_, limit]) => Self::Extremes([limit, limit]).drawn(points),
+            Self::Peaks([_, limit]) if limit < points.len() => peaks(points, limit),
+            Self::Path(limit) => thinned(points, limit),
+            Self::Peaks(_) | Self::None => points.to_vec(),
+        }
+    }
+}
+
 /// At most about `limit` points: of each run of neighbours the lowest and the highest, in their order.
 /// A missing value stays as one NaN between them, so that the line breaks there.
-pub(super) fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
+fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
     if points.len() <= limit {
         return points.to_vec();
     }
@@ -26,7 +61,7 @@ fn extremes(run: &[Point]) -> Vec<Point> {
 }
 
 /// At most `limit` points: of each run the highest. For spectra, in which only peaks count.
-pub(super) fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
+fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
     let run = points.len().div_ceil(limit.max(1)).max(1);
     points
         .chunks(run)
