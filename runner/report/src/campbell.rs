@@ -109,6 +109,7 @@ fn frequencies(all: &[AtSpeed], branches: &[ModeBranch]) -> Table {
         };
         [fixed(at.speed_rpm, 0)].into_iter().chain(branches.iter().map(cell)).collect::<Vec<_>>()
     };
-    let note = "Frequency in Hz, with f for forward and b for backward whirl, and damping in per cent of critical damping.";
+    let note =
+        "Frequency in Hz, with f for forward and b for backward whirl, and damping in per cent of critical damping.";
     Table::of(columns, all.iter().map(row), note)
 }

@@ -232,7 +232,11 @@ pub fn html(settled: &Settled) -> Result<String> {
     if !settled.natural_frequencies_hz.is_empty() {
         let modes = settled.natural_frequencies_hz.iter().enumerate();
         let table = Table::of(
-            vec![Column::name("Mode"), Column::number("Natural frequency", "Hz"), Column::number("Critical order", "X")],
+            vec![
+                Column::name("Mode"),
+                Column::number("Natural frequency", "Hz"),
+                Column::number("Critical order", "X"),
+            ],
             modes.map(|(i, hz)| {
                 let order = if rpm == 0.0 { f64::NAN } else { 60.0 * hz / rpm.abs() };
                 [format!("N{}", i + 1), fixed(*hz, 2), typeset(&fixed(order, 3))]
@@ -271,12 +275,14 @@ fn names(bearings: &[BearingSettled]) -> impl Iterator<Item = String> + use<'_> 
 
 fn displacements(bearings: &[BearingSettled]) -> Table {
     let of = |value: &dyn Fn(&BearingSettled) -> f64| column(bearings.iter().map(value));
+    let clearance = |b: &BearingSettled| b.operating_clearance.as_ref().map_or_else(String::new, ToString::to_string);
+    let has_clearance = bearings.iter().any(|b| b.operating_clearance.is_some());
     let cells: Vec<Vec<String>> = (0..5)
         .map(|i| of(&|b| b.displacement[i] * if i < 3 { 1e6 } else { 1e3 }))
         .chain((0..5).map(|i| of(&|b| b.force[i])))
-        .chain([bearings.iter().map(|b| b.operating_clearance.as_ref().map_or_else(String::new, ToString::to_string)).collect()])
+        .chain(has_clearance.then(|| bearings.iter().map(clearance).collect()))
         .collect();
-    let heads = vec![
+    let mut heads = vec![
         Column::name("Bearing"),
         Column::number("X", "um"),
         Column::number("Y", "um"),
@@ -288,10 +294,10 @@ fn displacements(bearings: &[BearingSettled]) -> Table {
         Column::number("FZ", "N"),
         Column::number("MX", "N m"),
         Column::number("MY", "N m"),
-        Column::words("Operating clearance"),
     ];
+    heads.extend(has_clearance.then(|| Column::words("Operating clearance")));
     Table {
-        groups: vec![(1, ""), (5, "displacement"), (5, "force"), (1, "")],
+        groups: vec![(1, ""), (5, "displacement"), (5, "force")],
         ..Table::of(heads, rows(names(bearings), &cells), "")
     }
 }

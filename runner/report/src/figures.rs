@@ -46,8 +46,8 @@ pub(super) use trade::{Dot, front};
 pub(super) use axis::Axis;
 pub(super) use canvas::{Curve as CurveValues, CurveKind, Drawing, Plot};
 
-use line::Thinning;
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
+use line::Thinning;
 
 /// Figures of the replay's report in its order: findings, rotor, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[

@@ -86,10 +86,15 @@ pub fn html(found: &Fitted) -> Result<String> {
         facts: vec![
             Fact::new("Samples", count(found.samples as u64)),
             Fact::new("Revolutions", fixed(found.turns, 1)),
-            Fact::new("Chi-squared", format!("{} for {} readings", fixed(found.chi_square, 1), count(found.readings as u64))),
+            Fact::new(
+                "Chi-squared",
+                format!("{} for {} readings", fixed(found.chi_square, 1), count(found.readings as u64)),
+            ),
         ],
         sections,
-        footer: "Maximum-likelihood estimates. Chi-squared: sum of the squared residuals in units of the probes' noise.".to_owned(),
+        footer:
+            "Maximum-likelihood estimates. Chi-squared: sum of the squared residuals in units of the probes' noise."
+                .to_owned(),
         ..Page::default()
     })
 }
@@ -118,7 +123,9 @@ fn verdict(found: &Fitted) -> Verdict {
     Verdict {
         level: Level::Green,
         word: "SCENE DESCRIBES THE RECORDING",
-        sentence: format!("Chi-squared per reading is {per_reading:.3}, at most {largest:.3} by the noise of the probes.{unidentified}"),
+        sentence: format!(
+            "Chi-squared per reading is {per_reading:.3}, at most {largest:.3} by the noise of the probes.{unidentified}"
+        ),
         action: String::new(),
     }
 }

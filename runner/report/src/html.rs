@@ -103,7 +103,8 @@ fn relevant(outcome: &Outcome) -> Vec<String> {
 
 /// Returns the probe with the largest residual, over its noise where that is known.
 fn worst_probe(outcome: &Outcome) -> Option<&ProbeOutcome> {
-    let size = |probe: &ProbeOutcome| probe.residual_rms_um / probe.noise_um.filter(|noise| *noise > 0.0).unwrap_or(1.0);
+    let size =
+        |probe: &ProbeOutcome| probe.residual_rms_um / probe.noise_um.filter(|noise| *noise > 0.0).unwrap_or(1.0);
     let compared = outcome.probes.iter().filter(|probe| probe.has_twin() && size(probe).is_finite());
     compared.max_by(|a, b| size(a).total_cmp(&size(b)))
 }
@@ -332,7 +333,8 @@ fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Tabl
         Column::number("Crest factor", ""),
         Column::number("Kurtosis", ""),
     ];
-    let over = if compared { "Means over blocks of four turns; greatest: of any block." } else { "Over the whole recording." };
+    let over =
+        if compared { "Means over blocks of four turns; greatest: of any block." } else { "Over the whole recording." };
     let note = format!(
         "As measured, not compensated. {over} Direct: peak to peak of all frequencies. Gap: mean position. Not 1X: what 1X leaves. \
          0.5X band: 0.3X to 0.7X. Kurtosis: 1.5 of a sine, 3 of noise."
@@ -598,6 +600,11 @@ mod tests {
         page.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()).collect()
     }
 
+    /// The page without its script and data.
+    fn still(page: &str) -> &str {
+        page.split("<script").next().unwrap()
+    }
+
     #[test]
     fn names_everything_and_loads_nothing() {
         for outcome in [fixture::usual(), fixture::crowded(), fixture::run_up()] {
@@ -605,11 +612,41 @@ mod tests {
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));
             assert!(outcome.bearings.iter().all(|bearing| page.contains(&escaped(&bearing.name))));
             assert!(outcome.findings.iter().all(|finding| page.contains(&escaped(&finding.sentence))));
-            for outside in ["http://", "https://", "<script", "<link", "<img", "url(", "@import", "<b>proximity"] {
-                assert!(!page.contains(outside), "{outside}");
+            for outside in ["http://", "https://", "<link", "<img", "url(", "@import", "<b>proximity"] {
+                assert!(!still(&page).contains(outside), "{outside}");
             }
+            // One script and one block of data, and a policy that allows this script alone.
+            assert_eq!(page.matches("<script").count(), 2);
+            assert!(page.contains(&page::script_hash()) && page.contains("default-src 'none'"));
             assert!(page.len() < 3_000_000, "{}", page.len());
         }
+    }
+
+    #[test]
+    fn the_verdict_has_a_colour_and_words() {
+        let of = |outcome: &Outcome| verdict_of(outcome, true);
+        let usual = fixture::usual();
+        let found = of(&usual);
+        assert!(found.level == Level::Red && found.word == "FAULT FOUND" && found.action.contains("spare bearing"));
+        let sound = Outcome { findings: vec![], events: vec![], diagnosis: Some(Default::default()), ..usual };
+        assert_eq!((of(&sound).level, of(&sound).word), (Level::Green, "NO FAULT FOUND"));
+        let undiagnosed = Outcome { diagnosis: None, ..sound };
+        assert_eq!((of(&undiagnosed).level, of(&undiagnosed).word), (Level::Amber, "NOT DIAGNOSED"));
+        let unjudged = Outcome { not_judged: vec!["a reason".to_owned()], ..undiagnosed };
+        assert_eq!((of(&unjudged).level, of(&unjudged).word), (Level::Amber, "NO VERDICT"));
+        assert_eq!(verdict_of(&Outcome::default(), false).level, Level::Neutral);
+    }
+
+    #[test]
+    fn evidence_precedes_the_other_figures_and_tables_follow_them() {
+        let page = html(&fixture::usual()).unwrap();
+        let headings: Vec<&str> =
+            page.split("<h2>").skip(1).filter_map(|rest| rest.split("</h2>").next()).collect();
+        let place = |heading: &str| headings.iter().position(|one| *one == heading).unwrap();
+        assert!(place("Diagnosis") < place("Evidence") && place("Evidence") < place("Orbits"));
+        assert!(place("Load on the rolling elements") < place("Tabular list"));
+        let contents = page.split("class=\"contents\"").nth(1).unwrap().split("</nav>").next().unwrap();
+        assert_eq!(contents.matches("<li>").count(), headings.len());
     }
 
     #[test]
@@ -624,7 +661,7 @@ mod tests {
             assert!(run_up.contains(there), "{there}");
         }
         assert_eq!(page.matches("</svg>").count(), page.matches("<svg").count());
-        assert!(page.contains("class=\"dash\""));
+        assert!(page.contains("stroke-dasharray"));
     }
 
     #[test]
@@ -637,7 +674,7 @@ mod tests {
             assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{drawn}");
             // Pixels saturate where a place is not finite.
             assert!(!drawn.contains("2147483647"));
-            assert!(!page.contains("NaN"));
+            assert!(!still(&page).contains("NaN"));
         }
     }
 }

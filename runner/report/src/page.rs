@@ -17,9 +17,12 @@ const TEMPLATE: &str = include_str!("page/report.html");
 const STYLE: &str = include_str!("page/report.css");
 const SCRIPT: &str = include_str!("page/report.js");
 
-/// Figures of one section that are printed: enough to prove the verdict, few enough for six pages.
-const PRINTED_WIDE: usize = 2;
-const PRINTED_SQUARE: usize = 3;
+/// Figures of a report of which all are printed.
+const PRINTED: usize = 8;
+/// Figures of one section that are printed of a larger report: enough to prove the verdict, few enough for six pages.
+const PRINTED_OF_SECTION: usize = 2;
+/// Sections of figures beyond which one figure of each is printed.
+const MOST_SECTIONS: usize = 12;
 
 /// One report.
 #[derive(Debug, Default, Serialize)]
@@ -114,6 +117,8 @@ pub(super) struct Table {
     pub(super) rows: Vec<Row>,
     /// Explanation below; may be empty.
     pub(super) note: String,
+    /// Whether rows have sentences; on a narrow screen each is a list.
+    is_wordy: bool,
 }
 
 /// A column.
@@ -179,6 +184,7 @@ impl<T: Into<String>> From<T> for Cell {
 impl Table {
     /// Adds a row; of one with a cell for every column the first cell names it.
     pub(super) fn push(&mut self, mut row: Row) {
+        self.is_wordy = self.columns.iter().any(|column| column.class == "words");
         if row.cells.len() == self.columns.len() {
             for (i, (cell, column)) in row.cells.iter_mut().zip(&self.columns).enumerate() {
                 cell.is_head = i == 0;
@@ -219,6 +225,13 @@ impl PageSection {
         Self { heading: heading.to_owned(), content: Content::Figures { shape, figures }, note }
     }
 
+    fn pictures(&self) -> Option<&[Picture]> {
+        match &self.content {
+            Content::Figures { figures, .. } => Some(figures),
+            _ => None,
+        }
+    }
+
     pub(super) fn table(heading: &str, table: Table) -> Self {
         Self { heading: heading.to_owned(), content: Content::Table { table }, note: String::new() }
     }
@@ -249,10 +262,15 @@ fn pictures<S: Serializer>(pictures: &[Picture], serializer: S) -> Result<S::Ok,
 /// # Errors
 /// Returns an error if the template fails.
 pub(super) fn render(mut page: Page) -> Result<String> {
+    let counts: Vec<usize> = page.sections.iter().filter_map(PageSection::pictures).map(<[Picture]>::len).collect();
+    let most = match counts.iter().sum::<usize>() {
+        figures if figures <= PRINTED => PRINTED,
+        _ if counts.len() > MOST_SECTIONS => 1,
+        _ => PRINTED_OF_SECTION,
+    };
     let mut left_out = 0;
     for section in &mut page.sections {
-        if let Content::Figures { shape, figures } = &mut section.content {
-            let most = if *shape == "square" { PRINTED_SQUARE } else { PRINTED_WIDE };
+        if let Content::Figures { figures, .. } = &mut section.content {
             left_out += choose_printed(figures, most, &page.relevant);
         }
     }
@@ -291,10 +309,7 @@ pub(super) fn script_hash() -> String {
 
 /// Returns what the script reads: the frames of each figure in the order of the page, with the values of their curves.
 fn data(page: &Page) -> serde_json::Value {
-    let figures = page.sections.iter().filter_map(|section| match &section.content {
-        Content::Figures { figures, .. } => Some(figures),
-        _ => None,
-    });
+    let figures = page.sections.iter().filter_map(PageSection::pictures);
     let figure = |picture: &Picture| {
         let plots: Vec<_> = picture.drawing.plots.iter().map(plot).collect();
         json!({ "plots": plots, "source": picture.source.map(source) })
@@ -317,9 +332,7 @@ fn source(source: Source) -> serde_json::Value {
 
 fn plot(plot: &Plot) -> serde_json::Value {
     let frame = &plot.frame;
-    let axis = |axis: &super::figures::Axis| {
-        json!({ "low": axis.low(), "high": axis.high(), "log": axis.is_logarithmic(), "title": axis.title })
-    };
+    let axis = |axis: &super::figures::Axis| json!({ "low": axis.low(), "high": axis.high(), "log": axis.is_logarithmic(), "title": axis.title });
     let tenths = |x: f64| (10.0 * x).round() / 10.0;
     let edges = [frame.left, frame.top, frame.right, frame.bottom].map(tenths);
     let curves: Vec<serde_json::Value> = plot.curves.iter().map(curve).collect();
@@ -397,7 +410,8 @@ mod tests {
 
     #[test]
     fn base64_is_that_of_the_rfc() {
-        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
+        let cases =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
         for (text, expected) in cases {
             assert_eq!(base64(text.as_bytes()), expected);
         }

@@ -49,7 +49,9 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
             PageSection::figures("Motion over the sweep", Shape::Wide, pictures),
             PageSection::table("Points", points(axes, rows)),
         ],
-        footer: "Motion of the rotor's centre of mass after it has settled. Section: the motion is sampled once per period.".to_owned(),
+        footer:
+            "Motion of the rotor's centre of mass after it has settled. Section: the motion is sampled once per period."
+                .to_owned(),
         ..page
     })
 }
@@ -57,7 +59,14 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
 /// Describes the values of an axis.
 fn range(axis: &Axis) -> String {
     let ends = [axis.values.first(), axis.values.last()].map(|end| end.copied().unwrap_or(f64::NAN));
-    format!("{} from {} to {} {}, {} values", axis.key, ends[0], ends[1], axis.unit, axis.values.len())
+    format!(
+        "{} from {} to {} {}, {} values",
+        axis.key,
+        significant(ends[0]),
+        significant(ends[1]),
+        axis.unit,
+        axis.values.len()
+    )
 }
 
 /// Returns the points as a table, evenly thinned where there are many.
@@ -74,27 +83,36 @@ fn points(axes: &[Axis], rows: &[&Row]) -> Table {
         Column::number("1X along X", "um peak"),
         Column::number("1X along Y", "um peak"),
         Column::number("Period", "sections"),
-        Column::number("Lyapunov exponent", "1/s"),
     ]);
+    let has_exponents = rows.iter().any(|row| row.figures.lyapunov.is_some());
+    columns.extend(has_exponents.then(|| Column::number("Lyapunov exponent", "1/s")));
     let of = |value: &dyn Fn(&Row) -> f64| column(rows.iter().map(|row| value(row)));
     let way = |row: &&&Row| if row.way == "rest" { "from equilibrium".to_owned() } else { row.way.clone() };
     let period = |row: &&&Row| row.figures.period.map_or_else(|| "none".to_owned(), |period| period.to_string());
     let exponent = |row: &&&Row| typeset(&fixed(row.figures.lyapunov.unwrap_or(f64::NAN), 3));
     let mut cells: Vec<Vec<String>> = (0..axes.len())
-        .map(|k| rows.iter().map(|row| typeset(&row.values.get(k).map_or_else(String::new, f64::to_string))).collect())
+        .map(|k| {
+            rows.iter().map(|row| typeset(&row.values.get(k).map_or_else(String::new, |x| significant(*x)))).collect()
+        })
         .collect();
     cells.push(rows.iter().map(way).collect());
     cells.push(of(&|row| row.figures.speed_rpm));
     cells.extend((0..2).map(|k| of(&|row| row.figures.peak_to_peak[k])));
     cells.extend((0..2).map(|k| of(&|row| row.figures.lines[0][k])));
     cells.push(rows.iter().map(period).collect());
-    cells.push(rows.iter().map(exponent).collect());
+    cells.extend(has_exponents.then(|| rows.iter().map(exponent).collect()));
     let note = match every {
         1 => String::new(),
         every => format!("One in {every} points; the CSV and Parquet files contain all."),
     };
     let numbers = rows.iter().map(|row| row.point.to_string());
     Table::of(columns, table_rows(numbers, &cells), note)
+}
+
+/// Formats a value of an axis with six significant digits.
+fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    rounded.to_string()
 }
 
 fn with_unit(unit: &str) -> String {

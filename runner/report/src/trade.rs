@@ -245,7 +245,9 @@ pub fn html(trade: &Trade) -> Result<String> {
             Fact::new("Largest load", format!("{:.4} N", trade.largest_load)),
         ],
         sections,
-        footer: "Errors are relative to the largest load. Pareto front: no candidate is both cheaper and more accurate.".to_owned(),
+        footer:
+            "Errors are relative to the largest load. Pareto front: no candidate is both cheaper and more accurate."
+                .to_owned(),
         ..Page::default()
     })
 }

@@ -92,7 +92,8 @@ pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Pi
         }
     });
     let hidden = branches.iter().filter(|branch| branch.points.iter().all(|p| p.mode.frequency_hz > top)).count();
-    let hidden = if hidden > 0 { format!(" {hidden} modes above {top:.0} Hz are in the table alone.") } else { String::new() };
+    let hidden =
+        if hidden > 0 { format!(" {hidden} modes above {top:.0} Hz are in the table alone.") } else { String::new() };
     Picture {
         title: "Campbell diagram".to_owned(),
         note: format!(

@@ -15,6 +15,8 @@ const CHARACTER: f64 = 0.58;
 pub(super) const WIDE: f64 = 500.0;
 /// Right edge of a frame in such a figure.
 pub(super) const WIDE_RIGHT: f64 = WIDE - 14.0;
+/// Height below which an axis has no room for a title beside it.
+const SHORT: f64 = 75.0;
 /// Height of tick labels and title below a frame.
 pub(super) const BELOW: f64 = 36.0;
 /// Size of numbers at the ticks and of the legend.
@@ -181,7 +183,8 @@ impl Drawing {
     /// Returns the drawing as a file of its own, with the colours that a page would set.
     pub(crate) fn file(&self) -> String {
         let mut parts = self.svg.split("var(--");
-        let mut out = parts.next().unwrap_or_default().replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
+        let mut out =
+            parts.next().unwrap_or_default().replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
         for part in parts {
             let (property, rest) = part.split_once(')').unwrap_or((part, ""));
             out.push_str(property.split_once(',').map_or("currentColor", |(_, colour)| colour));
@@ -463,14 +466,14 @@ impl Frame {
         let corners =
             [(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)];
         canvas.line(&[corners[0], corners[1], corners[2], corners[3], corners[0]], Stroke(MARK, 0.75));
-        canvas.upright(&self.y.title, (self.start + 9.0, 0.5 * (self.top + self.bottom)));
+        // A short axis has its title above it.
+        if self.bottom - self.top < SHORT {
+            canvas.text(&self.y.title, (self.left, self.top - 7.0), Anchor::Start, INK);
+        } else {
+            canvas.upright(&self.y.title, (self.start + 9.0, 0.5 * (self.top + self.bottom)));
+        }
         if below {
-            canvas.text(
-                &self.x.title,
-                (0.5 * (self.left + self.right), self.bottom + 26.0),
-                Anchor::Middle,
-                INK,
-            );
+            canvas.text(&self.x.title, (0.5 * (self.left + self.right), self.bottom + 26.0), Anchor::Middle, INK);
         }
     }
 
@@ -658,7 +661,10 @@ mod tests {
     #[test]
     fn a_file_has_colours_and_no_custom_properties() {
         let file = picture((10.0, 10.0), |canvas| canvas.dot(1.0, 2.0, 3.0, MEASURED)).file();
-        assert!(file.starts_with("<svg xmlns=") && file.contains("fill=\"#0b3c6f\"") && !file.contains("var("), "{file}");
+        assert!(
+            file.starts_with("<svg xmlns=") && file.contains("fill=\"#0b3c6f\"") && !file.contains("var("),
+            "{file}"
+        );
     }
 
     #[test]

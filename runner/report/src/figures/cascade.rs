@@ -127,7 +127,7 @@ impl<'a> View<'a> {
     }
 
     /// Straight up over time; through the origin over speed.
-    fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark])  {
+    fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
         if !self.over_speed {
             return mark::lines(canvas, frame, marks);
         }

@@ -54,7 +54,8 @@ pub(super) fn centreline(orbit: &Orbit, way: &[(Point, f64)], clearance: Option<
     let rpm = |at: Option<&(Point, f64)>| fixed(at.map_or(f64::NAN, |(_, rpm)| *rpm), 0);
     let (start, end) = (format!("start, {} rpm", rpm(way.first())), format!("end, {} rpm", rpm(way.last())));
     let rim = clearance.map_or_else(String::new, |c| format!("clearance of {}", c.bearing));
-    let mut legend = vec![(Key::Line(MEASURED_LINE), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
+    let mut legend =
+        vec![(Key::Line(MEASURED_LINE), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
     if radius.is_some() {
         legend.push((Key::Line(CLEARANCE), &rim));
     }

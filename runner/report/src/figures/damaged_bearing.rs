@@ -4,8 +4,8 @@
 use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, Canvas, FAULT, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SHADE, Stroke, WIDE, WIDE_RIGHT, gutter,
-    picture,
+    Anchor, Canvas, FAULT, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SHADE, Stroke, WIDE, WIDE_RIGHT,
+    gutter, picture,
 };
 use super::line::{Point, Thinning};
 use crate::number::{alone, count, fixed, shortened};
@@ -88,7 +88,7 @@ fn note(rose: &ForceRose) -> String {
 }
 
 /// The force while an element passes the damage, whose extent is shaded.
-fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose)  {
+fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose) {
     let curve = |i: usize| -> Vec<Point> { rose.pass.iter().map(|point| (point[0], point[i])).collect() };
     let (along, across) = (curve(1), curve(2));
     let y = Axis::padded(extent(along.iter().chain(&across).map(|point| point.1)), 6, "Force, N");
@@ -98,8 +98,7 @@ fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose
     };
     let x = Axis::exact(extent(along.iter().map(|point| point.0)), 4, title);
     let start = SIDE + 4.0;
-    let frame =
-        Frame { start, left: start + gutter(&[&y]), top: 64.0, right: WIDE_RIGHT, bottom: HEIGHT - 42.0, x, y };
+    let frame = Frame { start, left: start + gutter(&[&y]), top: 64.0, right: WIDE_RIGHT, bottom: HEIGHT - 42.0, x, y };
     let half = parameters.half_width_deg.map_or(f64::NAN, |half| half.value);
     if half.is_finite() {
         frame.shade(canvas, [[-half, half]], SHADE);
@@ -141,7 +140,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// Rings of the rose and the four quarters with their angles.
-    fn angles(&self, canvas: &mut Canvas)  {
+    fn angles(&self, canvas: &mut Canvas) {
         canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[0], Stroke(GRID, 0.9));
         canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[1], Stroke(GRID, 0.9));
         let zero = match self.rose.frame {
@@ -163,7 +162,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// The rose: one bar a sector, the longest to the outer circle.
-    fn bars(&self, canvas: &mut Canvas)  {
+    fn bars(&self, canvas: &mut Canvas) {
         let energy = &self.rose.energy;
         let largest = energy.iter().copied().filter(|share| share.is_finite()).fold(0.0, f64::max);
         let half = 0.5 * TAU / energy.len().max(1) as f64;
@@ -182,7 +181,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// Both rings, each between two circles, and the shaft.
-    fn rings(&self, canvas: &mut Canvas)  {
+    fn rings(&self, canvas: &mut Canvas) {
         let (outer, inner) = (PITCH + self.element, PITCH - self.element);
         for radius in [outer, outer + RING, inner, inner - RING] {
             canvas.circle(MIDDLE.0, MIDDLE.1, radius, Stroke(MARK, 1.1));
@@ -193,7 +192,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    fn elements(&self, canvas: &mut Canvas)  {
+    fn elements(&self, canvas: &mut Canvas) {
         let damaged = self.parameters.element.filter(|_| self.rose.frame == ReferenceFrame::Cage);
         for (i, angle) in self.rose.element_azimuths.iter().enumerate().filter(|(_, angle)| angle.is_finite()) {
             let (x, y) = around(*angle, PITCH);
@@ -210,7 +209,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// The spall on its surface, its azimuth through the rose, and the interval of the azimuth at the end.
-    fn damage(&self, canvas: &mut Canvas)  {
+    fn damage(&self, canvas: &mut Canvas) {
         let (race, azimuth) = match self.rose.frame {
             ReferenceFrame::Fixed => (PITCH + self.element, self.parameters.azimuth_deg),
             ReferenceFrame::Shaft => (PITCH - self.element, self.parameters.azimuth_deg),
@@ -238,7 +237,7 @@ impl<'a> Drawing<'a> {
 }
 
 /// An arc with a head in the shaft: the sense of rotation.
-fn sense(canvas: &mut Canvas, forward: f64)  {
+fn sense(canvas: &mut Canvas, forward: f64) {
     let radius = 13.0;
     let turn = |share: f64| PI * (0.5 + forward * (1.5 * share - 0.75));
     canvas.line(&arc(turn(0.0), turn(1.0), radius), Stroke(MARK, 1.3));

@@ -1,9 +1,7 @@
 //! Envelope spectra: modulation frequencies of a vibration band, with the lines of the bearing's components.
 
 use super::axis::{Axis, extent};
-use super::canvas::{
-    BAND, BELOW, FAINT, Frame, Key, MEASURED_LINE, Stroke, WIDE, gutter, legend_height, picture,
-};
+use super::canvas::{BAND, BELOW, FAINT, Frame, Key, MEASURED_LINE, Stroke, WIDE, gutter, legend_height, picture};
 use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget, mark};
 use ballrace_twin::replay::outcome::{EnvelopeSpectrum, Pictures};

@@ -3,8 +3,8 @@
 use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, BELOW, FAINT, Frame, INK, Key, MARK, MEASURED, Marker, RESIDUAL, SMALL, Stroke, TWIN, WIDE, WIDE_RIGHT, gutter,
-    picture, text_width,
+    Anchor, BELOW, FAINT, Frame, INK, Key, MARK, MEASURED, Marker, RESIDUAL, SMALL, Stroke, TWIN, WIDE, WIDE_RIGHT,
+    gutter, picture, text_width,
 };
 use super::line::Point;
 use crate::number::shortened;
@@ -14,6 +14,8 @@ use ballrace_twin::fit::{Estimate, Fitted};
 const ROW: f64 = 17.0;
 /// Longest name of a parameter or probe.
 const LONGEST: usize = 28;
+/// Residuals that differ by more than this are drawn on a logarithmic scale.
+const WIDE_RANGE: f64 = 20.0;
 const INTERVAL: Stroke = Stroke(MEASURED, 3.0);
 
 /// Draws the change of each identifiable parameter from the scene's value in per cent, with its interval; none where every parameter
@@ -60,7 +62,12 @@ pub(crate) fn changes(found: &Fitted) -> Option<Picture> {
 pub(crate) fn residuals(found: &Fitted) -> Picture {
     let all = found.residuals.iter().flat_map(|r| [r.before_um, r.after_um, r.noise_um]).filter(|x| *x > 0.0);
     let (low, high) = extent(all).unwrap_or((0.01, 1.0));
-    let y = Axis::decades(0.6 * low, 1.6 * high, "Residual, um rms");
+    let title = "Residual, um rms";
+    let y = if high > WIDE_RANGE * low {
+        Axis::decades(0.6 * low, 1.6 * high, title)
+    } else {
+        Axis::from_zero(Some(high), 6, title)
+    };
     let left = gutter(&[&y]);
     let count = found.residuals.len().max(1) as f64;
     let mut x = Axis::exact(Some((0.0, count)), 2, "Probe");

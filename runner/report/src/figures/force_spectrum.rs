@@ -89,7 +89,7 @@ fn frames(spectra: &[ForceSpectrum]) -> Vec<Frame> {
 }
 
 /// A fine line at each order that the fault explains, with its number where there is room; the strongest come first.
-fn marks(canvas: &mut Canvas, frame: &Frame, spectrum: &ForceSpectrum)  {
+fn marks(canvas: &mut Canvas, frame: &Frame, spectrum: &ForceSpectrum) {
     let shown = || spectrum.lines.iter().copied().filter(|order| frame.x.holds(*order));
     frame.uprights(canvas, shown(), Stroke(FAINT, 0.75));
     frame.along(canvas, |canvas| {

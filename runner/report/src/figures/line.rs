@@ -70,10 +70,13 @@ fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
         .collect()
 }
 
-/// At most `limit` points, evenly spaced. For curves in a plane.
-pub(super) fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
+/// About `limit` points, evenly spaced, with the ends of each piece. For curves in a plane.
+fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
     let step = points.len().div_ceil(limit.max(1)).max(1);
-    points.iter().step_by(step).copied().collect()
+    let is_missing = |i: usize| points.get(i).is_none_or(|point| !point.0.is_finite() || !point.1.is_finite());
+    let is_end = |i: usize| is_missing(i) != is_missing(i + 1) && i + 1 < points.len();
+    let kept = (0..points.len()).filter(|&i| i.is_multiple_of(step) || is_end(i));
+    kept.map(|i| points[i]).collect()
 }
 
 /// The pieces between missing points.
@@ -107,6 +110,9 @@ mod tests {
         let mut points: Vec<Point> = (0..1000).map(|i| (f64::from(i), 1.0)).collect();
         points[500].1 = f64::NAN;
         assert_eq!(pieces(&decimated(&points, 10)).count(), 2);
+        let turns: Vec<Point> =
+            points.iter().enumerate().map(|(i, p)| if i % 97 == 0 { (f64::NAN, f64::NAN) } else { *p }).collect();
+        assert_eq!(pieces(&Thinning::Path(50).drawn(&turns)).count(), 11);
         assert_eq!(pieces(&[]).count(), 0);
         assert!(decimated(&[], 0).is_empty() && peaks(&[], 0).is_empty() && thinned(&[], 0).is_empty());
     }

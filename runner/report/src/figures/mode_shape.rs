@@ -2,9 +2,7 @@
 
 use super::Picture;
 use super::axis::{Axis, signed};
-use super::canvas::{
-    Anchor, Canvas, FAINT, GRID, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, WIDE, picture,
-};
+use super::canvas::{Anchor, Canvas, FAINT, GRID, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, WIDE, picture};
 use super::deflected_line::bearing_names;
 use super::line::Point;
 use crate::number::fixed;
@@ -74,13 +72,7 @@ fn title(i: usize, shape: &ModeShape) -> String {
     format!("N{}: {hz} Hz, damping {damping} %{whirl}{alike}", i + 1)
 }
 
-fn strip(
-    canvas: &mut Canvas,
-    shape: &ModeShape,
-    drawing: &RotorDrawing,
-    x_of: impl Fn(f64) -> f64,
-    top: f64,
-)  {
+fn strip(canvas: &mut Canvas, shape: &ModeShape, drawing: &RotorDrawing, x_of: impl Fn(f64) -> f64, top: f64) {
     let middle = top + 0.5 * STRIP;
     let thickest = drawing.sections.iter().flat_map(|s| s.outer_mm).fold(f64::MIN_POSITIVE, f64::max);
     for section in &drawing.sections {

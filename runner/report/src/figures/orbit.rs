@@ -2,7 +2,7 @@
 
 use super::axis::{extent, signed};
 use super::canvas::{
-    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MARK, MEASURED, MEASURED_LINE, SMALL, TWIN, TWIN_LINE, Stroke,
+    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MARK, MEASURED, MEASURED_LINE, SMALL, Stroke, TWIN, TWIN_LINE,
     equal_scales, picture, text_width,
 };
 use super::line::Point;
@@ -46,10 +46,7 @@ impl Figure for Orbits {
 
     fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let both = |(i, direct): (usize, &Orbit)| {
-            let all = Picture {
-                source: Some(Source::Orbit(i)),
-                ..orbit(direct, context.forward, context.budget)
-            };
+            let all = Picture { source: Some(Source::Orbit(i)), ..orbit(direct, context.forward, context.budget) };
             let filtered = one_x(direct, context.forward, context.budget);
             [Some(all), filtered.map(|one| Picture { source: Some(Source::FilteredOrbit(i)), ..one })]
         };
@@ -110,9 +107,7 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Picture
         rim(canvas, &frame, orbit);
         sense(canvas, &frame, forward);
         let marks: Vec<usize> = orbit.keyphasor.iter().copied().filter(|at| *at < shown).collect();
-        for (name, points, stroke) in
-            [("measured", &orbit.measured, MEASURED_LINE), ("twin", &orbit.twin, TWIN_LINE)]
-        {
+        for (name, points, stroke) in [("measured", &orbit.measured, MEASURED_LINE), ("twin", &orbit.twin, TWIN_LINE)] {
             frame.series(canvas, (name, &turns(points, &marks, shown)), budget.path(), stroke);
         }
         dots(canvas, &frame, orbit, &marks);
@@ -131,11 +126,7 @@ pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Picture
 }
 
 fn legend() -> [(Key, &'static str); 3] {
-    [
-        (Key::Line(MEASURED_LINE), "measured"),
-        (Key::Line(TWIN_LINE), "twin"),
-        (Key::Dot(MEASURED), "keyphasor"),
-    ]
+    [(Key::Line(MEASURED_LINE), "measured"), (Key::Line(TWIN_LINE), "twin"), (Key::Dot(MEASURED), "keyphasor")]
 }
 
 /// Samples of the first turns.
@@ -161,7 +152,7 @@ fn square(orbit: &Orbit, shown: usize) -> Frame {
 }
 
 /// The circle with the probes on it.
-fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit)  {
+fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) {
     let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
     canvas.circle(x, y, RIM, Stroke(FAINT, 0.75));
     for (name, angle) in orbit.probes.iter().filter(|probe| probe.1.is_finite()) {
@@ -173,7 +164,7 @@ fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit)  {
 }
 
 /// A probe's name between rim and frame: upright near the X axis, where there is height but no width.
-fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str)  {
+fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) {
     let half = 0.5 * text_width(name, SMALL) + 3.0;
     let side = if cosine < -1e-6 { -1.0 } else { 1.0 };
     if cosine.abs() > 0.87 {
@@ -192,7 +183,7 @@ fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Po
 }
 
 /// An arc with a head in the upper left corner: the sense of rotation.
-fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64)  {
+fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) {
     let (x, y, radius) = (frame.left + 18.0, frame.top + 18.0, 9.0);
     let at = |angle: f64| (x + radius * angle.cos(), y - radius * angle.sin());
     let turn = |share: f64| std::f64::consts::PI * (0.5 + forward * (1.5 * share - 0.75));
@@ -214,7 +205,7 @@ fn turns(points: &[Point], marks: &[usize], shown: usize) -> Vec<Point> {
 }
 
 /// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
-fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize])  {
+fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) {
     let at = |points: &[Point], mark: &usize| {
         points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))
     };

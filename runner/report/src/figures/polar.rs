@@ -103,7 +103,7 @@ fn rings(canvas: &mut Canvas, dial: &Dial) -> Vec<Place> {
 }
 
 /// Dots with the speed, where there is room for the number beside the curve.
-fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>)  {
+fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) {
     let curves = one_x.compensated.iter().chain(&one_x.raw);
     let curve: Vec<Point> = curves.map(|vector| dial.at(vector)).collect();
     for (rpm, vector) in one_x.speed_rpm.iter().zip(&one_x.compensated).filter(|(_, v)| one_x.has_phase(v)) {
@@ -148,7 +148,7 @@ impl Place {
         (self.middle.0 - x).abs() < self.half && (self.middle.1 - y).abs() < 7.0
     }
 
-    fn write(&self, canvas: &mut Canvas, colour: Colour)  {
+    fn write(&self, canvas: &mut Canvas, colour: Colour) {
         canvas.text(&self.text, self.middle, Anchor::Middle, colour);
     }
 }

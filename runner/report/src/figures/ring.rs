@@ -13,9 +13,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Radius of the polar picture.
 const RADIUS: f64 = 88.0;
 /// Left edge of the polar picture's middle, and where it is below its upper edge.
-const MIDDLE: Point = (114.0, RADIUS + 20.0);
+const MIDDLE: Point = (126.0, RADIUS + 20.0);
 /// Where the frame beside it begins.
-const BESIDE: f64 = 246.0;
+const BESIDE: f64 = 252.0;
 
 /// A picture around a ring: its middle and its radial axis.
 pub(super) struct Polar {
@@ -55,8 +55,7 @@ pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
     let drawing = picture((WIDE, polar.bottom()), |canvas| {
         canvas.legend(8.0, 0.0, &legend);
         polar.rings(canvas);
-        let curves =
-            [(&loads.largest, RESIDUAL_LINE), (&loads.mean, MEASURED_LINE), (&loads.twin_mean, TWIN_LINE)];
+        let curves = [(&loads.largest, RESIDUAL_LINE), (&loads.mean, MEASURED_LINE), (&loads.twin_mean, TWIN_LINE)];
         for (values, stroke) in curves {
             polar.curve(canvas, &loads.azimuth, values, stroke);
         }
@@ -124,8 +123,7 @@ impl Polar {
 
     /// Draws circles of equal load and the four directions.
     pub(super) fn rings(&self, canvas: &mut Canvas) {
-        for (name, angle) in [("+X", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)]
-        {
+        for (name, angle) in [("+X", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)] {
             let radians: f64 = f64::to_radians(angle);
             canvas.line(&[self.middle, self.around(radians, 1.0)], Stroke(GRID, 0.75));
             let (sine, cosine) = radians.sin_cos();

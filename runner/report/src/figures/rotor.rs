@@ -3,7 +3,8 @@
 
 use super::axis::{Axis, signed};
 use super::canvas::{
-    Anchor, BODY, BODY_DARK, Canvas, Colour, FAULT, INK, MARK, MEASURED, PAPER, SMALL, Stroke, WIDE, picture, text_width,
+    Anchor, BODY, BODY_DARK, Canvas, Colour, FAULT, INK, MARK, MEASURED, PAPER, SMALL, Stroke, WIDE, picture,
+    text_width,
 };
 use super::line::Point;
 use super::{Context, Figure, Picture};
@@ -214,7 +215,7 @@ impl<'a> SideView<'a> {
         here.map(|d| 0.5 * d.diameter_mm * self.per_mm).fold(self.surface(station_mm), f64::max)
     }
 
-    fn shaft(&self, canvas: &mut Canvas, middle: f64)  {
+    fn shaft(&self, canvas: &mut Canvas, middle: f64) {
         let outline = |canvas: &mut Canvas, [x0, x1]: [f64; 2], [r0, r1]: [f64; 2], fill: Colour| {
             let corners = [(x0, middle - r0), (x1, middle - r1), (x1, middle + r1), (x0, middle + r0)];
             canvas.polygon(&corners, fill);
@@ -233,7 +234,7 @@ impl<'a> SideView<'a> {
     }
 
     /// Draws the disks above and below the shaft.
-    fn disks(&self, canvas: &mut Canvas, middle: f64)  {
+    fn disks(&self, canvas: &mut Canvas, middle: f64) {
         for disk in &self.drawing.disks {
             let [from, to] = self.disk(disk);
             let (inner, outer) = (self.surface(disk.station_mm), 0.5 * disk.diameter_mm * self.per_mm);
@@ -247,7 +248,7 @@ impl<'a> SideView<'a> {
     }
 
     /// Draws the bearings as squares with a cross on both sides of the shaft.
-    fn bearings(&self, canvas: &mut Canvas, middle: f64)  {
+    fn bearings(&self, canvas: &mut Canvas, middle: f64) {
         let edge = Stroke(MEASURED, 1.3);
         for (_, station) in &self.drawing.bearings {
             let (x, surface) = (self.x(*station), self.surface(*station));
@@ -263,7 +264,7 @@ impl<'a> SideView<'a> {
         }
     }
 
-    fn probes(&self, canvas: &mut Canvas, middle: f64)  {
+    fn probes(&self, canvas: &mut Canvas, middle: f64) {
         for probe in &self.drawing.probes {
             match probe.angle_deg {
                 Some(angle) => {
@@ -277,7 +278,7 @@ impl<'a> SideView<'a> {
     }
 
     /// Draws the axis with its stations.
-    fn scale(&self, canvas: &mut Canvas, y: f64)  {
+    fn scale(&self, canvas: &mut Canvas, y: f64) {
         let tip = self.right + 20.0;
         canvas.line(&[(self.left - 8.0, y), (tip, y)], Stroke(INK, 0.9));
         canvas.triangle((tip, y), PI, 7.0, INK);
@@ -295,7 +296,7 @@ fn is_above(angle_deg: f64) -> bool {
 }
 
 /// Draws the sign of a centre of mass.
-fn centre_of_mass(canvas: &mut Canvas, (x, y): Point)  {
+fn centre_of_mass(canvas: &mut Canvas, (x, y): Point) {
     const RADIUS: f64 = 5.5;
     canvas.dot(x, y, RADIUS, PAPER);
     for start in [0.0, PI] {
@@ -428,7 +429,7 @@ fn views(drawing: &RotorDrawing) -> Vec<View> {
 }
 
 /// Draws the shaft along its axis with the probes of one station; `x` is its middle, `top` its upper edge.
-fn end_view(canvas: &mut Canvas, (x, top): Point, (station, angles): &View)  {
+fn end_view(canvas: &mut Canvas, (x, top): Point, (station, angles): &View) {
     let y = top + 16.0 + RADIUS + PROBE + 4.0;
     canvas.dot(x, y, RADIUS, BODY);
     canvas.circle(x, y, RADIUS, EDGE);

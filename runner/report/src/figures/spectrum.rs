@@ -2,8 +2,8 @@
 
 use super::axis::{Axis, extent};
 use super::canvas::{
-    BELOW, Canvas, Frame, Key, MARK, MEASURED_LINE, RESIDUAL, RESIDUAL_LINE, Stroke, TWIN, WIDE, gutter,
-    legend_height, picture,
+    BELOW, Canvas, Frame, Key, MARK, MEASURED_LINE, RESIDUAL, RESIDUAL_LINE, Stroke, TWIN, WIDE, gutter, legend_height,
+    picture,
 };
 use super::line::Point;
 use super::mark::{self, Mark};

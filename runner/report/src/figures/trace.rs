@@ -24,10 +24,8 @@ impl Figure for Traces {
     }
 
     fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
-        let one = |(i, named): (usize, &Trace)| Picture {
-            source: Some(Source::Trace(i)),
-            ..trace(named, context.budget)
-        };
+        let one =
+            |(i, named): (usize, &Trace)| Picture { source: Some(Source::Trace(i)), ..trace(named, context.budget) };
         context.data.traces.iter().enumerate().map(one).collect()
     }
 }
@@ -65,11 +63,12 @@ fn legend() -> [(Key, &'static str); 4] {
 
 /// A frame for positions, and below it one for differences.
 pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2]) -> [Frame; 2] {
-    let [above, below] =
-        curves.map(|curves| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1))));
+    let [above, below] = curves.map(|curves| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1))));
     let axes = vec![Axis::padded(above, 6, "Position, um"), Axis::padded(below, 4, "Residual, um")];
     let mut frames = stacked(&x, axes, (36.0, 140.0, 12.0)).into_iter();
-    let (Some(upper), Some(mut lower)) = (frames.next(), frames.next()) else { unreachable!("two axes give two frames") };
+    let (Some(upper), Some(mut lower)) = (frames.next(), frames.next()) else {
+        unreachable!("two axes give two frames")
+    };
     lower.bottom = lower.top + 84.0;
     [upper, lower]
 }

@@ -2,7 +2,9 @@
 
 use super::Picture;
 use super::axis::Axis;
-use super::canvas::{Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MEASURED, Marker, Stroke, TWIN, WIDE, WIDE_RIGHT, gutter, picture};
+use super::canvas::{
+    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MEASURED, Marker, Stroke, TWIN, WIDE, WIDE_RIGHT, gutter, picture,
+};
 use super::line::Point;
 
 const HEIGHT: f64 = 300.0;
@@ -83,7 +85,7 @@ fn stairs(best: &[&Dot]) -> Vec<Point> {
 }
 
 /// Draws numbers beside the dots of the front, on the side of lower cost and error.
-fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot])  {
+fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) {
     let mut last: Option<Point> = None;
     for (i, dot) in best.iter().enumerate() {
         let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST)));

@@ -1,9 +1,7 @@
 //! Trends: the indicators of one probe from the start of the recording to its end, with limits and events.
 
 use super::axis::{Axis, extent};
-use super::canvas::{
-    BAND, BELOW, Canvas, FAULT, Frame, Key, MEASURED_LINE, RESIDUAL, Stroke, WIDE, picture, stacked,
-};
+use super::canvas::{BAND, BELOW, Canvas, FAULT, Frame, Key, MEASURED_LINE, RESIDUAL, Stroke, WIDE, picture, stacked};
 use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget};
 use ballrace_twin::outcome::Event;
@@ -16,9 +14,9 @@ const LIMIT: Stroke = Stroke(FAULT, 1.4);
 type Indicator = (&'static str, &'static str, fn(&BlockFigures) -> f64);
 
 const INDICATORS: [Indicator; 4] = [
-    ("peak-to-peak", "P. to p., um pp", |f| f.greatest_um_pp),
+    ("peak-to-peak", "Peak to peak, um pp", |f| f.greatest_um_pp),
     ("1X", "1X, um peak", |f| f.one_x_um[0].hypot(f.one_x_um[1])),
-    ("residual", "Resid., um rms", |f| f.residual_rms_um),
+    ("residual", "Residual, um rms", |f| f.residual_rms_um),
     ("kurtosis", "Kurtosis", |f| f.kurtosis),
 ];
 
@@ -94,7 +92,7 @@ impl Trend<'_> {
         let others = self.events.iter().filter(|event| INDICATORS.iter().all(|i| i.0 != event.indicator)).count();
         let others = if others > 0 { " Events of other indicators: shaded in all." } else { "" };
         format!(
-            "Blocks of four turns, or neighbours of them joined: overall is the greatest, the others are means. Limits \
+            "Blocks of four turns, or neighbours of them joined: peak to peak is the greatest, the others are means. Limits \
              are held against blocks of 16 turns.{others}"
         )
     }
@@ -119,11 +117,11 @@ fn frames(trend: &Trend, clock: &Clock) -> Vec<Frame> {
         let highest = extent(values.chain(trend.limits_of(indicator))).map(|range| range.1);
         Axis::from_zero(highest, 3, indicator.1)
     };
-    stacked(&x, INDICATORS.iter().map(axis).collect(), (30.0, HEIGHT, 16.0))
+    stacked(&x, INDICATORS.iter().map(axis).collect(), (34.0, HEIGHT, 20.0))
 }
 
 /// From start to end of each event of this indicator; of one that is not drawn, in every frame.
-fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock)  {
+fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) {
     let is_drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
     let shown = trend.events.iter().filter(|e| e.indicator == indicator.0 || !is_drawn(e.indicator));
     let ranges: Vec<[f64; 2]> = shown

@@ -183,11 +183,10 @@ mod tests {
         for (one, expected) in first.iter().zip(expected) {
             assert!((one.speed_rpm - expected).abs() < 1e-6 && (one.frequency_hz - expected / 60.0).abs() < 1e-9);
         }
-        assert_eq!(first.iter().map(|one| one.whirl).collect::<Vec<_>>(), [
-            Whirl::Backward,
-            Whirl::Straight,
-            Whirl::Forward
-        ]);
+        assert_eq!(
+            first.iter().map(|one| one.whirl).collect::<Vec<_>>(),
+            [Whirl::Backward, Whirl::Straight, Whirl::Forward]
+        );
     }
 
     #[test]

@@ -13,8 +13,8 @@ mod timing;
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
 pub use pictures::{
-    Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit, ForceTrace,
-    FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Stretch, Trace,
+    Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit,
+    ForceTrace, FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Stretch, Trace,
 };
 pub use rotor::RotorOutcome;
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
