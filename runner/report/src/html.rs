@@ -628,7 +628,9 @@ mod tests {
         let usual = fixture::usual();
         let found = of(&usual);
         assert!(found.level == Level::Red && found.word == "FAULT FOUND" && found.action.contains("spare bearing"));
-        let sound = Outcome { findings: vec![], events: vec![], diagnosis: Some(Default::default()), ..usual };
+        let probes = usual.probes.iter().cloned().map(|probe| ProbeOutcome { noise_um: Some(10.0), ..probe }).collect();
+        let sound =
+            Outcome { findings: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
         assert_eq!((of(&sound).level, of(&sound).word), (Level::Green, "NO FAULT FOUND"));
         let undiagnosed = Outcome { diagnosis: None, ..sound };
         assert_eq!((of(&undiagnosed).level, of(&undiagnosed).word), (Level::Amber, "NOT DIAGNOSED"));

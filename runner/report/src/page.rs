@@ -118,7 +118,7 @@ pub(super) struct Table {
     /// Explanation below; may be empty.
     pub(super) note: String,
     /// Whether rows have sentences; on a narrow screen each is a list.
-    is_wordy: bool,
+    pub(super) is_wordy: bool,
 }
 
 /// A column.

@@ -781,8 +781,10 @@ class Comb {
     place(this.kind === "harmonics" ? "Fundamental" : "Centre", this.centre);
     if (this.kind === "side bands") place("spacing", this.spacing);
     const shownLines = this.lines().filter(({ k, at }) => Math.abs(k) <= 6 && plot.x.share(at) <= 1 && plot.x.share(at) >= 0);
-    for (const { label, at } of shownLines)
-      out.push({ name: label, value: plot.amplitude(this.curve(), at), unit: plot.y.unit, digits: 3 });
+    for (const { label, at } of shownLines) {
+      const value = plot.amplitude(this.curve(), at);
+      if (Number.isFinite(value)) out.push({ name: label, value, unit: plot.y.unit, digits: 3 });
+    }
     return out;
   }
 }
