@@ -670,23 +670,29 @@ fn the_table_of_errors_and_costs_is_that_of_the_documented_spindle() {
 /// The figure in the README, from the report of the demonstration.
 const FIGURE: (&str, &str) = ("Bearing DE: Spall on the outer race at 270 deg", "docs/src/diagnosis.svg");
 /// Room around the figure.
-const MARGIN: u32 = 40;
+const MARGIN: u32 = 10;
 
 /// A figure of a report as a file of its own: on white, so that it is legible on any background.
 fn standalone(report: &str, caption: &str) -> String {
     let (_, figure) = report.split_once(&format!("<figcaption>{caption}</figcaption>")).expect(caption);
     let (_, svg) = figure.split_once("<svg viewBox=\"0 0 ").expect("a figure");
     let (size, rest) = svg.split_once('"').unwrap();
-    let (_, content) = rest.split_once(">\n").unwrap();
+    let (attributes, content) = rest.split_once(">\n").unwrap();
     let (content, _) = content.split_once("</svg>").unwrap();
+    // The colours that the style of a page would set.
+    let mut parts = content.split("var(--");
+    let first = parts.next().unwrap().to_owned();
+    let content = parts.fold(first, |text, part| {
+        let (property, rest) = part.split_once(')').unwrap();
+        text + property.split_once(',').unwrap().1 + rest
+    });
     let size: Vec<u32> = size.split(' ').map(|number| number.parse().unwrap()).collect();
     let (width, height) = (size[0] + 2 * MARGIN, size[1] + 2 * MARGIN);
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-{MARGIN} -{MARGIN} {width} {height}\" width=\"{}\">\n\
-         <style>text{{paint-order:stroke;stroke:#fff;stroke-width:10px;stroke-linejoin:round}}\
-         polyline{{stroke-linejoin:round}}.dash{{stroke-dasharray:20 11}}</style>\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-{MARGIN} -{MARGIN} {width} {height}\" width=\"{}\"{attributes}>\n\
+         <style>text{{paint-order:stroke;stroke:#fff;stroke-width:2.5px;stroke-linejoin:round}}</style>\n\
          <rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n{content}</svg>\n",
-        width / 3
+        3 * width / 2
     )
 }
 

@@ -6,6 +6,7 @@ mod bad_recording;
 mod bad_scene;
 mod bake;
 mod bounds;
+mod browser;
 mod chromium;
 mod clearance;
 mod completions;

@@ -1,124 +1,17 @@
-//! The live page in a headless browser, which is driven through its debugging pipe.
+//! The live page in a headless browser.
 
+use crate::browser::Browser;
 use crate::live::{connected, endless, rows};
-use crate::live_start::wait;
 use crate::page::{Site, hostile_scene};
 use crate::support::{Desk, short_recording};
-use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::time::Duration;
-
-/// A browser with one page.
-struct Browser {
-    child: Child,
-    to: ChildStdin,
-    from: BufReader<ChildStdout>,
-    session: Option<String>,
-    sent: u64,
-    /// Messages of the console and errors of the page.
-    problems: Vec<String>,
-    _profile: tempfile::TempDir,
-}
-
-impl Browser {
-    fn open(url: &str) -> Self {
-        let profile = tempfile::tempdir().unwrap();
-        let options = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
-                       --disable-component-update --disable-sync --remote-debugging-pipe";
-        // The browser reads commands from descriptor 3 and answers on 4.
-        let script = format!("exec chromium {options} --user-data-dir=\"$0\" 3<&0 4>&1 </dev/null >/dev/null 2>&1");
-        let mut child = Command::new("sh")
-            .args(["-c", &script])
-            .arg(profile.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let (to, from) = (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
-        let mut browser = Self { child, to, from, session: None, sent: 0, problems: vec![], _profile: profile };
-        let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
-        let attach = json!({ "targetId": target["targetId"], "flatten": true });
-        let session = browser.call("Target.attachToTarget", &attach);
-        browser.session = Some(session["sessionId"].as_str().unwrap().to_owned());
-        for domain in ["Runtime.enable", "Log.enable", "Page.enable"] {
-            browser.call(domain, &json!({}));
-        }
-        browser.call("Page.navigate", &json!({ "url": url }));
-        browser
-    }
-
-    fn call(&mut self, method: &str, params: &Value) -> Value {
-        self.sent += 1;
-        let mut message = json!({ "id": self.sent, "method": method, "params": params });
-        if let Some(session) = &self.session {
-            message["sessionId"] = session.as_str().into();
-        }
-        self.to.write_all(format!("{message}\0").as_bytes()).unwrap();
-        loop {
-            let mut bytes = vec![];
-            self.from.read_until(0, &mut bytes).unwrap();
-            assert_eq!(
-                bytes.pop(),
-                Some(0),
-                "chromium ended; type: apt-get install -y --no-install-recommends chromium"
-            );
-            let mut answer: Value = serde_json::from_slice(&bytes).unwrap();
-            match answer["method"].as_str() {
-                Some("Runtime.exceptionThrown") => self.problems.push(answer["params"].to_string()),
-                Some("Log.entryAdded") if answer["params"]["entry"]["level"] == "error" => {
-                    self.problems.push(answer["params"]["entry"]["text"].to_string());
-                }
-                _ => {}
-            }
-            if answer["id"] == self.sent {
-                assert!(answer["error"].is_null(), "{answer}");
-                return answer["result"].take();
-            }
-        }
-    }
-
-    fn evaluate(&mut self, expression: &str) -> Value {
-        let params = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        self.call("Runtime.evaluate", &params)["result"]["value"].take()
-    }
-
-    fn wait_for(&mut self, expression: &str) {
-        wait(expression, || {
-            std::thread::sleep(Duration::from_millis(100));
-            (self.evaluate(expression) == true).then_some(())
-        });
-    }
-
-    fn text(&mut self, id: &str) -> String {
-        self.evaluate(&format!("document.getElementById('{id}').innerText")).as_str().unwrap().to_owned()
-    }
-
-    fn has_word(&mut self, word: &str) {
-        self.wait_for(&format!("document.getElementById('word').textContent === '{word}'"));
-    }
-
-    /// Width of the page beyond that of a window of `width` pixels.
-    fn overflow(&mut self, width: u32) -> f64 {
-        let size = json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false });
-        self.call("Emulation.setDeviceMetricsOverride", &size);
-        self.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth").as_f64().unwrap()
-    }
-}
-
-impl Drop for Browser {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
+use std::io::Write;
 
 #[test]
 #[ignore = "needs chromium; tests/run runs it"]
 fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     let site = Site::demonstration(&["--http-token-file", "token"]);
     let mut browser = Browser::open(&format!("http://127.0.0.1:{}/", site.port));
-    browser.has_word("ALARM");
+    has_word(&mut browser, "ALARM");
     assert!(browser.text("sentence").contains("Outer race of DE"), "{}", browser.text("sentence"));
     assert!(browser.text("action").contains("spare bearing") && browser.text("since").starts_with("since "));
     browser.wait_for("document.querySelectorAll('#figures svg').length > 5");
@@ -135,7 +28,7 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     browser.wait_for("document.getElementById('answer').textContent.includes('wrong or missing token')");
     assert_eq!(browser.text("word"), "ALARM");
     browser.evaluate(&click("correct-horse-battery"));
-    browser.has_word("ALARM, ACKNOWLEDGED");
+    has_word(&mut browser, "ALARM, ACKNOWLEDGED");
     browser.wait_for("document.querySelector('#alarm-list button') === null");
     for width in [320, 400, 800, 1400] {
         assert!(browser.overflow(width) <= 0.0, "wider than {width} pixels");
@@ -144,7 +37,7 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     let unexpected: Vec<&String> = browser.problems.iter().filter(|problem| !problem.contains("403")).collect();
     assert!(unexpected.is_empty(), "{unexpected:#?}");
     drop(site);
-    browser.has_word("NO CONNECTION");
+    has_word(&mut browser, "NO CONNECTION");
 }
 
 #[test]
@@ -154,7 +47,7 @@ fn markup_in_names_is_text_in_a_browser() {
     let source = crate::live::port();
     let site = Site::start(desk, &["scene.toml", "--source", &format!("tcp:{source}"), "--encoding", "frames"]);
     let mut browser = Browser::open(&format!("http://127.0.0.1:{}/", site.port));
-    browser.has_word("NO DATA");
+    has_word(&mut browser, "NO DATA");
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(source);
@@ -192,7 +85,11 @@ fn two_machines_are_shown_on_one_page_in_a_browser() {
     second.kill().unwrap();
     second.wait().unwrap();
     browser.wait_for("document.querySelectorAll('#others .lost').length === 1");
-    browser.has_word("ALARM");
+    has_word(&mut browser, "ALARM");
     first.kill().unwrap();
     first.wait().unwrap();
+}
+
+fn has_word(browser: &mut Browser, word: &str) {
+    browser.wait_for(&format!("document.getElementById('word').textContent === '{word}'"));
 }

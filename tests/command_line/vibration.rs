@@ -186,7 +186,7 @@ fn an_accelerometer_beside_the_probes() {
         found[0]["sentence"].as_str().unwrap().ends_with("The vibration alone shows it, the shaft motion does not.")
     );
     desk.done(&["replay", "scene.toml", "--report", "r.html"]);
-    assert!(desk.read("r.html").contains("Envelope spectra"));
+    assert!(desk.read("r.html").contains("Envelope spectrum of"));
     // Noise: no finding, and the probes are replayed as without the sensor.
     desk.put("healthy.csv", with_accelerometer("healthy.csv", 0.0));
     let with = desk.replay("scene.toml", &[]);

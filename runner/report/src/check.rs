@@ -1,9 +1,8 @@
 //! Result of `check`: the machine as a drawing of characters, the recording, and each implausibility.
 
-use super::figures::{Picture, rotor};
+use super::figures::rotor;
 use super::number::{alone, count, fixed};
 use super::text::broken;
-use anyhow::Result;
 use ballrace_twin::check::{Checked, Implausibility, RecordingSummary, UnknownValue};
 use ballrace_twin::outcome::{DrawnProbe, RotorDrawing};
 use std::fmt::Write;
@@ -109,11 +108,9 @@ pub fn unknown(file: &str, values: &[UnknownValue]) -> String {
 }
 
 /// Returns the drawing of the rotor as SVG; none without a rotor.
-///
-/// # Errors
-/// A figure that cannot be drawn.
-pub fn svg(checked: &Checked) -> Result<Option<String>> {
-    checked.drawing.as_ref().map(|drawing| rotor(drawing).map(|Picture { svg, .. }| svg)).transpose()
+#[must_use]
+pub fn svg(checked: &Checked) -> Option<String> {
+    checked.drawing.as_ref().map(|drawing| rotor(drawing).drawing.file())
 }
 
 /// Returns the rotor from the side in characters: probes above, bearings on the shaft, the scale below.

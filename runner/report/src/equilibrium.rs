@@ -1,18 +1,17 @@
 //! Report of a static equilibrium: text for the terminal and HTML page.
 
-use super::figures::{Picture, balance, mode_shapes, rotor};
+use super::figures::{Shape, balance, mode_shapes, rotor};
+use super::html::{column, rows, typeset};
 use super::number::{alone, fixed, with_sign};
+use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use super::text::broken;
 use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingEquilibrium, EffectShare, Element, StaticEquilibrium};
 use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
-use minijinja::{Environment, context};
 use std::fmt::Write;
 
-/// Template of the page, filled by [`html`].
-const PAGE: &str = include_str!("page.html");
 /// Number of characters of a bar.
 const BAR: usize = 24;
 /// Width at which the description of the rotor is broken.
@@ -52,8 +51,7 @@ pub fn text(settled: &StaticEquilibrium) -> String {
         kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }
-    let pressed =
-        settled.elements.iter().flat_map(|e| [e.inner_pressure, e.outer_pressure]).flatten().fold(0.0, f64::max);
+    let pressed = highest_pressure(settled);
     if pressed > PRESSURE_LIMIT {
         let (found, limit) = (pressed / 1e9, PRESSURE_LIMIT / 1e9);
         line(
@@ -172,30 +170,236 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
     }
 }
 
+/// Returns the highest peak pressure, Pa.
+fn highest_pressure(settled: &StaticEquilibrium) -> f64 {
+    settled.elements.iter().flat_map(|e| [e.inner_pressure, e.outer_pressure]).flatten().fold(0.0, f64::max)
+}
+
+fn verdict(settled: &StaticEquilibrium) -> Verdict {
+    let pressed = highest_pressure(settled);
+    let [found, limit] = [pressed, PRESSURE_LIMIT].map(|pressure| fixed(pressure / 1e9, 2));
+    if !settled.is_in_equilibrium() {
+        return Verdict {
+            level: Level::Red,
+            word: "NOT IN EQUILIBRIUM",
+            sentence: format!("{:.2e} % of the load is unbalanced.", settled.residual * 100.0),
+            action: "support the rotor in the direction in which it has none, or reduce the load.".to_owned(),
+        };
+    }
+    if pressed > PRESSURE_LIMIT {
+        return Verdict {
+            level: Level::Amber,
+            word: "BEYOND YIELD",
+            sentence: format!("The highest peak pressure is {found} GPa; the static limit of ISO 76 is {limit} GPa."),
+            action: "reduce the load, or choose a larger bearing.".to_owned(),
+        };
+    }
+    let pressure = if pressed > 0.0 {
+        format!(" The highest peak pressure is {found} GPa, below the static limit of {limit} GPa (ISO 76).")
+    } else {
+        String::new()
+    };
+    Verdict {
+        level: Level::Green,
+        word: "IN EQUILIBRIUM",
+        sentence: format!("Bearing forces and load balance to {:.0e} of the load.{pressure}", settled.residual),
+        action: String::new(),
+    }
+}
+
 /// Returns a self-contained HTML page.
 ///
 /// # Errors
-/// Returns an error if the template or a figure fails.
+/// Returns an error if the page cannot be rendered.
 pub fn html(settled: &StaticEquilibrium) -> Result<String> {
-    let mut pictures = settled.drawing.iter().map(rotor).collect::<Result<Vec<_>>>()?;
-    for b in &settled.bearings {
-        pictures.push(balance(&b.name, &of(settled, &b.name))?);
-    }
+    let rpm = settled.speed * 60.0 / std::f64::consts::TAU;
+    let loads = settled.bearings.iter().map(|b| balance(&b.name, &of(settled, &b.name))).collect();
+    let mut sections = vec![PageSection::figures("Load on the elements", Shape::Wide, loads)];
     if let Some(drawing) = &settled.drawing {
-        pictures.extend(mode_shapes(&settled.mode_shapes, drawing)?);
+        let shapes = mode_shapes(&settled.mode_shapes, drawing);
+        sections.push(PageSection::figures("Rotor", Shape::Wide, shapes.into_iter().chain([rotor(drawing)]).collect()));
     }
-    page(&settled.scene, "equilibrium", &pictures, &text(settled))
+    sections.push(PageSection::table("Displacements and forces", displacements(&settled.bearings)));
+    sections.push(PageSection::table("Stiffness", stiffness(&settled.bearings)));
+    let with_orders: Vec<&BearingEquilibrium> = settled.bearings.iter().filter(|b| b.orders.is_some()).collect();
+    if !with_orders.is_empty() {
+        sections.push(PageSection::table("Kinematics", orders(&with_orders)));
+    }
+    for b in &settled.bearings {
+        let table = elements(&of(settled, &b.name));
+        sections.push(PageSection::table(&format!("Elements of bearing {}", b.name), table));
+    }
+    if !settled.natural_frequencies_hz.is_empty() {
+        let modes = settled.natural_frequencies_hz.iter().enumerate();
+        let table = Table::of(
+            vec![
+                Column::name("Mode"),
+                Column::number("Natural frequency", "Hz"),
+                Column::number("Critical order", "X"),
+            ],
+            modes.map(|(i, hz)| {
+                let order = if rpm == 0.0 { f64::NAN } else { 60.0 * hz / rpm.abs() };
+                [format!("N{}", i + 1), fixed(*hz, 2), typeset(&fixed(order, 3))]
+            }),
+            "Undamped, at this speed. Critical order: natural frequency over the shaft's frequency.",
+        );
+        sections.push(PageSection::table("Natural frequencies", table));
+    }
+    if !settled.effects.is_empty() {
+        sections.push(PageSection::table("Change when one effect is switched off", changes(&settled.effects)));
+    }
+    if let Some(rotor) = &settled.rotor {
+        let facts = words::rotor(rotor).into_iter().map(|(name, value)| Fact::new(name, value)).collect();
+        sections.push(PageSection::facts("Flexible rotor", facts));
+    }
+    page::render(Page {
+        title: settled.scene.clone(),
+        subtitle: format!("Static equilibrium at {} rpm", alone(rpm)),
+        verdict: Some(verdict(settled)),
+        facts: vec![
+            Fact::new("Speed", format!("{} rpm", alone(rpm))),
+            Fact::new("Bearings", settled.bearings.iter().map(|b| b.name.as_str()).collect::<Vec<_>>().join(", ")),
+        ],
+        sections,
+        footer: "Axes: Z along the shaft, X and Y across it; azimuth from +X towards +Y. Displacement of the inner ring against the \
+                 outer ring; force on the inner ring."
+            .to_owned(),
+        data: serde_json::Map::from_iter([("speed_hz".to_owned(), (rpm.abs() / 60.0).into())]),
+        ..Page::default()
+    })
 }
 
-/// Returns a page of figures and preformatted text.
-pub(super) fn page(scene: &str, what: &str, pictures: &[Picture], words: &str) -> Result<String> {
-    let mut environment = Environment::new();
-    environment.add_template("page.html", PAGE)?;
-    let figures: Vec<_> = pictures
-        .iter()
-        .map(
-            |p| context! { title => p.title.as_str(), note => p.note.as_str(), svg => minijinja::Value::from_safe_string(p.svg.clone()) },
-        )
+fn names(bearings: &[BearingEquilibrium]) -> impl Iterator<Item = String> + use<'_> {
+    bearings.iter().map(|b| b.name.clone())
+}
+
+fn displacements(bearings: &[BearingEquilibrium]) -> Table {
+    let of = |value: &dyn Fn(&BearingEquilibrium) -> f64| column(bearings.iter().map(value));
+    let clearance =
+        |b: &BearingEquilibrium| b.operating_clearance.as_ref().map_or_else(String::new, ToString::to_string);
+    let has_clearance = bearings.iter().any(|b| b.operating_clearance.is_some());
+    let cells: Vec<Vec<String>> = (0..5)
+        .map(|i| of(&|b| b.displacement[i] * if i < 3 { 1e6 } else { 1e3 }))
+        .chain((0..5).map(|i| of(&|b| b.force[i])))
+        .chain(has_clearance.then(|| bearings.iter().map(clearance).collect()))
         .collect();
-    Ok(environment.get_template("page.html")?.render(context! { scene, what, figures, words })?)
+    let mut heads = vec![
+        Column::name("Bearing"),
+        Column::number("X", "um"),
+        Column::number("Y", "um"),
+        Column::number("Z", "um"),
+        Column::number("Tilt about X", "mrad"),
+        Column::number("Tilt about Y", "mrad"),
+        Column::number("FX", "N"),
+        Column::number("FY", "N"),
+        Column::number("FZ", "N"),
+        Column::number("MX", "N m"),
+        Column::number("MY", "N m"),
+    ];
+    heads.extend(has_clearance.then(|| Column::words("Operating clearance")));
+    Table {
+        groups: vec![(1, ""), (5, "displacement"), (5, "force")],
+        ..Table::of(heads, rows(names(bearings), &cells), "")
+    }
+}
+
+fn stiffness(bearings: &[BearingEquilibrium]) -> Table {
+    let of = |i: usize| bearings.iter().map(|b| typeset(&format!("{:.4e}", b.stiffness[i][i]))).collect();
+    let heads = vec![
+        Column::name("Bearing"),
+        Column::number("X", "N/m"),
+        Column::number("Y", "N/m"),
+        Column::number("Z", "N/m"),
+        Column::number("Tilt about X", "N m/rad"),
+        Column::number("Tilt about Y", "N m/rad"),
+    ];
+    let note = "Diagonal of the tangent stiffness at the equilibrium.";
+    Table::of(heads, rows(names(bearings), &(0..5).map(of).collect::<Vec<_>>()), note)
+}
+
+fn orders(bearings: &[&BearingEquilibrium]) -> Table {
+    let row = |b: &&BearingEquilibrium| {
+        let used = b.orders.as_ref();
+        let order = |of: fn(&BearingOrders) -> f64| typeset(&fixed(used.map_or(f64::NAN, of), 3));
+        let degrees = |angle: Option<f64>| typeset(&fixed(angle.map_or(f64::NAN, f64::to_degrees), 2));
+        let source = if b.cage_ratio.is_some() { "cage_ratio of the scene" } else { "free contact angle" };
+        [
+            b.name.clone(),
+            order(|o| o.cage),
+            order(|o| o.outer_race),
+            order(|o| o.inner_race),
+            source.to_owned(),
+            degrees(b.contact_angle.map(|angle| angle.free)),
+            degrees(b.contact_angle.and_then(|angle| angle.loaded)),
+            typeset(&fixed(b.orders_under_load.as_ref().map_or(f64::NAN, |o| o.outer_race), 3)),
+        ]
+    };
+    let heads = vec![
+        Column::name("Bearing"),
+        Column::number("Cage", "X"),
+        Column::number("Outer race", "X"),
+        Column::number("Inner race", "X"),
+        Column::name("From"),
+        Column::number("Free contact angle", "deg"),
+        Column::number("Under load", "deg"),
+        Column::number("Outer race by the angle under load", "X"),
+    ];
+    Table::of(heads, bearings.iter().map(row), "Orders per turn of the shaft, as every command uses them.")
+}
+
+fn elements(elements: &[&Element]) -> Table {
+    let of = |value: &dyn Fn(&Element) -> f64| column(elements.iter().map(|e| value(e)));
+    let maybe = |value: &dyn Fn(&Element) -> Option<f64>, decimals: usize| -> Vec<String> {
+        elements.iter().map(|e| typeset(&fixed(value(e).unwrap_or(f64::NAN), decimals))).collect()
+    };
+    let mut cells = vec![
+        of(&|e| e.azimuth.to_degrees()),
+        of(&|e| e.inner_load),
+        of(&|e| e.outer_load),
+        maybe(&|e| e.inner_angle.map(f64::to_degrees), 2),
+        maybe(&|e| e.outer_angle.map(f64::to_degrees), 2),
+        maybe(&|e| e.inner_pressure.map(|p| p / 1e6), 0),
+        maybe(&|e| e.outer_pressure.map(|p| p / 1e6), 0),
+    ];
+    let mut heads = vec![
+        Column::name("No"),
+        Column::number("Azimuth", "deg"),
+        Column::number("Inner", "N"),
+        Column::number("Outer", "N"),
+        Column::number("Inner", "deg"),
+        Column::number("Outer", "deg"),
+        Column::number("Inner", "MPa"),
+        Column::number("Outer", "MPa"),
+    ];
+    let mut groups = vec![(2, ""), (2, "load"), (2, "contact angle"), (2, "peak pressure")];
+    if elements.iter().any(|e| e.outer_film > 0.0) {
+        cells.extend([of(&|e| e.inner_film * 1e6), of(&|e| e.outer_film * 1e6), maybe(&|e| e.film_ratio, 1)]);
+        let film = [Column::number("Inner", "um"), Column::number("Outer", "um"), Column::number("Ratio", "")];
+        heads.extend(film);
+        groups.push((3, "central film"));
+    }
+    let names = elements.iter().map(|e| e.number.to_string());
+    Table { groups, ..Table::of(heads, rows(names, &cells), "") }
+}
+
+fn changes(effects: &[EffectShare]) -> Table {
+    let row = |e: &EffectShare| {
+        let lengths = e.displacement.iter().take(3).map(|x| typeset(&with_sign(x * 1e6, 4)));
+        let shares = e.stiffness.iter().take(3).chain([&e.largest_load]).map(|x| typeset(&with_sign(x * 100.0, 2)));
+        [e.effect.clone()].into_iter().chain(lengths).chain(shares).collect::<Vec<_>>()
+    };
+    let heads = vec![
+        Column::name("Effect"),
+        Column::number("X", "um"),
+        Column::number("Y", "um"),
+        Column::number("Z", "um"),
+        Column::number("X", "%"),
+        Column::number("Y", "%"),
+        Column::number("Z", "%"),
+        Column::number("Largest load", "%"),
+    ];
+    Table {
+        groups: vec![(1, ""), (3, "displacement"), (3, "stiffness"), (1, "")],
+        ..Table::of(heads, effects.iter().map(row), "")
+    }
 }

@@ -15,6 +15,7 @@ mod deflected_line;
 mod diagnosis;
 mod envelope;
 mod fault_motion;
+mod fit;
 mod force;
 mod force_spectrum;
 mod full_spectrum;
@@ -35,14 +36,18 @@ mod trend;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
+pub(super) use fit::{changes, residuals};
 pub(super) use mode_shape::mode_shapes;
 pub(super) use ring::present_loads;
 pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
 
-use anyhow::Result;
+pub(super) use axis::Axis;
+pub(super) use canvas::{Curve as CurveValues, CurveKind, Drawing, Plot};
+
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
+use line::Thinning;
 
 /// Figures of the replay's report in its order: findings, rotor, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
@@ -80,10 +85,7 @@ trait Figure: Sync {
     }
 
     /// Draws its pictures; none where the outcome lacks the data.
-    ///
-    /// # Errors
-    /// Returns an error if an SVG element cannot be drawn.
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>>;
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture>;
 }
 
 /// Layout of a section's pictures.
@@ -102,8 +104,27 @@ pub(super) struct Picture {
     pub(super) title: String,
     /// Explanation; may be empty.
     pub(super) note: String,
-    /// An `svg` element.
-    pub(super) svg: String,
+    /// The `svg` element and the values of its curves.
+    pub(super) drawing: Drawing,
+    /// Readings from which the script can compute it again.
+    pub(super) source: Option<Source>,
+    /// Whether it is on paper too.
+    pub(super) is_printed: bool,
+}
+
+/// Readings that a figure shows, by the number of the probe or plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    /// Readings of a probe.
+    Trace(usize),
+    /// Spectrum of a probe.
+    Spectrum(usize),
+    /// Full spectrum of a plane.
+    FullSpectrum(usize),
+    /// Orbit in a plane.
+    Orbit(usize),
+    /// 1X orbit in a plane.
+    FilteredOrbit(usize),
 }
 
 /// All pictures of one kind of figure.
@@ -133,8 +154,11 @@ impl Context<'_> {
     }
 }
 
-/// Points of all lines of a report together, of about ten bytes each.
-pub(super) const POINTS: usize = 160_000;
+/// Points of all drawn lines of a report together, of about ten bytes each.
+pub(super) const POINTS: usize = 70_000;
+/// Values that are kept for the script for each drawn point, and the largest number for one curve.
+const KEPT: usize = 3;
+const MAX_KEPT: usize = 4200;
 
 /// Largest number of points in one line, so that a report of many probes stays small.
 #[derive(Debug, Clone, Copy)]
@@ -143,38 +167,42 @@ struct PointBudget(usize);
 impl PointBudget {
     fn new(data: &Pictures, points: usize) -> Self {
         let lines: usize = REGISTRY.iter().map(|figure| figure.lines(data)).sum();
-        Self((points / lines.max(1)).clamp(64, 2000))
+        Self((points / lines.max(1)).clamp(64, 1500))
     }
 
-    /// Returns the limit of a line over time.
-    fn line(self) -> usize {
-        self.0
+    fn kept(self) -> usize {
+        (KEPT * self.0).min(MAX_KEPT)
     }
 
-    /// Returns the limit of a spectrum's line: about one peak for every half pixel.
-    fn spectrum(self) -> usize {
-        self.0.min(1000)
+    /// Returns the thinning of a line over time.
+    fn time(self) -> Thinning {
+        Thinning::Extremes([self.0, self.kept()])
+    }
+
+    /// Returns the thinning of a spectrum's line: drawn with about one peak for every half pixel.
+    fn spectrum(self) -> Thinning {
+        Thinning::Peaks([self.0.min(800), self.kept()])
+    }
+
+    /// Returns the thinning of a curve in a plane.
+    fn path(self) -> Thinning {
+        Thinning::Path(self.0)
     }
 }
 
 /// Draws all figures that have data, with about `points` points together.
-///
-/// # Errors
-/// Returns an error if an SVG element cannot be drawn.
-pub(super) fn sections(outcome: &Outcome, points: usize) -> Result<Vec<Section>> {
+pub(super) fn sections(outcome: &Outcome, points: usize) -> Vec<Section> {
     let context = context(outcome, points);
-    let section = |figure: &&dyn Figure| {
-        Ok(Section { heading: figure.heading(), shape: figure.shape(), pictures: figure.draw(&context)? })
+    let section = |figure: &&dyn Figure| Section {
+        heading: figure.heading(),
+        shape: figure.shape(),
+        pictures: figure.draw(&context),
     };
-    let all = REGISTRY.iter().map(section).collect::<Result<Vec<_>>>()?;
-    Ok(all.into_iter().filter(|section| !section.pictures.is_empty()).collect())
+    REGISTRY.iter().map(section).filter(|section| !section.pictures.is_empty()).collect()
 }
 
 /// Draws the trends of all probes.
-///
-/// # Errors
-/// Returns an error if an SVG element cannot be drawn.
-pub(super) fn trends(outcome: &Outcome, points: usize) -> Result<Vec<Picture>> {
+pub(super) fn trends(outcome: &Outcome, points: usize) -> Vec<Picture> {
     trend::Trends.draw(&context(outcome, points))
 }
 
@@ -190,7 +218,6 @@ fn context(outcome: &Outcome, points: usize) -> Context<'_> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::fixture;
@@ -200,7 +227,7 @@ mod tests {
     fn every_figure_has_a_heading_of_its_own_and_draws_data() {
         let headings: BTreeSet<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(headings.len(), REGISTRY.len());
-        let sections = sections(&fixture::with_snapshots(fixture::run_up()), POINTS).unwrap();
+        let sections = sections(&fixture::with_snapshots(fixture::run_up()), POINTS);
         let drawn: Vec<&str> = sections.iter().map(|section| section.heading).collect();
         let registered: Vec<&str> = REGISTRY.iter().map(|figure| figure.heading()).collect();
         assert_eq!(drawn, registered, "in the order of the registry");
@@ -208,6 +235,6 @@ mod tests {
 
     #[test]
     fn a_figure_without_data_has_no_section() {
-        assert!(sections(&Outcome::default(), POINTS).unwrap().is_empty());
+        assert!(sections(&Outcome::default(), POINTS).is_empty());
     }
 }

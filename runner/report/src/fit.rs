@@ -1,6 +1,11 @@
-//! The text and CSV of a fit.
+//! A fit as text, CSV and HTML page.
 
-use ballrace_twin::fit::Fitted;
+use super::figures::{Shape, changes, residuals};
+use super::html::typeset;
+use super::number::{count, fixed};
+use super::page::{self, Column, Fact, Level, Page, PageSection, Row, Table, Verdict};
+use anyhow::Result;
+use ballrace_twin::fit::{Estimate, Fitted};
 use std::fmt::Write;
 
 /// Returns the fit as text for the terminal.
@@ -58,4 +63,109 @@ pub fn csv(found: &Fitted) -> String {
         let _ = writeln!(out, "{},{},{},{},{low},{high},{}", p.name, p.unit, p.given, p.value, p.identified);
     }
     out
+}
+
+/// Returns the HTML page, one file without external references: verdict, residuals, changes with their intervals, tables.
+///
+/// # Errors
+/// Returns an error if the page cannot be rendered.
+pub fn html(found: &Fitted) -> Result<String> {
+    let figures = [residuals(found)].into_iter().chain(changes(found)).collect();
+    let mut sections = vec![
+        PageSection::figures("Residuals and changes", Shape::Wide, figures),
+        PageSection::table("Parameters", parameter_table(&found.parameters)),
+        PageSection::table("Residual at each probe", residual_table(found)),
+    ];
+    if !found.notes.is_empty() {
+        sections.push(PageSection::list("Notes", found.notes.clone()));
+    }
+    page::render(Page {
+        title: found.scene.clone(),
+        subtitle: format!("Scene fitted to {}", found.recording),
+        verdict: Some(verdict(found)),
+        facts: vec![
+            Fact::new("Samples", count(found.samples as u64)),
+            Fact::new("Revolutions", fixed(found.turns, 1)),
+            Fact::new(
+                "Chi-squared",
+                format!("{} for {} readings", fixed(found.chi_square, 1), count(found.readings as u64)),
+            ),
+        ],
+        sections,
+        footer:
+            "Maximum-likelihood estimates. Chi-squared: sum of the squared residuals in units of the probes' noise."
+                .to_owned(),
+        ..Page::default()
+    })
+}
+
+fn verdict(found: &Fitted) -> Verdict {
+    let [per_reading, largest] = [found.chi_square_per_reading, found.largest_chi_square_per_reading];
+    let unidentified = found.parameters.iter().filter(|p| !p.identified).count();
+    if !found.consistent {
+        return Verdict {
+            level: Level::Amber,
+            word: "SCENE DOES NOT DESCRIBE THE RECORDING",
+            sentence: format!(
+                "Chi-squared per reading is {per_reading:.3e}; about 1 is expected and at most {largest:.3} by the noise of the \
+                 probes. No intervals are given."
+            ),
+            action: "add what the scene lacks (fault, clearance, load), check the noise of the probes, or fit a recording of the \
+                     sound machine."
+                .to_owned(),
+        };
+    }
+    let unidentified = match unidentified {
+        0 => String::new(),
+        1 => " 1 parameter is not identifiable and keeps the scene's value.".to_owned(),
+        n => format!(" {n} parameters are not identifiable and keep the scene's values."),
+    };
+    Verdict {
+        level: Level::Green,
+        word: "SCENE DESCRIBES THE RECORDING",
+        sentence: format!(
+            "Chi-squared per reading is {per_reading:.3}, at most {largest:.3} by the noise of the probes.{unidentified}"
+        ),
+        action: String::new(),
+    }
+}
+
+fn parameter_table(parameters: &[Estimate]) -> Table {
+    let mut table = Table {
+        groups: vec![(4, ""), (2, "95 % interval"), (1, "")],
+        columns: vec![
+            Column::name("Parameter"),
+            Column::name("Unit"),
+            Column::number("Scene", ""),
+            Column::number("Fitted", ""),
+            Column::number("From", ""),
+            Column::number("To", ""),
+            Column::name("Identifiable"),
+        ],
+        note: "The intervals have a joint confidence level of 95 %.".to_owned(),
+        ..Table::default()
+    };
+    for p in parameters {
+        // A ratio has its first digit after the point.
+        let digits = if p.unit.is_empty() { 6 } else { 4 };
+        let shown = |x: Option<f64>| typeset(&fixed(x.unwrap_or(f64::NAN), digits));
+        let values = [Some(p.given), Some(p.value), p.low, p.high].map(shown);
+        let cells = [p.name.clone(), p.unit.to_owned()].into_iter().chain(values);
+        table.push(Row::new(cells.chain([if p.identified { "yes" } else { "no" }.to_owned()])));
+    }
+    table
+}
+
+fn residual_table(found: &Fitted) -> Table {
+    let columns = vec![
+        Column::name("Probe"),
+        Column::number("Scene", "um rms"),
+        Column::number("Fitted", "um rms"),
+        Column::number("Noise", "um rms"),
+    ];
+    let row = |r: &ballrace_twin::fit::Residual| {
+        let values = [r.before_um, r.after_um, r.noise_um].map(|x| typeset(&fixed(x, 4)));
+        [r.probe.clone()].into_iter().chain(values).collect::<Vec<_>>()
+    };
+    Table::of(columns, found.residuals.iter().map(row), "")
 }

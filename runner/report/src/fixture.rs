@@ -392,6 +392,8 @@ fn pictures() -> Pictures {
         half_spectra: probes.iter().map(|(name, _, size)| half_spectrum(name, *size)).collect(),
         full_spectra: vec![full_spectrum("DE_X and DE_Y", 5.7), full_spectrum("NDE_X and NDE_Y", 3.9)],
         lines: lines(),
+        natural_frequencies: vec![MarkedLine { label: "N1".to_owned(), order: f64::NAN, hz: 231.0 }],
+        excerpt: Excerpt::default(),
         forces: vec![force_trace("DE"), force_trace("NDE")],
         element_loads: vec![element_loads("DE"), element_loads("NDE")],
         blocks: blocks(5, |_| 3000.0),

@@ -1,102 +1,375 @@
-//! The HTML page of a replay: one self-contained file with a style for print.
+//! The HTML report of a replay.
 
-use super::figures::{POINTS, Picture, Section, Shape, sections};
+use super::figures::{POINTS, Section, Shape, sections};
 use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
+use super::page::{self, Cell, Column, Fact, Level, Page, PageSection, Row, Table, Verdict, steps};
 use super::words;
-use anyhow::{Context, Result};
-use ballrace_twin::outcome::Implausibility;
+use anyhow::Result;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, Finding, Motion, Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictor, Standing,
-    TabularList, Timing,
+    BearingOutcome, Finding, FindingKind, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
 };
-use minijinja::{Environment, Value, context};
+use ballrace_twin::verdict;
+use serde_json::json;
 
-const NAME: &str = "report.html";
-const TEMPLATE: &str = include_str!("report.html");
-/// Facts that the title of the page contains.
-const IN_TITLE: [&str; 2] = ["Machine", "Recording"];
+/// Facts below the verdict; the title of the page contains the machine, the section on the measurement the others.
+const FIRST_FACTS: [&str; 3] = ["Speed", "Duration", "Rotation"];
 /// Components of a force with their units.
 const COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("MX", "N m"), ("MY", "N m")];
+/// Multiples of a fault's line that a click on it marks.
+const MULTIPLES: u32 = 5;
 
-/// Returns the outcome as one HTML file without external references: verdict, tables, figures.
+/// Returns the outcome as one HTML file without external references: verdict, the figures that prove it, figures, tables.
 ///
 /// # Errors
-/// A figure or the page that cannot be rendered.
+/// Returns an error if the page cannot be rendered.
 pub fn html(outcome: &Outcome) -> Result<String> {
-    let mut environment = Environment::new();
-    // The name ends in .html: every value is escaped, save those marked as safe.
-    environment.add_template(NAME, TEMPLATE).context("reading the report's template")?;
-    let template = environment.get_template(NAME).context("reading the report's template")?;
-    template.render(page(outcome, &sections(outcome, POINTS)?)).context("writing the report")
+    let compared = outcome.probes.iter().any(ProbeOutcome::has_twin);
+    let what = if compared { "Measured shaft motion against its digital twin" } else { "Recording" };
+    let recording = if outcome.recording.is_empty() { "no recording" } else { &outcome.recording };
+    let (first_facts, facts): (Vec<_>, Vec<_>) =
+        words::facts(outcome).into_iter().partition(|fact| FIRST_FACTS.contains(&fact.0));
+    let named = |facts: Vec<(&'static str, String)>| -> Vec<Fact> {
+        facts.into_iter().map(|(name, value)| Fact::new(name, value)).collect()
+    };
+    let mut all = vec![];
+    all.extend(diagnosis(outcome));
+    let (evidence, others) = evidence(outcome, sections(outcome, POINTS));
+    all.extend(evidence);
+    all.extend(others.into_iter().map(|one| PageSection::figures(one.heading, one.shape, one.pictures)));
+    all.extend(tables(outcome, compared));
+    all.push(PageSection::facts("Measurement", named(facts)));
+    all.extend(timing(&outcome.timing, compared));
+    let flaws: Vec<String> = outcome.flaws.iter().map(|flaw| flaw.sentence.clone()).collect();
+    let none = vec!["None found.".to_owned()];
+    all.push(PageSection::list("Flaws of the recording", if flaws.is_empty() { none } else { flaws }));
+    if !outcome.notes.is_empty() {
+        all.push(PageSection::list("Notes and assumptions", outcome.notes.clone()));
+    }
+    page::render(Page {
+        title: if outcome.scene.trim().is_empty() { "Unnamed machine".to_owned() } else { outcome.scene.clone() },
+        subtitle: format!("{what}: {recording}"),
+        verdict: Some(verdict_of(outcome, compared)),
+        facts: named(first_facts),
+        sections: all,
+        footer: format!(
+            "Units: {}. Axes: Z along the shaft, X and Y across it; azimuth and angle from +X towards +Y; stations along Z \
+             from the centre of mass. Amplitudes are zero to peak unless the unit says pp or rms; phase is lag behind the \
+             keyphasor mark. Residual: measured \u{2212} twin.",
+            words::UNITS
+        ),
+        data: data(outcome),
+        relevant: relevant(outcome),
+    })
 }
 
-fn page(outcome: &Outcome, sections: &[Section]) -> Value {
-    context! {
-        scene => titled(&outcome.scene),
-        recording => outcome.recording.as_str(),
-        version => outcome.version.as_str(),
-        verdict => outcome.verdict.as_str(),
-        facts => pairs(words::facts(outcome).into_iter().filter(|fact| !IN_TITLE.contains(&fact.0))),
-        compared => outcome.probes.iter().any(ProbeOutcome::has_twin),
-        list => list_rows(&outcome.probes),
-        planes => plane_rows(&outcome.planes),
-        units => words::UNITS,
-        motion => motion_rows(&outcome.probes),
-        baselines => baseline_rows(&outcome.probes),
-        normaliser => words::normaliser(&outcome.probes),
-        beaten => words::beaten(&outcome.probes),
-        findings => outcome.findings.iter().map(finding).collect::<Vec<_>>(),
-        events => outcome.events.iter().map(|event| event.sentence.clone()).collect::<Vec<_>>(),
-        event_action => words::EVENT_ACTION,
-        implausible => outcome.implausible.iter().map(implausible).collect::<Vec<_>>(),
-        no_action => words::no_action(outcome),
-        ball_pass => ball_pass_rows(&outcome.probes),
-        bearings => outcome.bearings.iter().map(bearing).collect::<Vec<_>>(),
-        timing => timing(&outcome.timing),
-        flaws => outcome.flaws.iter().map(|flaw| flaw.sentence.clone()).collect::<Vec<_>>(),
-        notes => outcome.notes.clone(),
-        galleries => galleries(sections),
+/// Returns colour and word of the verdict.
+fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
+    let (level, word) = if !outcome.findings.is_empty() {
+        (Level::Red, "FAULT FOUND")
+    } else if !outcome.implausible.is_empty() {
+        (Level::Amber, "NOT PLAUSIBLE")
+    } else if !outcome.not_judged.is_empty() {
+        (Level::Amber, "NO VERDICT")
+    } else if !outcome.events.is_empty() {
+        (Level::Amber, "LIMIT EXCEEDED")
+    } else if compared && !verdict::follows(&outcome.probes) {
+        (Level::Amber, "TWIN DOES NOT FOLLOW")
+    } else if compared && outcome.diagnosis.is_none() {
+        (Level::Amber, "NOT DIAGNOSED")
+    } else if compared || !outcome.pictures.envelopes.is_empty() {
+        (Level::Green, "NO FAULT FOUND")
+    } else {
+        (Level::Neutral, "NO VERDICT")
+    };
+    let action = match outcome.findings.first() {
+        Some(finding) => words::action(finding.kind).to_owned(),
+        None if !outcome.events.is_empty() => words::EVENT_ACTION.to_owned(),
+        None => words::no_action(outcome).to_owned(),
+    };
+    let sentence = if outcome.verdict.is_empty() { "No verdict.".to_owned() } else { outcome.verdict.clone() };
+    Verdict { level, word, sentence, action }
+}
+
+/// Returns the names of probes and bearings that the verdict is about: those of the findings and events, and the probe with the largest
+/// residual for its noise.
+fn relevant(outcome: &Outcome) -> Vec<String> {
+    let motions = outcome.findings.iter().filter_map(|f| f.figures.motion.as_ref()).map(|motion| motion.probe.clone());
+    let bearings = outcome.findings.iter().filter_map(|finding| finding.bearing.clone());
+    let events = outcome.events.iter().map(|event| event.probe.clone());
+    let mut names: Vec<String> = motions.chain(bearings).chain(events).collect();
+    names.extend(worst_probe(outcome).map(|probe| probe.name.clone()));
+    names
+}
+
+/// Returns the probe with the largest residual, over its noise where that is known.
+fn worst_probe(outcome: &Outcome) -> Option<&ProbeOutcome> {
+    let size =
+        |probe: &ProbeOutcome| probe.residual_rms_um / probe.noise_um.filter(|noise| *noise > 0.0).unwrap_or(1.0);
+    let compared = outcome.probes.iter().filter(|probe| probe.has_twin() && size(probe).is_finite());
+    compared.max_by(|a, b| size(a).total_cmp(&size(b)))
+}
+
+/// Divides the figures into those that prove the verdict and the others.
+fn evidence(outcome: &Outcome, mut sections: Vec<Section>) -> (Option<PageSection>, Vec<Section>) {
+    let worst = worst_probe(outcome).map(|probe| probe.name.as_str());
+    let mut proof = vec![];
+    let mut take = |sections: &mut Vec<Section>, heading: &str, name: Option<&str>| {
+        for section in sections.iter_mut().filter(|section| section.heading == heading) {
+            let is_it = |title: &str| name.is_none_or(|name| title.contains(name));
+            let (of_it, others) = section.pictures.drain(..).partition(|picture| is_it(&picture.title));
+            section.pictures = others;
+            proof.extend(of_it);
+        }
+    };
+    take(&mut sections, "Diagnosis", None);
+    let is_of_vibration = |finding: &Finding| finding.vibration.is_some();
+    if outcome.findings.iter().any(is_of_vibration) {
+        take(&mut sections, "Envelope spectra", None);
+    }
+    let first_event = outcome.events.first().map(|event| event.probe.as_str());
+    if outcome.findings.is_empty()
+        && let Some(probe) = first_event.or(worst)
+    {
+        if first_event.is_some() {
+            take(&mut sections, "Trends", Some(probe));
+        }
+        take(&mut sections, "Spectra", Some(probe));
+        take(&mut sections, "Time traces", Some(probe));
+    }
+    sections.retain(|section| !section.pictures.is_empty());
+    let proof = (!proof.is_empty()).then(|| PageSection::figures("Evidence", Shape::Wide, proof));
+    (proof, sections)
+}
+
+/// Returns the findings and events, or what is not plausible; none where there is nothing to state.
+fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
+    if outcome.findings.is_empty() && outcome.events.is_empty() {
+        let row = |one: &ballrace_twin::outcome::Implausibility| {
+            [&one.subject, &one.found, &one.cause, &one.remedy].map(Clone::clone)
+        };
+        let columns = vec![
+            Column::name("Not plausible"),
+            Column::words("Found"),
+            Column::words("Probable cause"),
+            Column::words("Remedy"),
+        ];
+        let table = Table::of(columns, outcome.implausible.iter().map(row), "");
+        return (!outcome.implausible.is_empty()).then(|| PageSection::table("Diagnosis", table));
+    }
+    let note = "Severity is how far the fault stands out (slight below 20 dB, strong from 30 dB), indicative; it is no rate of \
+                damage. Confidence is the share of the unexplained residual that the fault explains, times its probability \
+                against the next cause.";
+    let mut table = Table {
+        columns: vec![
+            Column::name("Finding"),
+            Column::name("Bearing"),
+            Column::name("Severity"),
+            Column::number("Line", "Hz"),
+            Column::number("Order", "X"),
+            Column::number("Level", "dB"),
+            Column::number("Confidence", "%"),
+            Column::words("Evidence"),
+            Column::words("Action"),
+        ],
+        note: if outcome.findings.is_empty() { String::new() } else { note.to_owned() },
+        ..Table::default()
+    };
+    for (i, finding) in outcome.findings.iter().enumerate() {
+        let line = |value: f64, decimals: usize| {
+            if finding.order == 0.0 { DASH.to_owned() } else { typeset(&fixed(value, decimals)) }
+        };
+        let cells = [
+            words::kind(finding.kind).to_owned(),
+            finding.bearing.clone().unwrap_or_else(|| DASH.to_owned()),
+            words::severity(finding).to_owned(),
+            line(finding.line_hz, 1),
+            line(finding.order, 3),
+            typeset(&fixed(finding.level_db, 1)),
+            typeset(&fixed(100.0 * finding.confidence, 0)),
+            finding.sentence.clone(),
+            words::action(finding.kind).to_owned(),
+        ];
+        table.push(Row { finding: Some(i), ..Row::new(cells) });
+    }
+    for event in &outcome.events {
+        let cells = ["limit", DASH, DASH, DASH, DASH, DASH, DASH, &event.sentence, words::EVENT_ACTION];
+        table.push(Row::new(cells));
+    }
+    Some(PageSection::table("Diagnosis", table))
+}
+
+/// Text of an absent value.
+const DASH: &str = "\u{2013}";
+
+/// Returns the orders at which a finding is seen, for the marks in the figures.
+fn lines_of(finding: &Finding) -> Vec<f64> {
+    if !(finding.order > 0.0) {
+        return vec![];
+    }
+    let multiples = (1..=MULTIPLES).map(|k| f64::from(k) * finding.order);
+    match finding.kind {
+        FindingKind::OuterRace | FindingKind::Cage | FindingKind::Element => multiples.collect(),
+        // The load on a place of the inner ring changes once a revolution.
+        FindingKind::InnerRace => multiples.flat_map(|order| [order - 1.0, order, order + 1.0]).collect(),
+        _ => vec![finding.order],
     }
 }
 
-fn implausible(one: &Implausibility) -> Value {
-    context! {
-        subject => one.subject.as_str(),
-        found => one.found.as_str(),
-        cause => one.cause.as_str(),
-        remedy => one.remedy.as_str(),
+/// Returns the values that the script reads beside those of the figures.
+fn data(outcome: &Outcome) -> serde_json::Map<String, serde_json::Value> {
+    let pictures = &outcome.pictures;
+    let finding = |finding: &Finding| {
+        json!({
+            "orders": lines_of(finding),
+            "names": finding.bearing.iter().collect::<Vec<_>>(),
+            "sentence": finding.sentence,
+        })
+    };
+    let plane = |orbit: &ballrace_twin::replay::outcome::Orbit| {
+        let index = |name: &str| outcome.probes.iter().position(|probe| probe.name == name);
+        let [(a, from_a), (b, from_b), ..] = &orbit.probes[..] else { return json!(null) };
+        json!({ "probes": [index(a), index(b)], "angles": [from_a, from_b] })
+    };
+    let stretch = |stretch: &ballrace_twin::replay::outcome::Stretch| {
+        json!({
+            "start": stretch.start_s,
+            "count": stretch.samples(),
+            "keyphasor": stretch.keyphasor,
+            "measured": stretch.measured.iter().map(|values| steps(values)).collect::<Vec<_>>(),
+            "twin": stretch.twin.iter().map(|values| steps(values)).collect::<Vec<_>>(),
+        })
+    };
+    let value = json!({
+        "speed_hz": outcome.record.mean_speed_rpm.abs() / 60.0,
+        "forward": if outcome.record.mean_speed_rpm < 0.0 { -1 } else { 1 },
+        "findings": outcome.findings.iter().map(finding).collect::<Vec<_>>(),
+        "excerpt": {
+            "rate_hz": pictures.excerpt.rate_hz,
+            "segment": 2 * outcome.record.spectra.lines,
+            "planes": pictures.orbits.iter().map(plane).collect::<Vec<_>>(),
+            "stretches": pictures.excerpt.stretches.iter().map(stretch).collect::<Vec<_>>(),
+        },
+    });
+    match value {
+        serde_json::Value::Object(map) => map,
+        _ => serde_json::Map::new(),
     }
-}
-
-fn titled(scene: &str) -> &str {
-    if scene.trim().is_empty() { "Unnamed machine" } else { scene }
 }
 
 /// Formats a number for the page: with a minus sign, a dash where it is missing.
-fn typeset(text: &str) -> String {
-    if text == NONE { "\u{2013}".to_owned() } else { text.replace('-', "\u{2212}") }
-}
-
-fn pairs(facts: impl IntoIterator<Item = (&'static str, String)>) -> Vec<Value> {
-    facts.into_iter().map(|(name, value)| context! { name => name, value => value }).collect()
+pub(super) fn typeset(text: &str) -> String {
+    if text == NONE { DASH.to_owned() } else { text.replace('-', "\u{2212}") }
 }
 
 /// Formats a column with the same number of decimals in each row.
-fn column(values: impl Iterator<Item = f64>) -> Vec<String> {
+pub(super) fn column(values: impl Iterator<Item = f64>) -> Vec<String> {
     let values: Vec<f64> = values.collect();
     let decimals = decimals(values.iter().copied());
     values.iter().map(|value| typeset(&fixed(*value, decimals))).collect()
 }
 
-/// Returns row `i` of columns.
-fn row(columns: &[Vec<String>], i: usize) -> Vec<String> {
-    columns.iter().filter_map(|column| column.get(i).cloned()).collect()
+/// Returns rows whose cells are a name and the entries of columns.
+pub(super) fn rows(names: impl Iterator<Item = String>, columns: &[Vec<String>]) -> Vec<Vec<String>> {
+    let cells = |(i, name): (usize, String)| {
+        let entries = columns.iter().map(|column| column.get(i).cloned().unwrap_or_default());
+        [name].into_iter().chain(entries).collect()
+    };
+    names.enumerate().map(cells).collect()
 }
 
-fn motion_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
+fn tables(outcome: &Outcome, compared: bool) -> Vec<PageSection> {
+    let mut all = vec![];
+    let listed: Vec<(&ProbeOutcome, TabularList)> =
+        outcome.probes.iter().filter_map(|probe| probe.list.map(|list| (probe, list))).collect();
+    if !listed.is_empty() {
+        all.push(PageSection::table("Tabular list", tabular_list(&listed, compared)));
+        if !outcome.planes.is_empty() {
+            all.push(PageSection::table("Planes", planes(outcome)));
+        }
+    }
+    if compared {
+        all.push(PageSection::table("Comparison at the probes", comparison(&outcome.probes)));
+        all.push(PageSection::table("Residual of simpler models", baselines(&outcome.probes)));
+    }
+    if outcome.probes.iter().any(|probe| !probe.ball_pass.is_empty()) {
+        all.push(PageSection::table("Ball-pass lines of the outer races", ball_pass(&outcome.probes)));
+    }
+    if !outcome.bearings.is_empty() {
+        all.push(PageSection::table("Bearings", bearings(&outcome.bearings)));
+        if compared {
+            all.push(PageSection::table("Forces on the inner rings", forces(&outcome.bearings)));
+        }
+    }
+    all
+}
+
+fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Table {
+    let of = |value: fn(&TabularList) -> f64| column(listed.iter().map(|(_, list)| value(list)));
+    let plain = |value: &dyn Fn(&TabularList) -> f64, decimals: usize| -> Vec<String> {
+        listed.iter().map(|(_, list)| typeset(&fixed(value(list), decimals))).collect()
+    };
+    let columns = [
+        of(|list| list.direct_um_pp),
+        of(|list| list.greatest_um_pp),
+        of(|list| list.gap_um),
+        of(|list| list.one_x_um_pp),
+        plain(&|list| list.one_x_phase_lag_deg.unwrap_or(f64::NAN), 1),
+        of(|list| list.two_x_um_pp),
+        of(|list| list.not_one_x_um_pp),
+        of(|list| list.half_x_um_pp),
+        plain(&|list| list.crest_factor, 2),
+        plain(&|list| list.kurtosis, 2),
+    ];
+    let heads = vec![
+        Column::name("Probe"),
+        Column::number("Direct", "um pp"),
+        Column::number("Greatest", "um pp"),
+        Column::number("Gap", "um"),
+        Column::number("1X", "um pp"),
+        Column::number("1X phase", "deg lag"),
+        Column::number("2X", "um pp"),
+        Column::number("Not 1X", "um pp"),
+        Column::number("0.5X band", "um pp"),
+        Column::number("Crest factor", ""),
+        Column::number("Kurtosis", ""),
+    ];
+    let over =
+        if compared { "Means over blocks of four turns; greatest: of any block." } else { "Over the whole recording." };
+    let note = format!(
+        "As measured, not compensated. {over} Direct: peak to peak of all frequencies. Gap: mean position. Not 1X: what 1X leaves. \
+         0.5X band: 0.3X to 0.7X. Kurtosis: 1.5 of a sine, 3 of noise."
+    );
+    Table::of(heads, rows(listed.iter().map(|(probe, _)| probe.name.clone()), &columns), note)
+}
+
+fn planes(outcome: &Outcome) -> Table {
+    let planes = &outcome.planes;
+    let precession = |forward: bool| if forward { "forward" } else { "reverse" }.to_owned();
+    let columns = [
+        planes.iter().map(|plane| typeset(&fixed(plane.station_mm, 1))).collect(),
+        column(planes.iter().map(|plane| plane.smax_um_peak)),
+        column(planes.iter().map(|plane| plane.one_x_major_um_pp)),
+        column(planes.iter().map(|plane| plane.one_x_minor_um_pp)),
+        planes.iter().map(|plane| precession(plane.one_x_forward)).collect(),
+    ];
+    let heads = vec![
+        Column::name("Plane"),
+        Column::number("Station", "mm"),
+        Column::number("Smax", "um peak"),
+        Column::number("1X long axis", "um pp"),
+        Column::number("1X short axis", "um pp"),
+        Column::number("1X precession", ""),
+    ];
+    let note = "Smax: farthest from the mean place, mean over blocks of four turns.";
+    Table::of(heads, rows(planes.iter().map(|plane| plane.name.clone()), &columns), note)
+}
+
+/// Returns the comparison: two rows for each probe, of the machine and of its twin.
+fn comparison(probes: &[ProbeOutcome]) -> Table {
     let both =
         |of: fn(&Motion) -> f64| column(probes.iter().flat_map(move |probe| [of(&probe.measured), of(&probe.twin)]));
     let one = |of: fn(&ProbeOutcome) -> f64| column(probes.iter().map(of));
+    let lag = |motion: &Motion| typeset(&fixed(motion.one_x_phase_lag_deg, 1));
     let motion = [
         both(|motion| motion.mean_um),
         both(|motion| motion.peak_to_peak_um),
@@ -111,191 +384,201 @@ fn motion_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
         one(|probe| probe.nrmse_percent),
         one(|probe| probe.noise_um.unwrap_or(f64::NAN)),
     ];
-    let rows = probes.iter().enumerate().map(|(i, probe)| {
-        context! {
-            name => probe.name.as_str(),
-            station => typeset(&fixed(probe.station_mm, 1)),
-            angle => probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| typeset(&fixed(angle, 1))),
-            measured => row(&motion, 2 * i),
-            twin => row(&motion, 2 * i + 1),
-            difference => row(&difference, i),
-        }
-    });
-    rows.collect()
-}
-
-/// Returns the tabular list; a probe without a complete block has no row.
-fn list_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
-    let listed: Vec<(&ProbeOutcome, TabularList)> =
-        probes.iter().filter_map(|probe| probe.list.map(|list| (probe, list))).collect();
-    let of = |value: fn(&TabularList) -> f64| column(listed.iter().map(|(_, list)| value(list)));
-    let plain = |value: fn(&TabularList) -> f64| -> Vec<String> {
-        listed.iter().map(|(_, list)| typeset(&fixed(value(list), 2))).collect()
+    let mut table = Table {
+        groups: vec![(4, ""), (5, "motion"), (4, "residual"), (1, "")],
+        columns: vec![
+            Column::name("Probe"),
+            Column::number("Station", "mm"),
+            Column::number("Angle", "deg"),
+            Column::name(""),
+            Column::number("Mean", "um"),
+            Column::number("Peak to peak", "um pp"),
+            Column::number("RMS", "um rms"),
+            Column::number("1X", "um peak"),
+            Column::number("1X phase", "deg lag"),
+            Column::number("1X vector", "um peak"),
+            Column::number("Bias", "um"),
+            Column::number("RMS", "um rms"),
+            Column::number("NRMSE", "%"),
+            Column::number("Probe noise", "um rms"),
+        ],
+        note: format!("The bias is part of the RMS of the residual. {}", words::normaliser(probes)),
+        ..Table::default()
     };
-    let figures = [
-        of(|list| list.direct_um_pp),
-        of(|list| list.greatest_um_pp),
-        of(|list| list.gap_um),
-        of(|list| list.one_x_um_pp),
-        listed.iter().map(|(_, list)| typeset(&fixed(list.one_x_phase_lag_deg.unwrap_or(f64::NAN), 1))).collect(),
-        of(|list| list.two_x_um_pp),
-        of(|list| list.not_one_x_um_pp),
-        of(|list| list.half_x_um_pp),
-        plain(|list| list.crest_factor),
-        plain(|list| list.kurtosis),
-    ];
-    let rows = listed.iter().enumerate().map(|(i, (probe, _))| {
-        context! { name => probe.name.as_str(), figures => row(&figures, i) }
-    });
-    rows.collect()
-}
-
-fn plane_rows(planes: &[PlaneOutcome]) -> Vec<Value> {
-    let of = |value: fn(&PlaneOutcome) -> f64| column(planes.iter().map(value));
-    let figures =
-        [of(|plane| plane.smax_um_peak), of(|plane| plane.one_x_major_um_pp), of(|plane| plane.one_x_minor_um_pp)];
-    let rows = planes.iter().enumerate().map(|(i, plane)| {
-        context! {
-            name => plane.name.as_str(),
-            station => typeset(&fixed(plane.station_mm, 1)),
-            figures => row(&figures, i),
-            precession => if plane.one_x_forward { "forward" } else { "reverse" },
-        }
-    });
-    rows.collect()
-}
-
-fn lag(motion: &Motion) -> String {
-    typeset(&fixed(motion.one_x_phase_lag_deg, 1))
-}
-
-fn baseline_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
-    let simple = |probe: &ProbeOutcome| probe.baselines.all();
-    // The numbers of a row are compared, so that each row has its own number of decimals.
-    let rows = probes.iter().map(|probe| {
-        let rms = simple(probe).map(|b| b.residual_rms_um);
-        let digits = decimals(rms.into_iter().chain([probe.residual_rms_um]));
-        let shown = |value: f64| typeset(&fixed(value, digits));
-        let cell =
-            |b: SimplePredictor| context! { text => shown(b.residual_rms_um), better => b.twin_is == Standing::Worse };
-        context! {
-            name => probe.name.as_str(),
-            twin => shown(probe.residual_rms_um),
-            simple => simple(probe).map(cell).to_vec(),
-            standing => words::standing(probe.baselines.worst()),
-        }
-    });
-    rows.collect()
-}
-
-fn finding(finding: &Finding) -> Value {
-    context! {
-        kind => words::kind(finding.kind),
-        bearing => finding.bearing.as_deref().unwrap_or_default(),
-        line => if finding.order == 0.0 { "\u{2013}".to_owned() } else { typeset(&fixed(finding.line_hz, 1)) },
-        order => if finding.order == 0.0 { "\u{2013}".to_owned() } else { typeset(&fixed(finding.order, 3)) },
-        level => typeset(&fixed(finding.level_db, 1)),
-        confidence => typeset(&fixed(100.0 * finding.confidence, 0)),
-        severity => words::severity(finding),
-        action => words::action(finding.kind),
-        sentence => finding.sentence.as_str(),
+    let of = |text: &String| Cell { class: "number of", ..Cell::from(text.as_str()) };
+    for (i, probe) in probes.iter().enumerate() {
+        let spanning = |text: String| Cell { rows: 2, ..Cell::from(text) };
+        let angle = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| typeset(&fixed(angle, 1)));
+        let mut first = vec![
+            spanning(probe.name.clone()),
+            spanning(typeset(&fixed(probe.station_mm, 1))),
+            spanning(angle),
+            Cell { class: "name of", ..Cell::from("measured") },
+        ];
+        first.extend(motion.iter().map(|column| of(&column[2 * i])));
+        first.extend(difference.iter().map(|column| spanning(column[i].clone())));
+        table.push(Row { cells: first, class: "measured", finding: None });
+        let twin = [Cell { class: "name of", ..Cell::from("twin") }];
+        let twin = twin.into_iter().chain(motion.iter().map(|column| of(&column[2 * i + 1])));
+        table.push(Row { cells: twin.collect(), class: "twin", finding: None });
     }
+    table
 }
 
-fn ball_pass_rows(probes: &[ProbeOutcome]) -> Vec<Value> {
+fn baselines(probes: &[ProbeOutcome]) -> Table {
+    let beaten = words::beaten(probes);
+    let worse = if beaten.is_empty() { "" } else { "Underlined: a simpler model leaves over 2 % less than the twin. " };
+    let mut table = Table {
+        groups: vec![(2, ""), (4, "model"), (1, "")],
+        columns: vec![
+            Column::name("Probe"),
+            Column::number("Twin", "um rms"),
+            Column::number("Mean", "um rms"),
+            Column::number("Previous sample", "um rms"),
+            Column::number("Mean and 1X", "um rms"),
+            Column::number("Linear springs", "um rms"),
+            Column::number("Twin is", ""),
+        ],
+        note: format!("{worse}Same: within 2 %, so this motion does not distinguish the two."),
+        ..Table::default()
+    };
+    // The numbers of a row are compared, so that each row has its own number of decimals.
+    for probe in probes {
+        let simple = probe.baselines.all();
+        let digits = decimals(simple.map(|b| b.residual_rms_um).into_iter().chain([probe.residual_rms_um]));
+        let shown = |value: f64| typeset(&fixed(value, digits));
+        let mut cells = vec![Cell::from(probe.name.as_str()), Cell::from(shown(probe.residual_rms_um))];
+        cells.extend(simple.map(|model| Cell {
+            class: if model.twin_is == Standing::Worse { "number better" } else { "" },
+            ..Cell::from(shown(model.residual_rms_um))
+        }));
+        cells.push(Cell::from(words::standing(probe.baselines.worst())));
+        table.push(Row { cells, ..Row::default() });
+    }
+    table
+}
+
+fn ball_pass(probes: &[ProbeOutcome]) -> Table {
     let lines = || probes.iter().flat_map(|probe| probe.ball_pass.iter().map(move |line| (probe, line)));
     let digits = decimals(lines().flat_map(|(_, line)| [line.measured_um, line.twin_um, line.residual_um]));
-    let rows = lines().map(|(probe, line)| {
-        context! {
-            probe => probe.name.as_str(),
-            bearing => line.bearing.as_str(),
-            figures => vec![
-                typeset(&fixed(line.order, 3)),
-                typeset(&fixed(line.frequency_hz, 1)),
-                typeset(&fixed(line.measured_um, digits)),
-                typeset(&fixed(line.twin_um, digits)),
-                typeset(&fixed(line.residual_um, digits)),
-            ],
+    let row = |(probe, line): (&ProbeOutcome, &ballrace_twin::replay::outcome::BallPassLine)| {
+        let sizes = [line.measured_um, line.twin_um, line.residual_um].map(|x| typeset(&fixed(x, digits)));
+        let place = [typeset(&fixed(line.order, 3)), typeset(&fixed(line.frequency_hz, 1))];
+        [probe.name.clone(), line.bearing.clone()].into_iter().chain(place).chain(sizes).collect::<Vec<_>>()
+    };
+    let columns = vec![
+        Column::name("Probe"),
+        Column::name("Bearing"),
+        Column::number("Order", "X"),
+        Column::number("Line", "Hz"),
+        Column::number("Measured", "um peak"),
+        Column::number("Twin", "um peak"),
+        Column::number("Residual", "um peak"),
+    ];
+    Table::of(columns, lines().map(row), "")
+}
+
+fn bearings(bearings: &[BearingOutcome]) -> Table {
+    let order = |order: f64| if order > 0.0 { fixed(order, 3) } else { DASH.to_owned() };
+    let row = |bearing: &BearingOutcome| {
+        let (orders, largest) = (&bearing.orders, bearing.largest_element_load_n);
+        let remarks = words::remarks(bearing.contact_lost_samples, bearing.held_samples).join("; ");
+        [
+            bearing.name.clone(),
+            bearing.model.clone(),
+            typeset(&fixed(bearing.station_mm, 1)),
+            order(orders.cage),
+            order(orders.outer_race),
+            order(orders.inner_race),
+            order(orders.ball_spin.unwrap_or(0.0)),
+            if largest > 0.0 { typeset(&alone(largest)) } else { DASH.to_owned() },
+            if remarks.is_empty() { DASH.to_owned() } else { remarks },
+        ]
+    };
+    let columns = vec![
+        Column::name("Bearing"),
+        Column::name("Model"),
+        Column::number("Station", "mm"),
+        Column::number("Cage", "X"),
+        Column::number("Outer race", "X"),
+        Column::number("Inner race", "X"),
+        Column::number("Ball spin", "X"),
+        Column::number("Largest element load", "N"),
+        Column::words("Remarks"),
+    ];
+    Table {
+        groups: vec![(3, ""), (4, "orders, per turn of the shaft"), (2, "")],
+        ..Table::of(columns, bearings.iter().map(row), "")
+    }
+}
+
+fn forces(bearings: &[BearingOutcome]) -> Table {
+    let mut table = Table {
+        groups: vec![(3, ""), (4, "from measured displacement"), (3, "twin")],
+        columns: vec![
+            Column::name("Bearing"),
+            Column::name(""),
+            Column::name("Unit"),
+            Column::number("Mean", ""),
+            Column::number("Smallest", ""),
+            Column::number("Largest", ""),
+            Column::number("Noise, 1 sigma", ""),
+            Column::number("Mean", ""),
+            Column::number("Smallest", ""),
+            Column::number("Largest", ""),
+        ],
+        ..Table::default()
+    };
+    for bearing in bearings {
+        for (i, (name, unit)) in COMPONENTS.into_iter().enumerate() {
+            let (measured, twin) = (&bearing.force_measured[i], &bearing.force_twin[i]);
+            let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
+            let digits = decimals(values);
+            let mut cells = values.map(|value| typeset(&fixed(value, digits))).to_vec();
+            cells.insert(3, typeset(&maybe(measured.noise_sigma)));
+            let head = if i == 0 { bearing.name.clone() } else { String::new() };
+            let cells = [head, name.to_owned(), unit.to_owned()].into_iter().chain(cells);
+            table.push(Row { class: if i == 0 { "first" } else { "" }, ..Row::new(cells) });
         }
-    });
-    rows.collect()
-}
-
-fn bearing(bearing: &BearingOutcome) -> Value {
-    let orders = &bearing.orders;
-    let order = |order: f64| if order > 0.0 { fixed(order, 3) } else { "\u{2013}".to_owned() };
-    context! {
-        name => bearing.name.as_str(),
-        model => bearing.model.as_str(),
-        station => typeset(&fixed(bearing.station_mm, 1)),
-        cage => order(orders.cage),
-        outer => order(orders.outer_race),
-        inner => order(orders.inner_race),
-        spin => order(orders.ball_spin.unwrap_or(0.0)),
-        largest => typeset(&if bearing.largest_element_load_n > 0.0 { alone(bearing.largest_element_load_n) } else { NONE.to_owned() }),
-        remarks => words::remarks(bearing.contact_lost_samples, bearing.held_samples).join("; "),
-        forces => (0..COMPONENTS.len()).map(|i| force(bearing, i)).collect::<Vec<_>>(),
     }
+    table
 }
 
-fn force(bearing: &BearingOutcome, i: usize) -> Value {
-    let (measured, twin) = (&bearing.force_measured[i], &bearing.force_twin[i]);
-    let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
-    let digits = decimals(values);
-    let mut cells = values.map(|value| typeset(&fixed(value, digits))).to_vec();
-    cells.insert(3, typeset(&maybe(measured.noise_sigma)));
-    context! { name => COMPONENTS[i].0, unit => COMPONENTS[i].1, figures => cells }
-}
-
-fn timing(timing: &Timing) -> Value {
-    let mut rows = vec![quantiles("Work, a sample", &timing.compute)];
-    if let Some(pacing) = &timing.pacing {
-        rows.push(quantiles("Work, a block", &pacing.compute));
-        rows.push(quantiles("Lateness", &pacing.lateness));
-    }
+fn timing(timing: &Timing, compared: bool) -> Vec<PageSection> {
     let mut facts = vec![
-        ("Samples", count(timing.samples)),
-        ("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
-        ("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
-        ("Pace", format!("{} times real time", alone(timing.times_real_time))),
+        Fact::new("Samples", count(timing.samples)),
+        Fact::new("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
+        Fact::new("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
+        Fact::new("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
     if timing.diagnosis_s > 0.0 {
-        facts.push(("Diagnosis", format!("{} s", fixed(timing.diagnosis_s, 1))));
+        facts.push(Fact::new("Diagnosis", format!("{} s", fixed(timing.diagnosis_s, 1))));
     }
-    facts.extend(timing.peak_memory_bytes.map(|bytes| ("Peak memory", format!("{} MB", fixed(bytes as f64 / 1e6, 1)))));
-    context! { rows => rows, facts => pairs(facts), pacing => words::pacing(timing) }
+    let memory = timing.peak_memory_bytes.map(|bytes| format!("{} MB", fixed(bytes as f64 / 1e6, 1)));
+    facts.extend(memory.map(|memory| Fact::new("Peak memory", memory)));
+    facts.extend(words::pacing(timing).into_iter().map(|sentence| Fact::new("Pacing", sentence)));
+    let mut all = vec![PageSection::facts("Timing", facts)];
+    if compared {
+        let mut rows = vec![quantiles("Work, a sample", &timing.compute)];
+        if let Some(pacing) = &timing.pacing {
+            rows.push(quantiles("Work, a block", &pacing.compute));
+            rows.push(quantiles("Lateness", &pacing.lateness));
+        }
+        let columns = vec![
+            Column::name(""),
+            Column::number("Median", "us"),
+            Column::number("99 %", "us"),
+            Column::number("99.9 %", "us"),
+            Column::number("Largest", "us"),
+        ];
+        all.push(PageSection::table("Compute time", Table::of(columns, rows, "")));
+    }
+    all
 }
 
-fn quantiles(name: &str, times: &Quantiles) -> Value {
+fn quantiles(name: &str, times: &Quantiles) -> Vec<String> {
     let figures = [times.p50_ns, times.p99_ns, times.p999_ns, times.max_ns].map(|ns| fixed(microseconds(ns), 2));
-    context! { name => name, figures => figures.to_vec() }
-}
-
-fn galleries(sections: &[Section]) -> Vec<Value> {
-    let gallery = |section: &Section| {
-        let shape = match section.shape {
-            Shape::Square => "square",
-            Shape::Wide => "wide",
-        };
-        let shared = shared_note(&section.pictures);
-        let pictures: Vec<Value> = section.pictures.iter().map(|one| picture(one, shared.is_empty())).collect();
-        context! { heading => section.heading, shape => shape, note => shared, pictures => pictures }
-    };
-    sections.iter().map(gallery).collect()
-}
-
-/// Returns the note of all pictures where they share it; it is printed once, under the heading.
-fn shared_note(pictures: &[Picture]) -> &str {
-    let first = pictures.first().map_or("", |picture| picture.note.as_str());
-    if pictures.iter().all(|picture| picture.note == first) { first } else { "" }
-}
-
-fn picture(picture: &Picture, with_note: bool) -> Value {
-    context! {
-        title => picture.title.as_str(),
-        note => if with_note { picture.note.as_str() } else { "" },
-        svg => Value::from_safe_string(picture.svg.clone()),
-    }
+    [name.to_owned()].into_iter().chain(figures).collect()
 }
 
 #[cfg(test)]
@@ -317,6 +600,11 @@ mod tests {
         page.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()).collect()
     }
 
+    /// The page without its script and data.
+    fn still(page: &str) -> &str {
+        page.split("<script").next().unwrap()
+    }
+
     #[test]
     fn page_names_everything_and_has_no_external_resource() {
         for outcome in [fixture::usual(), fixture::crowded(), fixture::run_up()] {
@@ -324,11 +612,41 @@ mod tests {
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));
             assert!(outcome.bearings.iter().all(|bearing| page.contains(&escaped(&bearing.name))));
             assert!(outcome.findings.iter().all(|finding| page.contains(&escaped(&finding.sentence))));
-            for outside in ["http://", "https://", "<script", "<link", "<img", "url(", "@import", "<b>proximity"] {
-                assert!(!page.contains(outside), "{outside}");
+            for outside in ["http://", "https://", "<link", "<img", "url(", "@import", "<b>proximity"] {
+                assert!(!still(&page).contains(outside), "{outside}");
             }
+            // One script and one block of data, and a policy that allows this script alone.
+            assert_eq!(page.matches("<script").count(), 2);
+            assert!(page.contains(&page::script_hash()) && page.contains("default-src 'none'"));
             assert!(page.len() < 3_000_000, "{}", page.len());
         }
+    }
+
+    #[test]
+    fn the_verdict_has_a_colour_and_words() {
+        let of = |outcome: &Outcome| verdict_of(outcome, true);
+        let usual = fixture::usual();
+        let found = of(&usual);
+        assert!(found.level == Level::Red && found.word == "FAULT FOUND" && found.action.contains("spare bearing"));
+        let probes = usual.probes.iter().cloned().map(|probe| ProbeOutcome { noise_um: Some(10.0), ..probe }).collect();
+        let sound = Outcome { findings: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
+        assert_eq!((of(&sound).level, of(&sound).word), (Level::Green, "NO FAULT FOUND"));
+        let undiagnosed = Outcome { diagnosis: None, ..sound };
+        assert_eq!((of(&undiagnosed).level, of(&undiagnosed).word), (Level::Amber, "NOT DIAGNOSED"));
+        let unjudged = Outcome { not_judged: vec!["a reason".to_owned()], ..undiagnosed };
+        assert_eq!((of(&unjudged).level, of(&unjudged).word), (Level::Amber, "NO VERDICT"));
+        assert_eq!(verdict_of(&Outcome::default(), false).level, Level::Neutral);
+    }
+
+    #[test]
+    fn evidence_precedes_the_other_figures_and_tables_follow_them() {
+        let page = html(&fixture::usual()).unwrap();
+        let headings: Vec<&str> = page.split("<h2>").skip(1).filter_map(|rest| rest.split("</h2>").next()).collect();
+        let place = |heading: &str| headings.iter().position(|one| *one == heading).unwrap();
+        assert!(place("Diagnosis") < place("Evidence") && place("Evidence") < place("Orbits"));
+        assert!(place("Load on the rolling elements") < place("Tabular list"));
+        let contents = page.split("class=\"contents\"").nth(1).unwrap().split("</nav>").next().unwrap();
+        assert_eq!(contents.matches("<li>").count(), headings.len());
     }
 
     #[test]
@@ -343,7 +661,7 @@ mod tests {
             assert!(run_up.contains(there), "{there}");
         }
         assert_eq!(page.matches("</svg>").count(), page.matches("<svg").count());
-        assert!(page.contains("class=\"dash\""));
+        assert!(page.contains("stroke-dasharray"));
     }
 
     #[test]
@@ -356,7 +674,7 @@ mod tests {
             assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{drawn}");
             // Pixels saturate where a place is not finite.
             assert!(!drawn.contains("2147483647"));
-            assert!(!page.contains("NaN"));
+            assert!(!still(&page).contains("NaN"));
         }
     }
 }

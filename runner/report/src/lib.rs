@@ -13,6 +13,7 @@ pub mod fleet;
 mod html;
 pub mod live;
 pub mod number;
+mod page;
 pub mod sweep;
 mod text;
 pub mod trade;

@@ -1,7 +1,7 @@
 //! Comparison of models: tables for the terminal and for programs, HTML page with the Pareto fronts.
 
-use super::equilibrium::page;
-use super::figures::{Dot, front};
+use super::figures::{Dot, Shape, front};
+use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use anyhow::Result;
 use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
 use std::fmt::Write;
@@ -188,7 +188,7 @@ pub fn csv(trade: &Trade) -> String {
 /// Returns the HTML page, one file without external references.
 ///
 /// # Errors
-/// Returns an error if a figure cannot be drawn.
+/// Returns an error if the page cannot be rendered.
 pub fn html(trade: &Trade) -> Result<String> {
     let name = |c: &Candidate| {
         let fast = if c.arithmetic.math == "fast" { " fast" } else { "" };
@@ -212,15 +212,114 @@ pub fn html(trade: &Trade) -> Result<String> {
         name: format!("{}, {}, {:.1} us", r.model, r.method, r.step * 1e6),
     };
     let motions: Vec<Dot> = trade.responses.iter().map(moved).collect();
-    let error = "Force error at the 99th percentile, over the largest load";
+    let error = "Force error, 99th percentile, over largest load";
     let pictures = [
-        front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target)?,
-        front("Forces on this machine", "Time for one force of every bearing, ns", error, &desktop)?,
-        front("Motion", "Computing time per second of motion, ms", "Residual of the motion, rms over rms", &motions)?,
+        front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target),
+        front("Forces on this machine", "Time for one force of every bearing, ns", error, &desktop),
+        front("Motion", "Computing time per second of motion, ms", "Residual of the motion, rms over rms", &motions),
     ];
-    let words = match &trade.choice {
-        Some(choice) => format!("{}\n\n{}", chosen(choice), text(trade)),
-        None => text(trade),
+    let figures = pictures.into_iter().flatten().collect();
+    let mut sections = vec![PageSection::figures("Error over cost", Shape::Wide, figures)];
+    sections.push(PageSection::table("Forces of all bearings, one sample", force_table(&trade.candidates)));
+    if !trade.responses.is_empty() {
+        sections.push(PageSection::table("Motion computed with each model", motion_table(&trade.responses)));
+    }
+    if !trade.impossible.is_empty() {
+        let columns = vec![Column::name("Model"), Column::words("Reason")];
+        let rows = trade.impossible.iter().map(|one| [one.model.clone(), one.why.clone()]);
+        sections.push(PageSection::table("Not applicable to this scene", Table::of(columns, rows, "")));
+    }
+    let verdict = trade.choice.as_ref().map(|choice| Verdict {
+        level: Level::Green,
+        word: "RECOMMENDED",
+        sentence: chosen(choice).trim_start_matches("Recommended: ").to_owned(),
+        action: String::new(),
+    });
+    page::render(Page {
+        title: trade.scene.clone(),
+        subtitle: "Cost and accuracy of the bearing models".to_owned(),
+        verdict,
+        facts: vec![
+            Fact::new("Poses of each bearing", format!("{} from the {}", trade.poses, trade.motion)),
+            Fact::new("Reference", format!("{}, f64, converged", trade.truth)),
+            Fact::new("Largest load", format!("{:.4} N", trade.largest_load)),
+        ],
+        sections,
+        footer:
+            "Errors are relative to the largest load. Pareto front: no candidate is both cheaper and more accurate."
+                .to_owned(),
+        ..Page::default()
+    })
+}
+
+fn force_table(candidates: &[Candidate]) -> Table {
+    let columns = vec![
+        Column::name("Model"),
+        Column::name("Numbers"),
+        Column::number("Median", ""),
+        Column::number("99 %", ""),
+        Column::number("Largest", ""),
+        Column::number("Rounding, 99 %", ""),
+        Column::number("This machine", "ns"),
+        Column::number("Instructions", ""),
+        Column::number("Cycles", ""),
+        Column::name("Pareto front"),
+    ];
+    let row = |c: &Candidate| {
+        let about = |cost: &ballrace_twin::trade::Cost| if cost.counted { "" } else { "~" };
+        let cost = |of: fn(&ballrace_twin::trade::Cost) -> f64| {
+            c.cortex.as_ref().map_or_else(|| "\u{2013}".to_owned(), |cost| format!("{}{:.0}", about(cost), of(cost)))
+        };
+        let front = match (c.front_desktop, c.front_cortex) {
+            (true, true) => "both",
+            (true, false) => "this machine",
+            (false, true) => "Cortex-M4F",
+            (false, false) => "",
+        };
+        [
+            c.model.clone(),
+            format!("{}{}", c.arithmetic.precision, if c.arithmetic.math == "fast" { " fast" } else { "" }),
+            percent(c.error.median),
+            percent(c.error.most_99),
+            percent(c.error.largest),
+            percent(c.rounding.most_99),
+            format!("{:.0}", c.desktop_ns),
+            cost(|cost| cost.instructions),
+            cost(|cost| cost.cycles),
+            front.to_owned(),
+        ]
     };
-    page(&trade.scene, "cost and accuracy", &pictures.into_iter().flatten().collect::<Vec<_>>(), &words)
+    Table {
+        groups: vec![(2, ""), (4, "error"), (1, ""), (2, "Cortex-M4F"), (1, "")],
+        ..Table::of(columns, candidates.iter().map(row), "~ interpolated or extrapolated from counted rows.")
+    }
+}
+
+fn motion_table(responses: &[Response]) -> Table {
+    let columns = vec![
+        Column::name("Model"),
+        Column::name("Numbers"),
+        Column::name("Integrator"),
+        Column::number("Step", "us"),
+        Column::number("1X", ""),
+        Column::number("Ball pass", ""),
+        Column::number("Peak to peak", ""),
+        Column::number("Mean", ""),
+        Column::number("Residual", ""),
+        Column::number("Times real time", ""),
+        Column::name("Pareto front"),
+        Column::words("Remarks"),
+    ];
+    let row = |r: &Response| {
+        let e = &r.error;
+        let errors = [e.one_per_turn, e.ball_pass, e.peak_to_peak, e.mean, e.residual].map(percent);
+        let head = [r.model.clone(), r.precision.to_owned(), r.method.to_owned(), format!("{:.2}", r.step * 1e6)];
+        let remarks = if r.held > 0 { format!("{} steps overflowed", r.held) } else { String::new() };
+        let tail = [format!("{:.1}", r.times_real_time), if r.front { "yes" } else { "" }.to_owned(), remarks];
+        head.into_iter().chain(errors).chain(tail).collect::<Vec<_>>()
+    };
+    Table {
+        groups: vec![(4, ""), (5, "error"), (3, "")],
+        ..Table::of(columns, responses.iter().map(row), "Errors are relative to the reference.")
+    }
 }

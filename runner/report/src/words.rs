@@ -5,7 +5,7 @@ use ballrace_twin::replay::outcome::{
     Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
     SourceFigures, Standing, Timing,
 };
-use ballrace_twin::replay::verdict;
+use ballrace_twin::verdict;
 
 /// Condition number above which the arrangement of the probes is poor.
 const BADLY_PLACED: f64 = 100.0;

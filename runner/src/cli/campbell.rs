@@ -4,7 +4,7 @@ use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::Result;
 use ballrace_report as report;
-use ballrace_twin::campbell::{AtSpeed, Whirl, campbell, nominal_mode_shapes};
+use ballrace_twin::campbell::{AtSpeed, campbell, nominal_mode_shapes};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::replay::outcome::RotorDrawing;
@@ -70,11 +70,7 @@ fn csv(out: &mut impl Write, diagram: &[AtSpeed]) -> Result<()> {
     writeln!(out, "speed_rpm,mode,frequency_hz,damping_ratio,whirl")?;
     for at_speed in diagram {
         for (i, mode) in at_speed.modes.iter().enumerate() {
-            let whirl = match mode.whirl {
-                Whirl::Forward => "forward",
-                Whirl::Backward => "backward",
-                Whirl::Straight => "straight",
-            };
+            let whirl = mode.whirl.name();
             let (number, speed) = (i + 1, at_speed.speed_rpm);
             writeln!(out, "{speed:.16e},{number},{:.16e},{:.16e},{whirl}", mode.frequency_hz, mode.damping_ratio)?;
         }

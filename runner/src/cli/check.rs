@@ -61,7 +61,7 @@ pub fn run(args: &Args, format: Format) -> Result<ReplayStatus> {
     bar.finish_and_clear();
     let checked = checked?;
     if let Some(path) = &args.svg {
-        let Some(svg) = report::check::svg(&checked)? else {
+        let Some(svg) = report::check::svg(&checked) else {
             bail!(UsageError(format!("{}: no [rotor] to draw", args.scene.display())));
         };
         AtomicFile::write(path, &svg)?;

@@ -3,7 +3,7 @@
 use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
-use ballrace_report as report;
+use ballrace_report::fit::{csv, html, text};
 use ballrace_twin::fit::parameters::{ALL, Group};
 use ballrace_twin::fit::{Fitted, fit_recording, written};
 use ballrace_twin::output::AtomicFile;
@@ -30,6 +30,9 @@ pub struct Args {
     /// Scene file to write with the fitted values [default: beside the scene, ending in -fitted.toml].
     #[arg(short, long, value_name = "F.toml")]
     output: Option<PathBuf>,
+    /// HTML page with the changes of the parameters and the residuals.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -49,7 +52,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     }
     let path = args.recording.as_ref().unwrap_or(&recording.file);
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
-    check_distinct_paths(&[("--output", &output)], &[&args.scene, path])?;
+    let mut outputs = vec![("--output", output.as_path())];
+    outputs.extend(args.report.as_deref().map(|report| ("--report", report)));
+    check_distinct_paths(&outputs, &[&args.scene, path])?;
     let reader = Reader::open(path, recording)?;
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let groups = if args.only.is_empty() { ALL.to_vec() } else { args.only.clone() };
@@ -60,9 +65,12 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     });
     bar.finish_and_clear();
     let fitted = fitted.map_err(UsageError::new)?;
-    let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
-    AtomicFile::write(&output, &written(&fitted, &scene, &text)?)?;
-    print(&fitted, &output, format)
+    let source = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
+    AtomicFile::write(&output, &written(&fitted, &scene, &source)?)?;
+    if let Some(path) = &args.report {
+        AtomicFile::write(path, &html(&fitted)?)?;
+    }
+    print(&fitted, &output, args.report.as_deref(), format)
 }
 
 /// Returns the path of the fitted scene: the name of `scene` with the ending -fitted.toml.
@@ -71,14 +79,15 @@ fn default_output(scene: &Path) -> PathBuf {
     scene.with_file_name(format!("{stem}-fitted.toml"))
 }
 
-fn print(fitted: &Fitted, output: &Path, format: Format) -> Result<()> {
+fn print(fitted: &Fitted, output: &Path, report: Option<&Path>, format: Format) -> Result<()> {
     let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(fitted)?)?,
-        Format::Csv => out.write_all(report::fit::csv(fitted).as_bytes())?,
+        Format::Csv => out.write_all(csv(fitted).as_bytes())?,
         Format::Text => {
-            out.write_all(report::fit::text(fitted).as_bytes())?;
-            writeln!(out, "\nWritten: {}", output.display())?;
+            out.write_all(text(fitted).as_bytes())?;
+            let report = report.map_or_else(String::new, |report| format!(", {}", report.display()));
+            writeln!(out, "\nWritten: {}{report}", output.display())?;
         }
     }
     Ok(out.flush()?)

@@ -1,8 +1,10 @@
 //! Natural frequencies, damping and whirl of a scene's rotor over the shaft speed, linearised at the static equilibrium of
 //! each speed.
 
+mod branch;
 mod mode_shape;
 
+pub use branch::{BranchPoint, CriticalSpeed, ModeBranch, branches, critical_speeds};
 pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes};
 
 use crate::eigenvalues::{eigenvalues, resolution};
@@ -43,6 +45,18 @@ pub enum Whirl {
     Backward,
     /// Along a line.
     Straight,
+}
+
+impl Whirl {
+    /// Returns the name as in JSON and CSV.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Backward => "backward",
+            Self::Straight => "straight",
+        }
+    }
 }
 
 /// Relative distance below which two modes are a degenerate pair, whose whirl is undefined.

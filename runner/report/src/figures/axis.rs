@@ -16,16 +16,16 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)
 
 /// One axis: what it shows, where its ticks are.
 #[derive(Debug, Clone)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
-    logarithmic: bool,
+    is_logarithmic: bool,
     /// Quantity and unit.
-    pub(super) title: String,
+    pub(crate) title: String,
     /// Places with a label.
-    pub(super) ticks: Vec<(f64, String)>,
+    pub(crate) ticks: Vec<(f64, String)>,
     /// Places with a fine line only.
-    pub(super) minor: Vec<f64>,
+    pub(crate) minor: Vec<f64>,
 }
 
 impl Axis {
@@ -33,7 +33,7 @@ impl Axis {
     pub(super) fn exact(range: Option<(f64, f64)>, most: usize, title: &str) -> Self {
         let (low, high) = widened(range.unwrap_or((0.0, 1.0)));
         let ticks = linear_ticks(low, high, most);
-        Self { low, high, logarithmic: false, title: title.to_owned(), ticks, minor: Vec::new() }
+        Self { low, high, is_logarithmic: false, title: title.to_owned(), ticks, minor: Vec::new() }
     }
 
     /// Linear, with some air above and below the data.
@@ -62,17 +62,27 @@ impl Axis {
         let decades = (first..=last).map(|power| 10f64.powi(power));
         let ticks = decades.clone().filter(inside).map(|value| (value, decade_label(value))).collect();
         let minor = decades.flat_map(|decade| (2..10).map(move |n| f64::from(n) * decade)).filter(inside).collect();
-        Self { low, high, logarithmic: true, title: title.to_owned(), ticks, minor }
+        Self { low, high, is_logarithmic: true, title: title.to_owned(), ticks, minor }
     }
 
     /// Smallest value shown.
-    pub(super) fn low(&self) -> f64 {
+    pub(crate) const fn low(&self) -> f64 {
         self.low
     }
 
-    /// Position of a value: 0 at the low end, 1 at the high end; values outside are moved to the edge.
+    /// Largest value shown.
+    pub(crate) const fn high(&self) -> f64 {
+        self.high
+    }
+
+    /// Returns true for decades.
+    pub(crate) const fn is_logarithmic(&self) -> bool {
+        self.is_logarithmic
+    }
+
+    /// Where a value lies: 0 at the low end, 1 at the high one; values outside are put on the edge.
     pub(super) fn place(&self, value: f64) -> f64 {
-        let share = if self.logarithmic {
+        let share = if self.is_logarithmic {
             (value.max(self.low) / self.low).log10() / (self.high / self.low).log10()
         } else {
             (value - self.low) / (self.high - self.low)

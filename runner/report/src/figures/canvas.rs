@@ -1,52 +1,102 @@
-//! A sheet in screen pixels on top of plotters' SVG backend: lines, text, frames with axes, legends.
+//! A drawing in pixels of the page, written as SVG: lines, text, frames with axes, legends.
+//!
+//! What lies in a frame is drawn in a group that states how it follows the axes ([`Frame::inside`], [`Frame::along`]), and the
+//! values of each curve are kept beside the drawing ([`Plot`]), so that the script of a report can zoom and read them.
 
 use super::axis::Axis;
-use super::line::{Point, pieces};
-use anyhow::{Context, Result};
-use plotters::prelude::{Color, DrawingBackend, FontTransform, IntoFont, RGBColor, SVGBackend, ShapeStyle, TextStyle};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use super::line::{Point, Thinning, pieces};
 use std::f64::consts::FRAC_PI_2;
+use std::fmt::{self, Write};
 
-/// Scale of the drawing: the backend has whole pixels only, and the page scales it down.
-const FINE: f64 = 4.0;
-/// plotters divides by this for the font size of the SVG.
-const PLOTTERS_FONT: f64 = 1.24;
 /// Width of a character over the font's size: an upper estimate for common sans-serif fonts.
 const CHARACTER: f64 = 0.58;
 
+/// Width of a figure across the page.
+pub(super) const WIDE: f64 = 500.0;
+/// Right edge of a frame in such a figure.
+pub(super) const WIDE_RIGHT: f64 = WIDE - 14.0;
+/// Height below which an axis has no room for a title beside it.
+const SHORT: f64 = 75.0;
+/// Height of tick labels and title below a frame.
+pub(super) const BELOW: f64 = 36.0;
 /// Size of numbers at the ticks and of the legend.
 pub(super) const SMALL: f64 = 11.0;
-/// The machine: dark blue, dark in grey print too.
-pub(super) const MEASURED: RGBColor = RGBColor(0x0b, 0x3c, 0x6f);
-/// The twin: orange, dashed where the picture is made with [`Dashes::Twin`].
-pub(super) const TWIN: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
-/// Measured less twin.
-pub(super) const RESIDUAL: RGBColor = RGBColor(0xa6, 0xa6, 0xa6);
-/// Noise of the probes.
-pub(super) const BAND: RGBColor = RGBColor(0xb9, 0xd2, 0xea);
-/// Lines that the reader looks up: keyphasor, orders.
-pub(super) const MARK: RGBColor = RGBColor(0x5a, 0x5a, 0x5a);
-/// Text and frames.
-pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-/// Marked lines inside a frame.
-pub(super) const FAINT: RGBColor = RGBColor(0xb4, 0xb4, 0xb4);
-/// Grid.
-pub(super) const GRID: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
-/// Paper.
-pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
 
-/// Whether the twin's lines are dashed.
+/// A colour by its role: the style of the page sets it for light and dark; lines of the twin and of the residual have dashes of their
+/// own, so that they differ in grey print too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Dashes {
-    /// All lines of the twin.
-    Twin,
-    /// None: a jagged line hides its dashes.
-    None,
+pub(super) struct Colour {
+    /// Name of the custom property.
+    name: &'static str,
+    /// Where the page does not set it.
+    hex: &'static str,
+    /// Dashes of a line, empty for a solid one.
+    dashes: &'static str,
+}
+
+const fn solid(name: &'static str, hex: &'static str) -> Colour {
+    Colour { name, hex, dashes: "" }
+}
+
+/// Measured on the machine: solid.
+pub(super) const MEASURED: Colour = solid("measured", "#0b3c6f");
+/// The twin: dashed.
+pub(super) const TWIN: Colour = Colour { name: "twin", hex: "#d55e00", dashes: "6 3" };
+/// Measured less twin, and as measured beside compensated: dotted.
+pub(super) const RESIDUAL: Colour = Colour { name: "residual", hex: "#6b6b6b", dashes: "1.6 1.8" };
+/// Limits and damage: solid, in the colour of a fault.
+pub(super) const FAULT: Colour = solid("fault", "#c4122f");
+/// Noise of the probes, time beyond a limit.
+pub(super) const BAND: Colour = solid("band", "#b9d2ea");
+/// Lines that the reader looks up: keyphasor, orders.
+pub(super) const MARK: Colour = solid("mark", "#5a5a5a");
+/// Text and edges.
+pub(super) const INK: Colour = solid("ink", "#222222");
+/// Marked lines inside a frame.
+pub(super) const FAINT: Colour = solid("faint", "#b4b4b4");
+/// Grid.
+pub(super) const GRID: Colour = solid("grid", "#e2e2e2");
+/// Bodies: the shaft.
+pub(super) const BODY: Colour = solid("body", "#dfdfdf");
+/// Bodies beside it: disks.
+pub(super) const BODY_DARK: Colour = solid("body-dark", "#bdbdbd");
+/// Extent of a damage.
+pub(super) const SHADE: Colour = solid("shade", "#f6dfcc");
+/// Paper.
+pub(super) const PAPER: Colour = solid("paper", "#ffffff");
+/// Curves that are told apart by their names, in turn.
+pub(super) const SERIES: [Colour; 6] = [
+    MEASURED,
+    Colour { name: "twin", hex: "#d55e00", dashes: "7 3" },
+    Colour { name: "third", hex: "#007a5e", dashes: "2 2" },
+    Colour { name: "fourth", hex: "#7a3e9d", dashes: "9 2 2 2" },
+    Colour { name: "fifth", hex: "#8a6d00", dashes: "4 2" },
+    Colour { name: "sixth", hex: "#b02a4c", dashes: "1 3" },
+];
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "var(--{},{})", self.name, self.hex)
+    }
 }
 
 /// Colour and width in pixels.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stroke(pub(super) RGBColor, pub(super) f64);
+pub(super) struct Stroke(pub(super) Colour, pub(super) f64);
+
+/// A curve of the machine in a frame.
+pub(super) const MEASURED_LINE: Stroke = Stroke(MEASURED, 1.3);
+/// A curve of the twin over that of the machine.
+pub(super) const TWIN_LINE: Stroke = Stroke(TWIN, 1.5);
+/// What the twin leaves.
+pub(super) const RESIDUAL_LINE: Stroke = Stroke(RESIDUAL, 1.1);
+
+impl fmt::Display for Stroke {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"", self.0, self.1)?;
+        if self.0.dashes.is_empty() { Ok(()) } else { write!(f, " stroke-dasharray=\"{}\"", self.0.dashes) }
+    }
+}
 
 /// Which point of a text is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,56 +115,96 @@ pub(super) enum Key {
     /// A line.
     Line(Stroke),
     /// A filled strip.
-    Band(RGBColor),
+    Band(Colour),
     /// A filled dot.
-    Dot(RGBColor),
+    Dot(Colour),
     /// A small ring.
-    Ring(RGBColor),
+    Ring(Colour),
     /// A triangle that points down.
-    Triangle(RGBColor),
+    Triangle(Colour),
+}
+
+/// How a separate point is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Marker {
+    /// A dot of a radius.
+    Dot(f64, Colour),
+    /// A ring.
+    Ring(Colour),
+}
+
+/// A frame with its curves as the script of a report reads them.
+#[derive(Debug, Clone)]
+pub(crate) struct Plot {
+    pub(crate) frame: Frame,
+    /// Tick labels and title of the X axis are below this frame.
+    pub(crate) has_labels_below: bool,
+    pub(crate) curves: Vec<Curve>,
+}
+
+/// Values of a curve.
+#[derive(Debug, Clone)]
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    pub(crate) points: Vec<Point>,
+    pub(crate) kind: CurveKind,
+}
+
+/// How the values of a curve lie in its frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum CurveKind {
+    /// Y over X.
+    Function,
+    /// A curve in the plane.
+    Path,
+    /// Separate points.
+    Scatter,
+    /// A spectrum that stands at this value of Y.
+    Ridge(f64),
 }
 
 /// One picture being drawn.
-pub(super) struct Canvas<'a> {
-    backend: SVGBackend<'a>,
+pub(super) struct Canvas {
+    body: String,
     width: f64,
+    plots: Vec<Plot>,
 }
 
-/// Draws one picture and returns its `svg` element, without a size.
-pub(super) fn picture(
-    (width, height): (f64, f64),
-    dashes: Dashes,
-    draw: impl FnOnce(&mut Canvas) -> Result<()>,
-) -> Result<String> {
-    let mut text = String::new();
-    let size = (whole(width) as u32, whole(height) as u32);
-    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, size), width };
-    draw(&mut canvas)?;
-    canvas.backend.present()?;
-    drop(canvas);
-    inline(&text, size, dashes)
+/// A finished picture.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Drawing {
+    /// An `svg` element, without a size.
+    pub(crate) svg: String,
+    /// Frames that the script can zoom and read.
+    pub(crate) plots: Vec<Plot>,
 }
 
-/// The backend's file as an element of a page: no name space, no size, dashes that the backend cannot draw.
-fn inline(text: &str, size: (u32, u32), dashes: Dashes) -> Result<String> {
-    let (_, body) = text.split_once('>').context("the SVG has no head")?;
-    let twin = format!("stroke=\"#{:02X}{:02X}{:02X}\"", TWIN.0, TWIN.1, TWIN.2);
-    let body = body.replace("opacity=\"1\" ", "");
-    let body = match dashes {
-        Dashes::Twin => body
-            .replace(
-                &format!("<polyline fill=\"none\" {twin}"),
-                &format!("<polyline class=\"dash\" fill=\"none\" {twin}"),
-            )
-            .replace(&format!("<line {twin}"), &format!("<line class=\"dash\" {twin}")),
-        Dashes::None => body,
-    };
-    Ok(format!("<svg viewBox=\"0 0 {} {}\" aria-hidden=\"true\">{body}", size.0, size.1))
+impl Drawing {
+    /// Returns the drawing as a file of its own, with the colours that a page would set.
+    pub(crate) fn file(&self) -> String {
+        let mut parts = self.svg.split("var(--");
+        let mut out =
+            parts.next().unwrap_or_default().replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
+        for part in parts {
+            let (property, rest) = part.split_once(')').unwrap_or((part, ""));
+            out.push_str(property.split_once(',').map_or("currentColor", |(_, colour)| colour));
+            out.push_str(rest);
+        }
+        out + "\n"
+    }
 }
 
-/// Pixels of the page to those of the backend.
-fn whole(pixels: f64) -> i32 {
-    (FINE * pixels).round() as i32
+/// Draws one picture of a size in pixels.
+pub(super) fn picture((width, height): (f64, f64), draw: impl FnOnce(&mut Canvas)) -> Drawing {
+    let mut canvas = Canvas { body: String::new(), width, plots: Vec::new() };
+    draw(&mut canvas);
+    let svg = format!(
+        "<svg viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"{SMALL}\" aria-hidden=\"true\">\n{}</svg>",
+        Pixels(width),
+        Pixels(height),
+        canvas.body
+    );
+    Drawing { svg, plots: canvas.plots }
 }
 
 /// Width of a text, estimated.
@@ -122,131 +212,231 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     CHARACTER * size * text.chars().count() as f64
 }
 
-fn style(Stroke(colour, width): Stroke) -> ShapeStyle {
-    ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: whole(width).max(1) as u32 }
+/// A coordinate with at most one decimal; one that is no number is put far outside.
+struct Pixels(f64);
+
+impl fmt::Display for Pixels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // -0 and NaN have no meaning as a place.
+        let tenths = if self.0.is_finite() { (self.0.clamp(-9999.0, 9999.0) * 10.0).round() as i32 } else { -99_990 };
+        if tenths % 10 == 0 { write!(f, "{}", tenths / 10) } else { write!(f, "{}", f64::from(tenths) / 10.0) }
+    }
 }
 
-fn fill(colour: RGBColor) -> ShapeStyle {
-    colour.filled()
-}
+/// Points as an attribute.
+struct Points<'a>(&'a [Point]);
 
-impl Canvas<'_> {
-    /// A line through points given in pixels; a single point becomes a dot.
-    pub(super) fn line(&mut self, points: &[Point], stroke: Stroke) -> Result<()> {
-        match points {
-            [] => {}
-            [(x, y)] => self.dot(*x, *y, stroke.1.max(2.0), stroke.0)?,
-            [from, to] => self.backend.draw_line(pixel(from), pixel(to), &style(stroke))?,
-            _ => self.backend.draw_path(points.iter().map(pixel), &style(stroke))?,
+impl fmt::Display for Points<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (x, y)) in self.0.iter().enumerate() {
+            let space = if i > 0 { " " } else { "" };
+            write!(f, "{space}{},{}", Pixels(*x), Pixels(*y))?;
         }
         Ok(())
     }
+}
+
+/// Text of an element.
+struct Escaped<'a>(&'a str);
+
+impl fmt::Display for Escaped<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.chars().try_for_each(|c| match c {
+            '&' => f.write_str("&amp;"),
+            '<' => f.write_str("&lt;"),
+            '>' => f.write_str("&gt;"),
+            '"' => f.write_str("&quot;"),
+            c => f.write_char(c),
+        })
+    }
+}
+
+impl Canvas {
+    fn element(&mut self, element: fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.body.write_fmt(element);
+        self.body.push('\n');
+    }
+
+    /// Draws a group whose attributes are given.
+    fn group(&mut self, attributes: fmt::Arguments<'_>, draw: impl FnOnce(&mut Self)) {
+        self.element(format_args!("<g {attributes}>"));
+        draw(self);
+        self.element(format_args!("</g>"));
+    }
+
+    /// A line through points given in pixels; a single point becomes a dot.
+    pub(super) fn line(&mut self, points: &[Point], stroke: Stroke) {
+        match points {
+            [] => {}
+            [(x, y)] => self.dot(*x, *y, stroke.1.max(2.0), stroke.0),
+            [(x1, y1), (x2, y2)] => {
+                let [x1, y1, x2, y2] = [*x1, *y1, *x2, *y2].map(Pixels);
+                self.element(format_args!("<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {stroke}/>"));
+            }
+            _ => self.element(format_args!("<polyline points=\"{}\" {stroke}/>", Points(points))),
+        }
+    }
 
     /// A filled shape.
-    pub(super) fn polygon(&mut self, points: &[Point], colour: RGBColor) -> Result<()> {
-        Ok(self.backend.fill_polygon(points.iter().map(pixel), &fill(colour))?)
+    pub(super) fn polygon(&mut self, points: &[Point], colour: Colour) {
+        self.element(format_args!("<polygon points=\"{}\" fill=\"{colour}\"/>", Points(points)));
     }
 
     /// A filled circle.
-    pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, colour: RGBColor) -> Result<()> {
-        Ok(self.backend.draw_circle(pixel(&(x, y)), whole(radius).max(1) as u32, &fill(colour), true)?)
+    pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, colour: Colour) {
+        let [x, y, radius] = [x, y, radius.max(0.1)].map(Pixels);
+        self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{colour}\"/>"));
     }
 
-    /// A small circle, white inside.
-    pub(super) fn ring(&mut self, x: f64, y: f64, colour: RGBColor) -> Result<()> {
-        self.dot(x, y, 3.0, colour)?;
-        self.dot(x, y, 1.75, PAPER)
+    /// A small circle with the paper inside.
+    pub(super) fn ring(&mut self, x: f64, y: f64, colour: Colour) {
+        let [x, y] = [x, y].map(Pixels);
+        let Stroke(colour, width) = Stroke(colour, 1.4);
+        self.element(format_args!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"2.4\" fill=\"{PAPER}\" stroke=\"{colour}\" stroke-width=\"{width}\"/>"
+        ));
     }
 
     /// The outline of a circle.
-    pub(super) fn circle(&mut self, x: f64, y: f64, radius: f64, stroke: Stroke) -> Result<()> {
-        Ok(self.backend.draw_circle(pixel(&(x, y)), whole(radius).max(1) as u32, &style(stroke), false)?)
+    pub(super) fn circle(&mut self, x: f64, y: f64, radius: f64, stroke: Stroke) {
+        let [x, y, radius] = [x, y, radius.max(0.1)].map(Pixels);
+        self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {stroke}/>"));
     }
 
     /// A triangle whose tip is at `tip`; `angle` (rad, up is +90 degrees) is where its body lies.
-    pub(super) fn triangle(&mut self, tip: Point, angle: f64, size: f64, colour: RGBColor) -> Result<()> {
+    pub(super) fn triangle(&mut self, tip: Point, angle: f64, size: f64, colour: Colour) {
         let corner = |turn: f64| {
             let (sine, cosine) = (angle + turn).sin_cos();
             (tip.0 + size * cosine, tip.1 - size * sine)
         };
-        self.polygon(&[tip, corner(0.5), corner(-0.5)], colour)
+        self.polygon(&[tip, corner(0.5), corner(-0.5)], colour);
     }
 
     /// Horizontal text.
-    pub(super) fn text(&mut self, text: &str, at: Point, anchor: Anchor, colour: RGBColor) -> Result<()> {
-        self.write(text, at, anchor, colour, FontTransform::None)
+    pub(super) fn text(&mut self, text: &str, at: Point, anchor: Anchor, colour: Colour) {
+        self.write(text, at, anchor, colour, false);
     }
 
     /// Text that reads from below, about its middle.
-    pub(super) fn upright(&mut self, text: &str, at: Point) -> Result<()> {
-        self.write(text, at, Anchor::Middle, INK, FontTransform::Rotate270)
+    pub(super) fn upright(&mut self, text: &str, at: Point) {
+        self.write(text, at, Anchor::Middle, INK, true);
     }
 
-    fn write(&mut self, text: &str, at: Point, anchor: Anchor, colour: RGBColor, turn: FontTransform) -> Result<()> {
+    fn write(&mut self, text: &str, (x, y): Point, anchor: Anchor, colour: Colour, is_upright: bool) {
         if text.is_empty() {
-            return Ok(());
+            return;
         }
-        let across = match anchor {
-            Anchor::Start => HPos::Left,
-            Anchor::Middle => HPos::Center,
-            Anchor::End => HPos::Right,
+        let anchor = match anchor {
+            Anchor::Start => "",
+            Anchor::Middle => " text-anchor=\"middle\"",
+            Anchor::End => " text-anchor=\"end\"",
         };
-        let font = ("sans-serif", FINE * PLOTTERS_FONT * SMALL).into_font().transform(turn);
-        let style = TextStyle::from(font).color(&colour).pos(Pos::new(across, VPos::Center));
-        Ok(self.backend.draw_text(text, &style, pixel(&at))?)
+        let [x, y] = [x, y].map(Pixels);
+        let turn = if is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        self.element(format_args!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\".35em\" fill=\"{colour}\"{anchor}{turn}>{}</text>",
+            Escaped(text)
+        ));
     }
 
     /// Samples and names in rows from (`left`, `top`), no further than the right edge. Gives the lower end.
-    pub(super) fn legend(&mut self, left: f64, top: f64, entries: &[(Key, &str)]) -> Result<f64> {
-        let (mut x, mut y) = (left, top + 8.0);
-        for (key, name) in entries {
-            let wide = 30.0 + text_width(name, SMALL);
-            if x > left && x + wide > self.width - 4.0 {
-                (x, y) = (left, y + 15.0);
-            }
-            self.key(*key, x, y)?;
-            self.text(name, (x + 27.0, y), Anchor::Start, INK)?;
-            x += wide + 12.0;
+    pub(super) fn legend(&mut self, left: f64, top: f64, entries: &[(Key, &str)]) -> f64 {
+        let mut bottom = top;
+        for (entry, (x, y)) in entries.iter().zip(legend_places(left, top, self.width, entries)) {
+            self.key(entry.0, x, y);
+            self.text(entry.1, (x + 27.0, y), Anchor::Start, INK);
+            bottom = y + 8.0;
         }
-        Ok(y + 8.0)
+        bottom
     }
 
-    fn key(&mut self, key: Key, x: f64, y: f64) -> Result<()> {
+    fn key(&mut self, key: Key, x: f64, y: f64) {
         match key {
-            // Three points, for a polyline: a dashed one then looks as it does in the picture.
-            Key::Line(stroke) => self.line(&[(x, y), (x + 11.0, y), (x + 22.0, y)], stroke),
+            Key::Line(stroke) => self.line(&[(x, y), (x + 22.0, y)], stroke),
             Key::Band(colour) => {
-                self.polygon(&[(x, y - 4.0), (x + 22.0, y - 4.0), (x + 22.0, y + 4.0), (x, y + 4.0)], colour)
+                self.polygon(&[(x, y - 4.0), (x + 22.0, y - 4.0), (x + 22.0, y + 4.0), (x, y + 4.0)], colour);
             }
             Key::Dot(colour) => self.dot(x + 11.0, y, 3.5, colour),
             Key::Ring(colour) => self.ring(x + 11.0, y, colour),
             Key::Triangle(colour) => self.triangle((x + 11.0, y + 4.0), FRAC_PI_2, 8.0, colour),
         }
     }
+
+    /// Returns the number of the plot of a frame.
+    fn plot(&mut self, frame: &Frame, has_labels_below: bool) -> usize {
+        let is_it = |plot: &Plot| plot.frame.left == frame.left && plot.frame.top == frame.top;
+        self.plots.iter().position(is_it).unwrap_or_else(|| {
+            self.plots.push(Plot { frame: frame.clone(), has_labels_below, curves: Vec::new() });
+            self.plots.len() - 1
+        })
+    }
 }
 
-fn pixel((x, y): &Point) -> (i32, i32) {
-    (whole(*x), whole(*y))
+/// Places of the samples of a legend.
+fn legend_places(left: f64, top: f64, width: f64, entries: &[(Key, &str)]) -> Vec<Point> {
+    let (mut x, mut y) = (left, top + 8.0);
+    let place = |(_, name): &(Key, &str)| {
+        let wide = 30.0 + text_width(name, SMALL);
+        if x > left && x + wide > width - 4.0 {
+            (x, y) = (left, y + 15.0);
+        }
+        let at = (x, y);
+        x += wide + 8.0;
+        at
+    };
+    entries.iter().map(place).collect()
+}
+
+/// Height of a legend from `left` in a picture across the page.
+pub(super) fn legend_height(left: f64, entries: &[(Key, &str)]) -> f64 {
+    legend_places(left, 0.0, WIDE, entries).last().map_or(0.0, |place| place.1 + 8.0)
 }
 
 /// A rectangle with two axes.
 #[derive(Debug, Clone)]
-pub(super) struct Frame {
-    /// Start of the room for labels and title of the Y axis, pixels.
-    pub(super) start: f64,
+pub(crate) struct Frame {
+    /// Where the room for labels and title of the Y axis begins, pixels.
+    pub(crate) start: f64,
     /// Edges in pixels.
-    pub(super) left: f64,
-    pub(super) top: f64,
-    pub(super) right: f64,
-    pub(super) bottom: f64,
-    pub(super) x: Axis,
-    pub(super) y: Axis,
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
 }
 
 /// Room that tick labels and title of vertical axes need.
 pub(super) fn gutter(axes: &[&Axis]) -> f64 {
     let labels = axes.iter().flat_map(|axis| &axis.ticks).map(|tick| text_width(&tick.1, SMALL));
     28.0 + labels.fold(20.0, f64::max)
+}
+
+/// Stacks frames of a height across the page that share the X axis, from `top`, with a space between them.
+pub(super) fn stacked(x: &Axis, axes: Vec<Axis>, (top, height, space): (f64, f64, f64)) -> Vec<Frame> {
+    let left = gutter(&axes.iter().collect::<Vec<_>>());
+    let frame = |(i, y): (usize, Axis)| {
+        let top = top + i as f64 * (height + space);
+        Frame { start: 0.0, left, top, right: WIDE_RIGHT, bottom: top + height, x: x.clone(), y }
+    };
+    axes.into_iter().enumerate().map(frame).collect()
+}
+
+/// Returns a square of the side `side` about the middle of both ranges, with one scale in both directions; `share` of it is filled.
+pub(super) fn equal_scales(
+    (x, y): ((f64, f64), (f64, f64)),
+    (top, side, share): (f64, f64, f64),
+    [across, up]: [&str; 2],
+) -> Frame {
+    let half = 0.5 * (x.1 - x.0).max(y.1 - y.0) / share;
+    let about = |range: (f64, f64)| {
+        let middle = 0.5 * (range.0 + range.1);
+        Some((middle - half, middle + half))
+    };
+    let (x, y) = (Axis::exact(about(x), 7, across), Axis::exact(about(y), 7, up));
+    let left = gutter(&[&y]);
+    Frame { start: 0.0, left, top, right: left + side, bottom: top + side, x, y }
 }
 
 impl Frame {
@@ -258,55 +448,237 @@ impl Frame {
     }
 
     /// Grid, edges, tick labels and titles. `below` is false for a frame that shares the X axis with the next one.
-    pub(super) fn axes(&self, canvas: &mut Canvas, below: bool) -> Result<()> {
-        self.grid(canvas)?;
+    pub(super) fn axes(&self, canvas: &mut Canvas, below: bool) {
+        let plot = canvas.plot(self, below);
+        canvas.group(format_args!("data-axes=\"{plot}\""), |canvas| {
+            self.grid(canvas);
+            for (value, label) in &self.y.ticks {
+                let y = self.at(&(0.0, *value)).1;
+                canvas.text(label, (self.left - 5.0, y), Anchor::End, INK);
+            }
+            if below {
+                for (value, label) in &self.x.ticks {
+                    let x = self.at(&(*value, 0.0)).0;
+                    canvas.text(label, (x, self.bottom + 10.0), Anchor::Middle, INK);
+                }
+            }
+        });
         let corners =
             [(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)];
-        canvas.line(&[corners[0], corners[1], corners[2], corners[3], corners[0]], Stroke(MARK, 0.75))?;
-        for (value, label) in &self.y.ticks {
-            let y = self.at(&(0.0, *value)).1;
-            canvas.text(label, (self.left - 5.0, y), Anchor::End, INK)?;
+        canvas.line(&[corners[0], corners[1], corners[2], corners[3], corners[0]], Stroke(MARK, 0.75));
+        // A short axis has its title above it.
+        if self.bottom - self.top < SHORT {
+            canvas.text(&self.y.title, (self.left, self.top - 7.0), Anchor::Start, INK);
+        } else {
+            canvas.upright(&self.y.title, (self.start + 9.0, 0.5 * (self.top + self.bottom)));
         }
-        canvas.upright(&self.y.title, (self.start + 9.0, 0.5 * (self.top + self.bottom)))?;
-        if below { self.labels_below(canvas) } else { Ok(()) }
+        if below {
+            canvas.text(&self.x.title, (0.5 * (self.left + self.right), self.bottom + 26.0), Anchor::Middle, INK);
+        }
     }
 
-    fn labels_below(&self, canvas: &mut Canvas) -> Result<()> {
-        for (value, label) in &self.x.ticks {
-            let x = self.at(&(*value, 0.0)).0;
-            canvas.text(label, (x, self.bottom + 10.0), Anchor::Middle, INK)?;
+    fn grid(&self, canvas: &mut Canvas) {
+        for (values, width) in
+            [(&self.y.minor, 0.25), (&self.y.ticks.iter().map(|tick| tick.0).collect::<Vec<f64>>(), 0.75)]
+        {
+            for value in values {
+                let y = self.at(&(0.0, *value)).1;
+                canvas.line(&[(self.left, y), (self.right, y)], Stroke(GRID, width));
+            }
         }
-        canvas.text(&self.x.title, (0.5 * (self.left + self.right), self.bottom + 26.0), Anchor::Middle, INK)
+        for (values, width) in
+            [(&self.x.minor, 0.25), (&self.x.ticks.iter().map(|tick| tick.0).collect::<Vec<f64>>(), 0.75)]
+        {
+            for value in values {
+                let x = self.at(&(*value, 0.0)).0;
+                canvas.line(&[(x, self.top), (x, self.bottom)], Stroke(GRID, width));
+            }
+        }
     }
 
-    fn grid(&self, canvas: &mut Canvas) -> Result<()> {
-        for value in self.y.minor.iter().chain(self.y.ticks.iter().map(|tick| &tick.0)) {
-            let y = self.at(&(0.0, *value)).1;
-            let width = if self.y.minor.contains(value) { 0.25 } else { 0.75 };
-            canvas.line(&[(self.left, y), (self.right, y)], Stroke(GRID, width))?;
-        }
-        for (value, _) in &self.x.ticks {
-            let x = self.at(&(*value, 0.0)).0;
-            canvas.line(&[(x, self.top), (x, self.bottom)], Stroke(GRID, 0.75))?;
-        }
-        Ok(())
+    /// Draws what has a place in the data; it follows both axes where the script zooms.
+    pub(super) fn inside(&self, canvas: &mut Canvas, draw: impl FnOnce(&mut Canvas)) {
+        let plot = canvas.plot(self, true);
+        canvas.group(format_args!("data-inside=\"{plot}\""), draw);
     }
 
-    /// A line of the data, broken where a value is missing.
-    pub(super) fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) -> Result<()> {
+    /// Draws what has a place along X only, such as the name of a line above the frame.
+    pub(super) fn along(&self, canvas: &mut Canvas, draw: impl FnOnce(&mut Canvas)) {
+        let plot = canvas.plot(self, true);
+        canvas.group(format_args!("data-along=\"{plot}\""), draw);
+    }
+
+    /// Draws lines from the lower to the upper edge.
+    pub(super) fn uprights(&self, canvas: &mut Canvas, values: impl IntoIterator<Item = f64>, stroke: Stroke) {
+        self.along(canvas, |canvas| {
+            for value in values.into_iter().filter(|value| self.x.holds(*value)) {
+                let x = self.at(&(value, 0.0)).0;
+                canvas.line(&[(x, self.bottom), (x, self.top)], stroke);
+            }
+        });
+    }
+
+    /// Draws lines across the frame.
+    pub(super) fn levels(&self, canvas: &mut Canvas, values: impl IntoIterator<Item = f64>, stroke: Stroke) {
+        self.inside(canvas, |canvas| {
+            for value in values.into_iter().filter(|value| value.is_finite()) {
+                let y = self.at(&(0.0, value)).1;
+                canvas.line(&[(self.left, y), (self.right, y)], stroke);
+            }
+        });
+    }
+
+    /// Shades from one value of X to another.
+    pub(super) fn shade(&self, canvas: &mut Canvas, ranges: impl IntoIterator<Item = [f64; 2]>, colour: Colour) {
+        self.along(canvas, |canvas| {
+            for range in ranges {
+                let [from, to] = range.map(|x| self.at(&(x, 0.0)).0);
+                let to = to.max(from + 1.0);
+                canvas.polygon(&[(from, self.top), (to, self.top), (to, self.bottom), (from, self.bottom)], colour);
+            }
+        });
+    }
+
+    /// A line of the data, broken where a value is missing, that the script does not read.
+    pub(super) fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
+        self.inside(canvas, |canvas| self.pieces(canvas, points, stroke));
+    }
+
+    fn pieces(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
         for piece in pieces(points) {
             let pixels: Vec<Point> = piece.iter().map(|point| self.at(point)).collect();
-            canvas.line(&pixels, stroke)?;
+            canvas.line(&pixels, stroke);
         }
-        Ok(())
+    }
+
+    /// A named curve: drawn with few points, kept with more for the script. Points outside the frame are not drawn.
+    pub(super) fn series(
+        &self,
+        canvas: &mut Canvas,
+        (name, points): (&str, &[Point]),
+        thinning: Thinning,
+        stroke: Stroke,
+    ) {
+        let is_shown = |point: &Point| !(point.0 < self.x.low() || point.0 > self.x.high());
+        let shown: Vec<Point> = points.iter().copied().filter(is_shown).collect();
+        let drawn = self.standing_out(thinning.drawn(&shown));
+        let kind = if matches!(thinning, Thinning::Path(_)) { CurveKind::Path } else { CurveKind::Function };
+        let number = self.keep(canvas, Curve { name: name.to_owned(), points: thinning.kept(points), kind });
+        canvas.group(format_args!("data-curve=\"{number}\" {stroke}"), |canvas| {
+            for piece in pieces(&drawn) {
+                let pixels: Vec<Point> = piece.iter().map(|point| self.at(point)).collect();
+                match pixels.as_slice() {
+                    [(x, y)] => canvas.dot(*x, *y, stroke.1.max(2.0), stroke.0),
+                    pixels => canvas.element(format_args!("<polyline points=\"{}\"/>", Points(pixels))),
+                }
+            }
+        });
+    }
+
+    /// Keeps the values of a curve for the script; returns the numbers of plot and curve.
+    fn keep(&self, canvas: &mut Canvas, curve: Curve) -> String {
+        let plot = canvas.plot(self, true);
+        let curves = &mut canvas.plots[plot].curves;
+        curves.push(curve);
+        format!("{plot}.{}", curves.len() - 1)
+    }
+
+    /// Separate points.
+    pub(super) fn scatter(&self, canvas: &mut Canvas, (name, points): (&str, &[Point]), marker: Marker) {
+        let finite = || points.iter().filter(|point| point.0.is_finite() && point.1.is_finite());
+        let points: Vec<Point> = finite().copied().collect();
+        self.inside(canvas, |canvas| {
+            for (x, y) in finite().map(|point| self.at(point)) {
+                match marker {
+                    Marker::Dot(radius, colour) => canvas.dot(x, y, radius, colour),
+                    Marker::Ring(colour) => canvas.ring(x, y, colour),
+                }
+            }
+        });
+        self.keep(canvas, Curve { name: name.to_owned(), points, kind: CurveKind::Scatter });
+    }
+
+    /// A spectrum that stands at a value of Y and hides those behind it. Heights are roots of the amplitude; the amplitude `highest` is
+    /// `peak` pixels high.
+    pub(super) fn ridge(
+        &self,
+        canvas: &mut Canvas,
+        along: f64,
+        (name, points): (&str, &[Point]),
+        (highest, peak): (f64, f64),
+    ) {
+        let base = self.at(&(0.0, along)).1;
+        let height = |amplitude: f64| peak * (amplitude / highest.max(f64::MIN_POSITIVE)).max(0.0).sqrt();
+        let line: Vec<Point> = points.iter().map(|(x, a)| (self.at(&(*x, 0.0)).0, base - height(*a))).collect();
+        let (Some(first), Some(last)) = (line.first(), line.last()) else { return };
+        let body: Vec<Point> = line.iter().copied().chain([(last.0, base), (first.0, base)]).collect();
+        self.inside(canvas, |canvas| {
+            canvas.polygon(&body, PAPER);
+            canvas.line(&[(self.left, base), (self.right, base)], Stroke(MARK, 0.25));
+            canvas.line(&line, Stroke(MEASURED, 0.9));
+        });
+        let kind = CurveKind::Ridge(along);
+        self.keep(canvas, Curve { name: name.to_owned(), points: points.to_vec(), kind });
+    }
+
+    /// Without the stretches that lie below a frame with decades: they would run along its lower edge.
+    fn standing_out(&self, points: Vec<Point>) -> Vec<Point> {
+        if !self.y.is_logarithmic() {
+            return points;
+        }
+        let above: Vec<bool> = points.iter().map(|point| point.1 > self.y.low()).collect();
+        let near = |i: usize| above[i] || (i > 0 && above[i - 1]) || above.get(i + 1) == Some(&true);
+        points.into_iter().enumerate().map(|(i, point)| if near(i) { point } else { (point.0, f64::NAN) }).collect()
     }
 
     /// Writes "no data" in the middle of a frame without data.
-    pub(super) fn note_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) -> Result<()> {
+    pub(super) fn note_if_empty(&self, canvas: &mut Canvas, curves: &[&[Point]]) {
         if curves.iter().any(|curve| pieces(curve).next().is_some()) {
-            return Ok(());
+            return;
         }
         let middle = (0.5 * (self.left + self.right), 0.5 * (self.top + self.bottom));
-        canvas.text("no data", middle, Anchor::Middle, MARK)
+        canvas.text("no data", middle, Anchor::Middle, MARK);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_short_and_finite() {
+        let shown = |x: f64| Pixels(x).to_string();
+        assert_eq!([1.0, 1.04, -0.04, 12.34, -3.25].map(shown), ["1", "1", "0", "12.3", "-3.3"]);
+        assert_eq!([f64::NAN, f64::INFINITY, 1e9].map(shown), ["-9999", "-9999", "9999"]);
+    }
+
+    #[test]
+    fn text_is_escaped() {
+        let drawn = picture((10.0, 10.0), |canvas| canvas.text("<b>&\"", (1.0, 2.0), Anchor::Start, INK));
+        assert!(drawn.svg.contains(">&lt;b&gt;&amp;&quot;</text>"), "{}", drawn.svg);
+    }
+
+    #[test]
+    fn a_file_has_colours_and_no_custom_properties() {
+        let file = picture((10.0, 10.0), |canvas| canvas.dot(1.0, 2.0, 3.0, MEASURED)).file();
+        assert!(
+            file.starts_with("<svg xmlns=") && file.contains("fill=\"#0b3c6f\"") && !file.contains("var("),
+            "{file}"
+        );
+    }
+
+    #[test]
+    fn a_curve_is_kept_whole_and_drawn_inside_its_frame() {
+        let points: Vec<Point> = (0..100).map(|i| (f64::from(i), 1.0 + f64::from(i % 7))).collect();
+        let x = Axis::exact(Some((0.0, 49.0)), 5, "Time, s");
+        let y = Axis::from_zero(Some(8.0), 5, "Position, um");
+        let frame = Frame { start: 0.0, left: 40.0, top: 10.0, right: 140.0, bottom: 60.0, x, y };
+        let drawn = picture((150.0, 100.0), |canvas| {
+            frame.axes(canvas, true);
+            frame.series(canvas, ("measured", &points), Thinning::Extremes([1000, 1000]), MEASURED_LINE);
+        });
+        assert_eq!(drawn.plots[0].curves[0].points.len(), 100);
+        let polyline = drawn.svg.split("<polyline points=\"").last().and_then(|rest| rest.split('"').next());
+        assert_eq!(polyline.map(|points| points.split(' ').count()), Some(50));
     }
 }

@@ -1,17 +1,15 @@
 //! Spectra one behind the other: a waterfall over time, or a cascade over speed where that changes.
 
 use super::axis::{Axis, extent};
-use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, MARK, MEASURED, PAPER, Stroke, gutter, picture};
-use super::line::{Point, peaks};
+use super::canvas::{Anchor, BELOW, Canvas, FAINT, Frame, INK, Stroke, WIDE, gutter, picture};
+use super::line::{Point, Thinning};
 use super::mark::{self, Mark};
 use super::{Context, Figure, Picture};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 
-const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 330.0;
+const HEIGHT: f64 = 300.0;
 /// Height of the highest peak.
-const PEAK: f64 = 56.0;
+const PEAK: f64 = 52.0;
 /// Points of one spectrum at most.
 const POINTS: usize = 170;
 /// The view ends at this many times the highest marked line.
@@ -27,7 +25,7 @@ impl Figure for Cascades {
         "Cascade and waterfall spectra"
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let data = context.data;
         let several = data.cascades.iter().filter(|one| one.slices.len() > 1);
         several.map(|one| cascade(one, &data.lines, context.over_speed)).collect()
@@ -35,29 +33,29 @@ impl Figure for Cascades {
 }
 
 /// One picture a plane or probe; over the speed where it changes.
-pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool) -> Result<Picture> {
+pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool) -> Picture {
     let view = View::new(cascade, lines, over_speed);
-    let mut marks = mark::marks(&view.lines, view.highest);
+    let mut marks = mark::marks(&view.lines, &[], view.highest);
     let frame = view.frame(&mut marks);
     let largest = view.slices.iter().flat_map(|s| view.points(s)).map(|p| p.1).fold(0.0, f64::max);
-    let svg = picture((WIDTH, frame.bottom + 36.0), Dashes::None, |canvas| {
-        frame.axes(canvas, true)?;
+    let drawing = picture((WIDE, frame.bottom + BELOW), |canvas| {
+        frame.axes(canvas, true);
         // Those further up lie behind.
         for slice in view.slices.iter().rev() {
-            let base = frame.at(&(0.0, view.along(slice))).1;
-            draw(canvas, &frame, &view.points(slice), base, largest)?;
+            let spectrum = ("amplitude, um peak", &view.points(slice)[..]);
+            frame.ridge(canvas, view.along(slice), spectrum, (largest, PEAK));
         }
-        view.order_lines(canvas, &frame, &marks)?;
-        mark::names(canvas, &frame, &marks)?;
+        view.order_lines(canvas, &frame, &marks);
+        mark::names(canvas, &frame, &marks);
         canvas.text(
             &format!("height: root of the amplitude, highest {largest:.3} um peak"),
             (frame.left, 8.0),
             Anchor::Start,
             INK,
-        )
-    })?;
+        );
+    });
     let (kind, over) = if over_speed { ("Cascade", "speed") } else { ("Waterfall", "time") };
-    Ok(Picture {
+    Picture {
         title: format!("{kind} of {} over {over}", cascade.name),
         note: if cascade.two_sided {
             "Full spectra: forward precession to the right, reverse to the left."
@@ -65,8 +63,9 @@ pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool)
             ""
         }
         .to_owned(),
-        svg,
-    })
+        drawing,
+        ..Picture::default()
+    }
 }
 
 /// Part of a cascade that is drawn.
@@ -107,10 +106,10 @@ impl<'a> View<'a> {
 
     fn frame(&self, marks: &mut [Mark]) -> Frame {
         let lowest = if self.cascade.two_sided { -self.highest } else { 0.0 };
-        let x = Axis::exact(Some((lowest, self.highest)), 9, "Frequency, Hz");
+        let x = Axis::exact(Some((lowest, self.highest)), 7, "Frequency, Hz");
         let y = Axis::exact(Some((self.low, self.high)), 8, if self.over_speed { "Speed, rpm" } else { "Time, s" });
         let left = gutter(&[&y]);
-        let right = mark::right_edge(marks, left, WIDTH, |hz| x.place(hz));
+        let right = mark::right_edge(marks, left, WIDE, |hz| x.place(hz));
         let rows = mark::stack(marks, |hz| left + x.place(hz) * (right - left));
         let top = 24.0 + mark::height(rows);
         Frame { start: 0.0, left, top, right, bottom: top + HEIGHT, x, y }
@@ -124,35 +123,26 @@ impl<'a> View<'a> {
         let bins = slice.amplitude_um.iter().enumerate();
         let kept = bins.filter(|(i, a)| a.is_finite() && hz(*i) >= lowest && hz(*i) <= self.highest);
         let size = |i: usize, a: f64| if i.abs_diff(half) < MEAN_BINS { 0.0 } else { a.min(1e12) };
-        peaks(&kept.map(|(i, a)| (hz(i), size(i, *a))).collect::<Vec<_>>(), POINTS)
+        Thinning::Peaks([POINTS, POINTS]).drawn(&kept.map(|(i, a)| (hz(i), size(i, *a))).collect::<Vec<_>>())
     }
 
     /// Straight up over time; through the origin over speed.
-    fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) -> Result<()> {
+    fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
         if !self.over_speed {
             return mark::lines(canvas, frame, marks);
         }
+        frame.inside(canvas, |canvas| self.rays(canvas, frame, marks));
+    }
+
+    fn rays(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
         for mark in marks {
             let foot = mark.hz * self.low / self.high;
             for side in [1.0, -1.0] {
                 let (from, to) = ((side * foot, self.low), (side * mark.hz, self.high));
                 if frame.x.holds(from.0) && frame.x.holds(to.0) {
-                    canvas.line(&[frame.at(&from), frame.at(&to)], Stroke(FAINT, 0.75))?;
+                    canvas.line(&[frame.at(&from), frame.at(&to)], Stroke(FAINT, 0.75));
                 }
             }
         }
-        Ok(())
     }
-}
-
-/// One spectrum, which hides those behind it.
-fn draw(canvas: &mut Canvas, frame: &Frame, points: &[Point], base: f64, largest: f64) -> Result<()> {
-    let height = |a: f64| PEAK * (a / largest.max(f64::MIN_POSITIVE)).max(0.0).sqrt();
-    let line: Vec<Point> = points.iter().map(|(hz, a)| (frame.at(&(*hz, 0.0)).0, base - height(*a))).collect();
-    let (Some(first), Some(last)) = (line.first(), line.last()) else { return Ok(()) };
-    let mut body = line.clone();
-    body.extend([(last.0, base), (first.0, base)]);
-    canvas.polygon(&body, PAPER)?;
-    canvas.line(&[(frame.left, base), (frame.right, base)], Stroke(MARK, 0.25))?;
-    canvas.line(&line, Stroke(MEASURED, 0.9))
 }

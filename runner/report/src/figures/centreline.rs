@@ -1,16 +1,14 @@
 //! Shaft centrelines: the mean position in a plane from the start of the recording to its end, within the clearance.
 
-use super::axis::{Axis, extent, signed};
-use super::canvas::{Dashes, Frame, Key, MARK, MEASURED, Stroke, TWIN, gutter, picture};
-use super::line::Point;
+use super::axis::{extent, signed};
+use super::canvas::{BELOW, Frame, Key, MARK, MEASURED, MEASURED_LINE, Stroke, TWIN, equal_scales, picture};
+use super::line::{Point, Thinning};
 use super::{Context, Figure, Picture, Shape};
 use crate::number::{at_station, fixed};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{Block, Clearance, Orbit, Outcome};
 
-const SIDE: f64 = 340.0;
+const SIDE: f64 = 290.0;
 const CLEARANCE: Stroke = Stroke(MARK, 1.2);
-const WAY: Stroke = Stroke(MEASURED, 1.6);
 
 /// Shaft centrelines, one per plane.
 pub(super) struct Centrelines;
@@ -24,7 +22,7 @@ impl Figure for Centrelines {
         Shape::Square
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let data = context.data;
         let planes = data.orbits.iter().zip(&data.clearances).filter(|_| data.blocks.len() > 1);
         planes
@@ -49,52 +47,60 @@ fn positions(outcome: &Outcome, orbit: &Orbit) -> Vec<(Point, f64)> {
 }
 
 /// Draws the shaft centreline in one plane; each point has its speed.
-pub(super) fn centreline(orbit: &Orbit, path: &[(Point, f64)], clearance: Option<&Clearance>) -> Result<Picture> {
+pub(super) fn centreline(orbit: &Orbit, path: &[(Point, f64)], clearance: Option<&Clearance>) -> Picture {
     let points: Vec<Point> = path.iter().map(|(point, _)| *point).collect();
     let radius = clearance.map(|c| c.radius_um).filter(|radius| *radius > 0.0 && *radius < 1e6);
     let frame = square(&points, radius);
     let rpm = |at: Option<&(Point, f64)>| fixed(at.map_or(f64::NAN, |(_, rpm)| *rpm), 0);
     let (start, end) = (format!("start, {} rpm", rpm(path.first())), format!("end, {} rpm", rpm(path.last())));
     let rim = clearance.map_or_else(String::new, |c| format!("clearance of {}", c.bearing));
-    let mut legend = vec![(Key::Line(WAY), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
+    let mut legend =
+        vec![(Key::Line(MEASURED_LINE), "mean position"), (Key::Ring(TWIN), &start), (Key::Dot(MEASURED), &end)];
     if radius.is_some() {
         legend.push((Key::Line(CLEARANCE), &rim));
     }
-    let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::None, |canvas| {
-        canvas.legend(frame.left, 0.0, &legend)?;
-        frame.axes(canvas, true)?;
+    let drawing = picture((frame.right + 14.0, frame.bottom + BELOW), |canvas| {
+        canvas.legend(4.0, 0.0, &legend);
+        frame.axes(canvas, true);
         if let Some(radius) = radius {
             let circle = (0..=180).map(|i| f64::from(2 * i).to_radians().sin_cos());
-            frame.curve(canvas, &circle.map(|(s, c)| (radius * c, radius * s)).collect::<Vec<_>>(), CLEARANCE)?;
+            let circle: Vec<Point> = circle.map(|(s, c)| (radius * c, radius * s)).collect();
+            frame.series(canvas, (&rim, &circle), Thinning::Path(circle.len()), CLEARANCE);
         }
-        frame.curve(canvas, &points, WAY)?;
-        let ends = [points.first(), points.last()].map(|end| end.filter(|(x, y)| x.is_finite() && y.is_finite()));
-        if let [Some(first), Some(last)] = ends {
-            let (x, y) = frame.at(last);
-            canvas.dot(x, y, 3.6, MEASURED)?;
-            let (x, y) = frame.at(first);
-            canvas.ring(x, y, TWIN)?;
-        }
-        frame.note_if_empty(canvas, &[&points])
-    })?;
+        frame.series(canvas, ("mean position", &points), Thinning::Path(points.len()), MEASURED_LINE);
+        frame.inside(canvas, |canvas| {
+            let ends = [points.first(), points.last()].map(|end| end.filter(|(x, y)| x.is_finite() && y.is_finite()));
+            if let [Some(first), Some(last)] = ends {
+                let (x, y) = frame.at(last);
+                canvas.dot(x, y, 3.6, MEASURED);
+                let (x, y) = frame.at(first);
+                canvas.ring(x, y, TWIN);
+            }
+        });
+        frame.note_if_empty(canvas, &[&points]);
+    });
     let title = format!("Shaft centreline at {}{}", orbit.name, signed(&at_station(orbit.station_mm, 0)));
-    Ok(Picture { title, note: words(clearance), svg })
+    Picture { title, note: words(clearance), drawing, ..Picture::default() }
 }
 
 fn words(clearance: Option<&Clearance>) -> String {
     let circle = clearance.map_or_else(
-        || "The scene has no clearance.".to_owned(),
+        || "The scene has no clearance to compare with.".to_owned(),
         |c| {
             format!(
-                "Circle: half the diametral clearance of {}, {} um, {} mm away along the shaft, about the scene's \
-                 bearing centre.",
+                "Circle: the room that half the diametral clearance of {}, {} um, leaves about the bearing centre; the \
+                 bearing is {} mm away along the shaft.",
                 c.bearing,
                 fixed(c.radius_um, 2),
                 fixed(c.distance_mm, 0)
             )
         },
     );
-    format!("Mean of each block of four turns. Equal scales. {circle}")
+    format!(
+        "Shows where the shaft runs on average, not how it vibrates: one point for the mean of each block of four turns, \
+         joined from start (ring) to end (dot). A shaft that sinks with speed or load, or leaves its side of the clearance, \
+         has another load or a worn bearing. Equal scales. {circle}"
+    )
 }
 
 /// Returns a square that contains the centreline and the clearance.
@@ -102,9 +108,6 @@ fn square(points: &[Point], radius: Option<f64>) -> Frame {
     let rim = radius.map_or_else(Vec::new, |radius| vec![-radius, radius]);
     let range = |of: fn(&Point) -> f64| extent(points.iter().map(of).chain(rim.iter().copied())).unwrap_or((-1.0, 1.0));
     let (x, y) = (range(|point| point.0), range(|point| point.1));
-    let half = 0.55 * (x.1 - x.0).max(y.1 - y.0).max(1e-3);
-    let about = |(low, high): (f64, f64)| Some((0.5 * (low + high) - half, 0.5 * (low + high) + half));
-    let (x, y) = (Axis::exact(about(x), 7, "X, um"), Axis::exact(about(y), 7, "Y, um"));
-    let left = gutter(&[&y]);
-    Frame { start: 0.0, left, top: 40.0, right: left + SIDE, bottom: 40.0 + SIDE, x, y }
+    let widened = |(low, high): (f64, f64)| if high - low > 1e-3 { (low, high) } else { (low - 5e-4, high + 5e-4) };
+    equal_scales((widened(x), widened(y)), (56.0, SIDE, 0.91), ["X, um", "Y, um"])
 }

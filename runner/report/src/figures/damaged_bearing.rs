@@ -4,31 +4,27 @@
 use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, Stroke, TWIN, gutter, picture,
+    Anchor, Canvas, FAULT, Frame, GRID, INK, Key, MARK, MEASURED, PAPER, RESIDUAL, SHADE, Stroke, WIDE, WIDE_RIGHT,
+    gutter, picture,
 };
-use super::line::Point;
+use super::line::{Point, Thinning};
 use crate::number::{alone, count, fixed, shortened};
 use crate::words;
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{Estimate, FaultParameters, Finding, ForceRose, ReferenceFrame};
-use plotters::prelude::RGBColor;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 346.0;
+const HEIGHT: f64 = 326.0;
 /// Right edge of the drawing.
-const SIDE: f64 = 328.0;
-const MIDDLE: Point = (0.5 * SIDE - 4.0, 182.0);
+const SIDE: f64 = 284.0;
+const MIDDLE: Point = (0.5 * SIDE - 4.0, 174.0);
 /// Pitch circle of the elements.
-const PITCH: f64 = 52.0;
+const PITCH: f64 = 46.0;
 /// Thickness of the rings beyond the races.
-const RING: f64 = 8.0;
+const RING: f64 = 7.0;
 /// Inner and outer end of the bars of the rose.
-const ROSE: [f64; 2] = [84.0, 126.0];
+const ROSE: [f64; 2] = [74.0, 108.0];
 /// Radius of the angles.
-const ANGLES: f64 = 140.0;
-/// Extent of the damage.
-const SHADE: RGBColor = RGBColor(0xf6, 0xdf, 0xcc);
+const ANGLES: f64 = 121.0;
 const ALONG: Stroke = Stroke(MEASURED, 1.7);
 const ACROSS: Stroke = Stroke(RESIDUAL, 1.4);
 /// Largest radius of an element over its share of the pitch circle.
@@ -39,30 +35,35 @@ const ARC_STEP: f64 = 0.02;
 const MIN_SPALL: f64 = 5.0;
 
 /// Draws the damaged bearing of a finding; `forward` is the sense of rotation, +1 from +X towards +Y.
-pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64) -> Result<Picture> {
-    let drawing = Drawing::new(&finding.parameters, rose);
-    let svg = picture((WIDTH, HEIGHT), Dashes::None, |canvas| {
-        canvas.legend(8.0, 0.0, &legend(rose.frame))?;
-        drawing.angles(canvas)?;
-        drawing.bars(canvas)?;
-        drawing.rings(canvas)?;
-        drawing.elements(canvas)?;
-        drawing.damage(canvas)?;
-        sense(canvas, forward)?;
-        mean_pass(canvas, &finding.parameters, rose)
-    })?;
+pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64) -> Picture {
+    let bearing = Drawing::new(&finding.parameters, rose);
+    let drawing = picture((WIDE, HEIGHT), |canvas| {
+        canvas.legend(8.0, 0.0, &legend(rose.frame));
+        bearing.angles(canvas);
+        bearing.bars(canvas);
+        bearing.rings(canvas);
+        bearing.elements(canvas);
+        bearing.damage(canvas);
+        sense(canvas, forward);
+        mean_pass(canvas, &finding.parameters, rose);
+    });
     let bearing = shortened(finding.bearing.as_deref().unwrap_or_default(), 30);
-    Ok(Picture { title: format!("Bearing {bearing}: {}", words::place(finding)), note: note(rose), svg })
+    Picture {
+        title: format!("Bearing {bearing}: {}", words::place(finding)),
+        note: note(rose),
+        drawing,
+        ..Picture::default()
+    }
 }
 
 fn legend(frame: ReferenceFrame) -> [(Key, &'static str); 4] {
     let place = match frame {
         ReferenceFrame::Cage => "damaged element",
-        _ => "damage, 95 % interval",
+        _ => "damage, 95 %",
     };
     [
         (Key::Band(MEASURED), "direction of the force"),
-        (Key::Line(Stroke(TWIN, 3.0)), place),
+        (Key::Line(Stroke(FAULT, 3.0)), place),
         (Key::Line(ALONG), "force along it"),
         (Key::Line(ACROSS), "across it"),
     ]
@@ -87,31 +88,29 @@ fn note(rose: &ForceRose) -> String {
 }
 
 /// The force while an element passes the damage, whose extent is shaded.
-fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose) -> Result<()> {
+fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose) {
     let curve = |i: usize| -> Vec<Point> { rose.pass.iter().map(|point| (point[0], point[i])).collect() };
     let (along, across) = (curve(1), curve(2));
-    let y = Axis::padded(extent(along.iter().chain(&across).map(|point| point.1)), 7, "Force, N");
+    let y = Axis::padded(extent(along.iter().chain(&across).map(|point| point.1)), 6, "Force, N");
     let title = match rose.frame {
-        ReferenceFrame::Cage => "Contact point from the damage, deg",
-        _ => "Element from the damage, deg",
+        ReferenceFrame::Cage => "Contact from damage, deg",
+        _ => "Element from damage, deg",
     };
-    let x = Axis::exact(extent(along.iter().map(|point| point.0)), 7, title);
-    let start = SIDE + 8.0;
-    let frame =
-        Frame { start, left: start + gutter(&[&y]), top: 48.0, right: WIDTH - 14.0, bottom: HEIGHT - 42.0, x, y };
+    let x = Axis::exact(extent(along.iter().map(|point| point.0)), 4, title);
+    let start = SIDE + 4.0;
+    let frame = Frame { start, left: start + gutter(&[&y]), top: 64.0, right: WIDE_RIGHT, bottom: HEIGHT - 42.0, x, y };
     let half = parameters.half_width_deg.map_or(f64::NAN, |half| half.value);
     if half.is_finite() {
-        let [from, to] = [-half, half].map(|x| frame.at(&(x, 0.0)).0);
-        let corners = [(from, frame.top), (to, frame.top), (to, frame.bottom), (from, frame.bottom)];
-        canvas.polygon(&corners, SHADE)?;
+        frame.shade(canvas, [[-half, half]], SHADE);
     }
-    frame.axes(canvas, true)?;
-    frame.curve(canvas, &across, ACROSS)?;
-    frame.curve(canvas, &along, ALONG)?;
+    frame.axes(canvas, true);
+    frame.series(canvas, ("force across the direction of the damage", &across), Thinning::None, ACROSS);
+    frame.series(canvas, ("force along the direction of the damage", &along), Thinning::None, ALONG);
     if half.is_finite() {
-        canvas.text("extent of the damage", (frame.at(&(0.0, 0.0)).0, frame.top - 9.0), Anchor::Middle, INK)?;
+        let middle = 0.5 * (frame.left + frame.right);
+        canvas.text("shaded: extent of the damage", (middle, frame.top - 9.0), Anchor::Middle, INK);
     }
-    frame.note_if_empty(canvas, &[&along])
+    frame.note_if_empty(canvas, &[&along]);
 }
 
 /// Geometry of one drawing, pixels.
@@ -141,9 +140,9 @@ impl<'a> Drawing<'a> {
     }
 
     /// Rings of the rose and the four quarters with their angles.
-    fn angles(&self, canvas: &mut Canvas) -> Result<()> {
-        canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[0], Stroke(GRID, 0.9))?;
-        canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[1], Stroke(GRID, 0.9))?;
+    fn angles(&self, canvas: &mut Canvas) {
+        canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[0], Stroke(GRID, 0.9));
+        canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[1], Stroke(GRID, 0.9));
         let zero = match self.rose.frame {
             ReferenceFrame::Fixed => "0\u{b0} +X",
             ReferenceFrame::Shaft => "0\u{b0} mark",
@@ -152,19 +151,18 @@ impl<'a> Drawing<'a> {
         let ninety = if self.rose.frame == ReferenceFrame::Fixed { "90\u{b0} +Y" } else { "90\u{b0}" };
         for (quarter, name) in [zero, ninety, "180\u{b0}", "270\u{b0}"].into_iter().enumerate() {
             let angle = FRAC_PI_2 * quarter as f64;
-            canvas.line(&[around(angle, ROSE[0]), around(angle, ROSE[1])], Stroke(GRID, 0.9))?;
+            canvas.line(&[around(angle, ROSE[0]), around(angle, ROSE[1])], Stroke(GRID, 0.9));
             let (x, y) = around(angle, ANGLES);
             let (at, anchor) = match quarter {
                 0 => ((x - ANGLES + ROSE[1] + 8.0, y), Anchor::Start),
                 _ => ((x, y), Anchor::Middle),
             };
-            canvas.text(name, at, anchor, INK)?;
+            canvas.text(name, at, anchor, INK);
         }
-        Ok(())
     }
 
     /// The rose: one bar a sector, the longest to the outer circle.
-    fn bars(&self, canvas: &mut Canvas) -> Result<()> {
+    fn bars(&self, canvas: &mut Canvas) {
         let energy = &self.rose.energy;
         let largest = energy.iter().copied().filter(|share| share.is_finite()).fold(0.0, f64::max);
         let half = 0.5 * TAU / energy.len().max(1) as f64;
@@ -174,47 +172,44 @@ impl<'a> Drawing<'a> {
             let middle = 2.0 * half * i as f64;
             let (from, to) = (middle - 0.86 * half, middle + 0.86 * half);
             let corners = [around(from, ROSE[0]), around(from, end), around(to, end), around(to, ROSE[0])];
-            canvas.polygon(&corners, MEASURED)?;
+            canvas.polygon(&corners, MEASURED);
         }
         if largest > 0.0 {
             let label = format!("outer circle: {} % of the energy", fixed(100.0 * largest, 0));
-            canvas.text(&label, (8.0, HEIGHT - 8.0), Anchor::Start, MARK)?;
+            canvas.text(&label, (8.0, HEIGHT - 8.0), Anchor::Start, MARK);
         }
-        Ok(())
     }
 
     /// Both rings, each between two circles, and the shaft.
-    fn rings(&self, canvas: &mut Canvas) -> Result<()> {
+    fn rings(&self, canvas: &mut Canvas) {
         let (outer, inner) = (PITCH + self.element, PITCH - self.element);
         for radius in [outer, outer + RING, inner, inner - RING] {
-            canvas.circle(MIDDLE.0, MIDDLE.1, radius, Stroke(MARK, 1.1))?;
+            canvas.circle(MIDDLE.0, MIDDLE.1, radius, Stroke(MARK, 1.1));
         }
         // The keyphasor mark, where the shaft is at its angle 0.
         if self.rose.frame != ReferenceFrame::Cage {
-            canvas.triangle(around(0.0, inner - RING - 1.0), PI, 8.0, MARK)?;
+            canvas.triangle(around(0.0, inner - RING - 1.0), PI, 8.0, MARK);
         }
-        Ok(())
     }
 
-    fn elements(&self, canvas: &mut Canvas) -> Result<()> {
+    fn elements(&self, canvas: &mut Canvas) {
         let damaged = self.parameters.element.filter(|_| self.rose.frame == ReferenceFrame::Cage);
         for (i, angle) in self.rose.element_azimuths.iter().enumerate().filter(|(_, angle)| angle.is_finite()) {
             let (x, y) = around(*angle, PITCH);
             if damaged == Some(i + 1) {
-                canvas.dot(x, y, self.element - 1.0, TWIN)?;
-                canvas.dot(x, y, self.element - 4.0, PAPER)?;
+                canvas.dot(x, y, self.element - 1.0, FAULT);
+                canvas.dot(x, y, self.element - 4.0, PAPER);
             }
-            canvas.circle(x, y, self.element - 1.0, Stroke(MARK, 1.1))?;
+            canvas.circle(x, y, self.element - 1.0, Stroke(MARK, 1.1));
             let is_numbered = self.element > 6.5 && self.rose.frame == ReferenceFrame::Cage;
             if is_numbered {
-                canvas.text(&format!("{}", i + 1), (x, y), Anchor::Middle, INK)?;
+                canvas.text(&format!("{}", i + 1), (x, y), Anchor::Middle, INK);
             }
         }
-        Ok(())
     }
 
     /// The spall on its surface, its azimuth through the rose, and the interval of the azimuth at the end.
-    fn damage(&self, canvas: &mut Canvas) -> Result<()> {
+    fn damage(&self, canvas: &mut Canvas) {
         let (race, azimuth) = match self.rose.frame {
             ReferenceFrame::Fixed => (PITCH + self.element, self.parameters.azimuth_deg),
             ReferenceFrame::Shaft => (PITCH - self.element, self.parameters.azimuth_deg),
@@ -225,28 +220,27 @@ impl<'a> Drawing<'a> {
             }
         };
         let Some(azimuth) = azimuth.filter(|a| [a.value, a.low, a.high].iter().all(|x| x.is_finite())) else {
-            return Ok(());
+            return;
         };
         let [value, low, high] = [azimuth.value, azimuth.low, azimuth.high].map(f64::to_radians);
         let from = if self.rose.frame == ReferenceFrame::Cage { race + RING } else { race };
-        canvas.line(&[around(value, from), around(value, ROSE[1] + 6.0)], Stroke(TWIN, 1.2))?;
+        canvas.line(&[around(value, from), around(value, ROSE[1] + 6.0)], Stroke(FAULT, 1.2));
         if high - low > 0.0 && high - low < TAU {
-            canvas.line(&arc(low, high, ROSE[1] + 6.0), Stroke(TWIN, 3.0))?;
+            canvas.line(&arc(low, high, ROSE[1] + 6.0), Stroke(FAULT, 3.0));
         }
         if self.rose.frame != ReferenceFrame::Cage {
             let half = self.parameters.half_width_deg.map_or(0.0, |e| e.value.to_radians());
             let half = if half.is_finite() { half.clamp(MIN_SPALL / race, PI) } else { MIN_SPALL / race };
-            canvas.line(&arc(value - half, value + half, race), Stroke(TWIN, 5.0))?;
+            canvas.line(&arc(value - half, value + half, race), Stroke(FAULT, 5.0));
         }
-        Ok(())
     }
 }
 
 /// An arc with a head in the shaft: the sense of rotation.
-fn sense(canvas: &mut Canvas, forward: f64) -> Result<()> {
+fn sense(canvas: &mut Canvas, forward: f64) {
     let radius = 13.0;
     let turn = |share: f64| PI * (0.5 + forward * (1.5 * share - 0.75));
-    canvas.line(&arc(turn(0.0), turn(1.0), radius), Stroke(MARK, 1.3))?;
+    canvas.line(&arc(turn(0.0), turn(1.0), radius), Stroke(MARK, 1.3));
     let end = around(turn(1.0) + forward * 0.3, radius);
-    canvas.triangle(end, turn(1.0) - forward * FRAC_PI_2, 7.0, MARK)
+    canvas.triangle(end, turn(1.0) - forward * FRAC_PI_2, 7.0, MARK);
 }

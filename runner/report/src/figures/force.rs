@@ -1,16 +1,16 @@
 //! Forces of a bearing over time, with the band that the probes' noise alone makes.
 
 use super::axis::{Axis, extent};
-use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, Stroke, TWIN, gutter, picture};
-use super::line::{Point, decimated, pieces, thinned, zipped};
+use super::canvas::{
+    BAND, BELOW, Canvas, Frame, Key, MEASURED_LINE, TWIN_LINE, WIDE, gutter, legend_height, picture, stacked,
+};
+use super::line::{Point, Thinning, pieces, zipped};
 use super::trace::Clock;
 use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{ForceTrace, Pictures};
 
-const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 112.0;
-const GAP: f64 = 10.0;
+const HEIGHT: f64 = 96.0;
+const GAP: f64 = 12.0;
 const TITLES: [&str; 3] = ["FX, N", "FY, N", "FZ, N"];
 
 /// Forces over time, one picture per bearing.
@@ -25,45 +25,49 @@ impl Figure for BearingForces {
         12 * data.forces.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         context.data.forces.iter().map(|one| force(one, context.budget)).collect()
     }
 }
 
 /// One picture for each bearing: three components, one above another.
-pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Result<Picture> {
+pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Picture {
     let clock = Clock::of(&force.time);
     let time: Vec<f64> = force.time.iter().map(|t| t * clock.scale).collect();
-    let panels: Vec<Panel> = (0..3).map(|i| Panel::new(force, i, &time, budget.line())).collect();
-    let frames = frames(&panels, &time, clock.title);
-    let banded = panels.iter().any(|panel| !panel.band.is_empty());
-    let height = frames.last().map_or(0.0, |frame| frame.bottom) + 36.0;
-    let svg = picture((WIDTH, height), Dashes::Twin, |canvas| {
-        canvas.legend(frames[0].left, 0.0, legend(banded))?;
+    let panels: Vec<Panel> = (0..3).map(|i| Panel::new(force, i, &time, budget.path())).collect();
+    let is_banded = panels.iter().any(|panel| !panel.band.is_empty());
+    let legend = legend(is_banded);
+    let axes: Vec<Axis> =
+        panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 5, title)).collect();
+    let top = legend_height(gutter(&axes.iter().collect::<Vec<_>>()), legend) + 8.0;
+    let frames = stacked(&Axis::exact(extent(time.iter().copied()), 8, clock.title), axes, (top, HEIGHT, GAP));
+    let height = frames.last().map_or(0.0, |frame| frame.bottom) + BELOW;
+    let drawing = picture((WIDE, height), |canvas| {
+        canvas.legend(frames[0].left, 0.0, legend);
         for (i, (panel, frame)) in panels.iter().zip(&frames).enumerate() {
-            frame.axes(canvas, i + 1 == frames.len())?;
-            panel.draw(canvas, frame)?;
+            frame.axes(canvas, i + 1 == frames.len());
+            panel.draw(canvas, frame, budget);
         }
-        Ok(())
-    })?;
-    Ok(Picture {
+    });
+    Picture {
         title: format!("Force on the inner ring of bearing {} over time", force.name),
-        note: note(banded),
-        svg,
-    })
+        note: note(is_banded),
+        drawing,
+        ..Picture::default()
+    }
 }
 
-fn legend(banded: bool) -> &'static [(Key, &'static str)] {
+fn legend(is_banded: bool) -> &'static [(Key, &'static str)] {
     const ALL: [(Key, &str); 3] = [
-        (Key::Line(Stroke(MEASURED, 1.5)), "from measured displacement"),
-        (Key::Line(Stroke(TWIN, 1.5)), "twin"),
+        (Key::Line(MEASURED_LINE), "from measured displacement"),
+        (Key::Line(TWIN_LINE), "twin"),
         (Key::Band(BAND), "\u{b1} 1 sigma of probe noise"),
     ];
-    if banded { &ALL } else { &ALL[..2] }
+    if is_banded { &ALL } else { &ALL[..2] }
 }
 
-fn note(banded: bool) -> String {
-    if banded { String::new() } else { "The noise of the probes is not known, so no band is drawn.".to_owned() }
+fn note(is_banded: bool) -> String {
+    if is_banded { String::new() } else { "The noise of the probes is not known, so no band is drawn.".to_owned() }
 }
 
 /// One component.
@@ -75,11 +79,11 @@ struct Panel {
 }
 
 impl Panel {
-    fn new(force: &ForceTrace, axis: usize, time: &[f64], limit: usize) -> Self {
+    fn new(force: &ForceTrace, axis: usize, time: &[f64], thinning: Thinning) -> Self {
         Self {
-            measured: decimated(&zipped(time, &force.measured[axis]), limit),
-            twin: decimated(&zipped(time, &force.twin[axis]), limit),
-            band: band(time, &force.measured[axis], &force.sigma[axis], limit),
+            measured: zipped(time, &force.measured[axis]),
+            twin: zipped(time, &force.twin[axis]),
+            band: band(time, &force.measured[axis], &force.sigma[axis], thinning),
         }
     }
 
@@ -88,37 +92,27 @@ impl Panel {
         extent(self.measured.iter().chain(&self.twin).chain(edges).map(|point| point.1))
     }
 
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame) -> Result<()> {
-        for (low, high) in &self.band {
-            let around: Vec<Point> = low.iter().chain(high.iter().rev()).map(|point| frame.at(point)).collect();
-            canvas.polygon(&around, BAND)?;
-        }
-        frame.curve(canvas, &self.measured, Stroke(MEASURED, 1.2))?;
-        frame.curve(canvas, &self.twin, Stroke(TWIN, 1.2))?;
-        frame.note_if_empty(canvas, &[&self.measured, &self.twin])
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) {
+        frame.inside(canvas, |canvas| {
+            for (low, high) in &self.band {
+                let around: Vec<Point> = low.iter().chain(high.iter().rev()).map(|point| frame.at(point)).collect();
+                canvas.polygon(&around, BAND);
+            }
+        });
+        frame.series(canvas, ("from measured displacement", &self.measured), budget.time(), MEASURED_LINE);
+        frame.series(canvas, ("twin", &self.twin), budget.time(), TWIN_LINE);
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin]);
     }
 }
 
 /// Measured less and plus sigma, at fewer points than the line: an area needs less.
-fn band(time: &[f64], force: &[f64], sigma: &[f64], limit: usize) -> Vec<(Vec<Point>, Vec<Point>)> {
+fn band(time: &[f64], force: &[f64], sigma: &[f64], thinning: Thinning) -> Vec<(Vec<Point>, Vec<Point>)> {
     let edge = |sign: f64| {
         let values = force.iter().zip(sigma).map(|(force, sigma)| force + sign * sigma.abs());
         let points: Vec<Point> = time.iter().copied().zip(values).collect();
         // Thinning could step over a missing value, so the pieces come first.
-        let pieces: Vec<Vec<Point>> = pieces(&points).map(|piece| thinned(piece, limit)).collect();
+        let pieces: Vec<Vec<Point>> = pieces(&points).map(|piece| thinning.drawn(piece)).collect();
         pieces
     };
     edge(-1.0).into_iter().zip(edge(1.0)).filter(|(low, _)| low.len() > 1).collect()
-}
-
-fn frames(panels: &[Panel], time: &[f64], title: &str) -> Vec<Frame> {
-    let axes: Vec<Axis> =
-        panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 6, title)).collect();
-    let left = gutter(&axes.iter().collect::<Vec<_>>());
-    let x = Axis::exact(extent(time.iter().copied()), 10, title);
-    let place = |(i, y): (usize, Axis)| {
-        let top = 24.0 + i as f64 * (HEIGHT + GAP);
-        Frame { start: 0.0, left, top, right: WIDTH - 18.0, bottom: top + HEIGHT, x: x.clone(), y }
-    };
-    axes.into_iter().enumerate().map(place).collect()
 }

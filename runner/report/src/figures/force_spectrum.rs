@@ -2,40 +2,45 @@
 
 use super::axis::{Axis, extent, signed};
 use super::canvas::{
-    Anchor, Canvas, Dashes, FAINT, Frame, INK, Key, MARK, MEASURED, SMALL, Stroke, TWIN, gutter, picture, text_width,
+    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MARK, MEASURED_LINE, SMALL, Stroke, TWIN, WIDE, picture, stacked,
+    text_width,
 };
-use super::line::{Point, peaks};
+use super::line::Point;
+use super::mark::name_sides;
 use super::{Picture, PointBudget};
 use crate::number::shortened;
 use crate::words;
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{Finding, ForceSpectrum, ReferenceFrame};
 
-const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 112.0;
+const HEIGHT: f64 = 100.0;
 /// Room above a frame for the names of lines and of the frame.
 const ABOVE: f64 = 32.0;
-const UNEXPLAINED: Stroke = Stroke(MEASURED, 1.1);
-const EXPLAINED: Stroke = Stroke(TWIN, 2.8);
+const EXPLAINED: Stroke = Stroke(TWIN, 2.6);
 
 /// Draws the spectra of one finding.
-pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Picture> {
+pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Picture {
     let spectra = &finding.figures.spectra;
     let frames = frames(spectra);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
-    let svg = picture((WIDTH, bottom + 36.0), Dashes::None, |canvas| {
-        canvas.legend(frames.first().map_or(0.0, |frame| frame.left), 0.0, &legend())?;
+    let drawing = picture((WIDE, bottom + BELOW), |canvas| {
+        canvas.legend(frames.first().map_or(0.0, |frame| frame.left), 0.0, &legend());
         for (i, (frame, spectrum)) in frames.iter().zip(spectra).enumerate() {
-            frame.axes(canvas, i + 1 == frames.len())?;
-            marks(canvas, frame, spectrum)?;
-            for (points, stroke) in [(&spectrum.explained, EXPLAINED), (&spectrum.unexplained, UNEXPLAINED)] {
-                frame.curve(canvas, &peaks(points, budget.spectrum()), stroke)?;
+            frame.axes(canvas, i + 1 == frames.len());
+            marks(canvas, frame, spectrum);
+            let curves = [
+                ("explained by the fault", &spectrum.explained, EXPLAINED),
+                ("unexplained without the fault", &spectrum.unexplained, MEASURED_LINE),
+            ];
+            for (name, points, stroke) in curves {
+                frame.series(canvas, (name, points), budget.spectrum(), stroke);
             }
-            canvas.text(name(spectrum), (frame.left, frame.top - 22.0), Anchor::Start, INK)?;
-            frame.note_if_empty(canvas, &[&spectrum.explained, &spectrum.unexplained])?;
+            canvas.text(name(spectrum), (frame.left, frame.top - 22.0), Anchor::Start, INK);
+            frame.note_if_empty(canvas, &[&spectrum.explained, &spectrum.unexplained]);
         }
-        frames.last().map_or(Ok(()), |frame| name_sides(canvas, frame))
-    })?;
+        if let Some(frame) = frames.last() {
+            name_sides(canvas, frame);
+        }
+    });
     let at = finding.bearing.as_deref().map_or("on the rotor".to_owned(), |name| format!("at {}", shortened(name, 30)));
     let own = if finding.figures.rose.is_some() {
         " In the frame of the damaged component the force keeps its direction: its lines are multiples of one order, equal on \
@@ -43,18 +48,19 @@ pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Result<Pi
     } else {
         ""
     };
-    Ok(Picture {
+    Picture {
         title: format!("Unexplained force {at}: {}", words::cause(finding).to_lowercase()),
         note: format!(
             "Force that the twin without the fault leaves unexplained, and the part that the fault adds; amplitude zero to \
              peak, mean left out. Numbers: orders of the strongest lines of the fault, per turn of the shaft.{own}"
         ),
-        svg,
-    })
+        drawing,
+        ..Picture::default()
+    }
 }
 
 fn legend() -> [(Key, &'static str); 2] {
-    [(Key::Line(UNEXPLAINED), "unexplained without the fault"), (Key::Line(EXPLAINED), "explained by the fault")]
+    [(Key::Line(MEASURED_LINE), "unexplained without the fault"), (Key::Line(EXPLAINED), "explained by the fault")]
 }
 
 fn name(spectrum: &ForceSpectrum) -> &'static str {
@@ -74,41 +80,31 @@ fn frames(spectra: &[ForceSpectrum]) -> Vec<Frame> {
     };
     let orders = spectra.iter().flat_map(|s| points(s).into_iter().map(|p| p.0.abs()));
     let highest = extent(orders).map_or(1.0, |range| range.1);
-    let x = Axis::exact(Some((-highest, highest)), 9, "Order, X");
+    let x = Axis::exact(Some((-highest, highest)), 7, "Order, X");
     let axes: Vec<Axis> = spectra
         .iter()
         .map(|s| Axis::from_zero(extent(points(s).into_iter().map(|p| p.1)).map(|range| range.1), 5, "Force, N peak"))
         .collect();
-    let left = gutter(&axes.iter().collect::<Vec<_>>());
-    let frame = |(i, y): (usize, Axis)| {
-        let top = 22.0 + ABOVE + i as f64 * (HEIGHT + ABOVE + 6.0);
-        Frame { start: 0.0, left, top, right: WIDTH - 18.0, bottom: top + HEIGHT, x: x.clone(), y }
-    };
-    axes.into_iter().enumerate().map(frame).collect()
+    stacked(&x, axes, (22.0 + ABOVE, HEIGHT, ABOVE + 6.0))
 }
 
 /// A fine line at each order that the fault explains, with its number where there is room; the strongest come first.
-fn marks(canvas: &mut Canvas, frame: &Frame, spectrum: &ForceSpectrum) -> Result<()> {
-    let mut taken: Vec<(f64, f64)> = vec![];
-    for order in spectrum.lines.iter().filter(|order| frame.x.holds(**order)) {
-        let x = frame.at(&(*order, 0.0)).0;
-        canvas.line(&[(x, frame.bottom), (x, frame.top)], Stroke(FAINT, 0.75))?;
-        let label = signed(&format!("{order:.2}"));
-        let half = 0.5 * text_width(&label, SMALL) + 2.0;
-        let middle = x.clamp(frame.left + half, frame.right - half);
-        if taken.iter().all(|(from, to)| middle + half < *from || middle - half > *to) {
-            canvas.line(&[(x, frame.top), (x, frame.top - 3.0)], Stroke(MARK, 0.75))?;
-            canvas.text(&label, (middle, frame.top - 8.5), Anchor::Middle, INK)?;
-            taken.push((middle - half, middle + half));
+fn marks(canvas: &mut Canvas, frame: &Frame, spectrum: &ForceSpectrum) {
+    let shown = || spectrum.lines.iter().copied().filter(|order| frame.x.holds(*order));
+    frame.uprights(canvas, shown(), Stroke(FAINT, 0.75));
+    frame.along(canvas, |canvas| {
+        let mut taken: Vec<(f64, f64)> = vec![];
+        for order in shown() {
+            let x = frame.at(&(order, 0.0)).0;
+            let label = signed(&format!("{order:.2}"));
+            let half = 0.5 * text_width(&label, SMALL) + 2.0;
+            let middle = x.clamp(frame.left + half, frame.right - half);
+            if taken.iter().all(|(from, to)| middle + half < *from || middle - half > *to) {
+                canvas.line(&[(x, frame.top), (x, frame.top - 3.0)], Stroke(MARK, 0.75));
+                canvas.text(&label, (middle, frame.top - 8.5), Anchor::Middle, INK);
+                taken.push((middle - half, middle + half));
+            }
         }
-    }
-    let middle = frame.at(&(0.0, 0.0)).0;
-    canvas.line(&[(middle, frame.top), (middle, frame.bottom)], Stroke(MARK, 1.0))
-}
-
-/// Names the sides below the lowest frame.
-fn name_sides(canvas: &mut Canvas, frame: &Frame) -> Result<()> {
-    let y = frame.bottom + 26.0;
-    canvas.text("\u{2190} reverse precession", (frame.left, y), Anchor::Start, INK)?;
-    canvas.text("forward precession \u{2192}", (frame.right, y), Anchor::End, INK)
+    });
+    frame.uprights(canvas, [0.0], Stroke(MARK, 1.0));
 }

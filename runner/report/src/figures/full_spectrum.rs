@@ -1,9 +1,8 @@
 //! Full spectra: forward and reverse precession in a plane.
 
 use super::spectrum::full;
-use super::{Context, Figure, Picture};
-use anyhow::Result;
-use ballrace_twin::replay::outcome::Pictures;
+use super::{Context, Figure, Picture, Source};
+use ballrace_twin::replay::outcome::{FullSpectrum, Pictures};
 
 /// Full spectra, one per plane.
 pub(super) struct FullSpectra;
@@ -14,11 +13,15 @@ impl Figure for FullSpectra {
     }
 
     fn lines(&self, data: &Pictures) -> usize {
-        2 * data.full_spectra.len()
+        4 * data.full_spectra.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let data = context.data;
-        data.full_spectra.iter().map(|one| full(one, &data.lines, context.budget)).collect()
+        let one = |(i, spectrum): (usize, &FullSpectrum)| Picture {
+            source: Some(Source::FullSpectrum(i)),
+            ..full(spectrum, data, context.budget)
+        };
+        data.full_spectra.iter().enumerate().map(one).collect()
     }
 }

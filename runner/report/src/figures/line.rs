@@ -3,9 +3,44 @@
 /// A point in the data's units.
 pub(super) type Point = (f64, f64);
 
+/// How a curve is drawn with few points and kept with more for the script: the limits of both.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Thinning {
+    /// Lowest and highest of each run of neighbours, for curves over time.
+    Extremes([usize; 2]),
+    /// Highest of each run, for spectra, in which only peaks count.
+    Peaks([usize; 2]),
+    /// Evenly spaced points, for curves in a plane; both times the same.
+    Path(usize),
+    /// All points.
+    None,
+}
+
+impl Thinning {
+    /// Returns the points to draw.
+    pub(super) fn drawn(self, points: &[Point]) -> Vec<Point> {
+        match self {
+            Self::Extremes([limit, _]) => decimated(points, limit),
+            Self::Peaks([limit, _]) => peaks(points, limit),
+            Self::Path(limit) => thinned(points, limit),
+            Self::None => points.to_vec(),
+        }
+    }
+
+    /// Returns the points to keep.
+    pub(super) fn kept(self, points: &[Point]) -> Vec<Point> {
+        match self {
+            Self::Extremes([_, limit]) => Self::Extremes([limit, limit]).drawn(points),
+            Self::Peaks([_, limit]) if limit < points.len() => peaks(points, limit),
+            Self::Path(limit) => thinned(points, limit),
+            Self::Peaks(_) | Self::None => points.to_vec(),
+        }
+    }
+}
+
 /// At most about `limit` points: of each run of neighbours the lowest and the highest, in their order.
 /// A missing value stays as one NaN between them, so that the line breaks there.
-pub(super) fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
+fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
     if points.len() <= limit {
         return points.to_vec();
     }
@@ -26,7 +61,7 @@ fn extremes(run: &[Point]) -> Vec<Point> {
 }
 
 /// At most `limit` points: of each run the highest. For spectra, in which only peaks count.
-pub(super) fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
+fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
     let run = points.len().div_ceil(limit.max(1)).max(1);
     points
         .chunks(run)
@@ -35,10 +70,13 @@ pub(super) fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
         .collect()
 }
 
-/// At most `limit` points, evenly spaced. For curves in a plane.
-pub(super) fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
+/// About `limit` points, evenly spaced, with the ends of each piece. For curves in a plane.
+fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
     let step = points.len().div_ceil(limit.max(1)).max(1);
-    points.iter().step_by(step).copied().collect()
+    let is_missing = |i: usize| points.get(i).is_none_or(|point| !point.0.is_finite() || !point.1.is_finite());
+    let is_end = |i: usize| is_missing(i) != is_missing(i + 1) && i + 1 < points.len();
+    let kept = (0..points.len()).filter(|&i| i.is_multiple_of(step) || is_end(i));
+    kept.map(|i| points[i]).collect()
 }
 
 /// The pieces between missing points.
@@ -72,6 +110,9 @@ mod tests {
         let mut points: Vec<Point> = (0..1000).map(|i| (f64::from(i), 1.0)).collect();
         points[500].1 = f64::NAN;
         assert_eq!(pieces(&decimated(&points, 10)).count(), 2);
+        let turns: Vec<Point> =
+            points.iter().enumerate().map(|(i, p)| if i % 97 == 0 { (f64::NAN, f64::NAN) } else { *p }).collect();
+        assert_eq!(pieces(&Thinning::Path(50).drawn(&turns)).count(), 11);
         assert_eq!(pieces(&[]).count(), 0);
         assert!(decimated(&[], 0).is_empty() && peaks(&[], 0).is_empty() && thinned(&[], 0).is_empty());
     }

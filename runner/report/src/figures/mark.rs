@@ -1,8 +1,7 @@
 //! Names of the lines in a spectrum, set above it so that no name covers another or its line.
 
-use super::canvas::{Anchor, Canvas, FAINT, Frame, INK, MARK, SMALL, Stroke, text_width};
+use super::canvas::{Anchor, Canvas, FAINT, Frame, INK, MARK, RESIDUAL, SMALL, Stroke, text_width};
 use crate::number::shortened;
-use anyhow::Result;
 use ballrace_twin::replay::outcome::MarkedLine;
 
 /// Height of one row of names.
@@ -19,16 +18,23 @@ pub(super) struct Mark {
     pub(super) hz: f64,
     /// "DE, NDE outer 3.58X"
     pub(super) name: String,
+    /// A natural frequency.
+    pub(super) is_natural: bool,
     /// 0 is next to the frame.
     pub(super) row: usize,
 }
 
-/// The marks inside `0 < f <= highest`, without rows yet.
-pub(super) fn marks(lines: &[MarkedLine], highest: f64) -> Vec<Mark> {
-    let mut inside: Vec<&MarkedLine> = lines.iter().filter(|line| line.hz > 0.0 && line.hz <= highest).collect();
-    inside.sort_by(|a, b| a.hz.total_cmp(&b.hz));
-    let groups = inside.chunk_by(|a, b| b.hz - a.hz < TOUCHING * highest);
-    groups.map(|group| Mark { hz: group[0].hz, name: name(group), row: 0 }).collect()
+/// The marks inside `0 < f <= highest`, without rows yet, by their frequencies.
+pub(super) fn marks(lines: &[MarkedLine], natural: &[MarkedLine], highest: f64) -> Vec<Mark> {
+    let of = |lines: &[MarkedLine], is_natural: bool| -> Vec<Mark> {
+        let mut inside: Vec<&MarkedLine> = lines.iter().filter(|line| line.hz > 0.0 && line.hz <= highest).collect();
+        inside.sort_by(|a, b| a.hz.total_cmp(&b.hz));
+        let groups = inside.chunk_by(|a, b| b.hz - a.hz < TOUCHING * highest);
+        groups.map(|group| Mark { hz: group[0].hz, name: name(group), is_natural, row: 0 }).collect()
+    };
+    let mut marks = [of(lines, false), of(natural, true)].concat();
+    marks.sort_by(|a, b| a.hz.total_cmp(&b.hz));
+    marks
 }
 
 /// Returns one label for lines at one frequency; a common part appears once. The order is never truncated.
@@ -75,23 +81,31 @@ pub(super) fn height(rows: usize) -> f64 {
 }
 
 /// The lines through the frame, on the reverse side of a full spectrum too.
-pub(super) fn lines(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) -> Result<()> {
-    for hz in marks.iter().flat_map(|mark| [mark.hz, -mark.hz]).filter(|hz| frame.x.holds(*hz)) {
-        let x = frame.at(&(hz, 0.0)).0;
-        canvas.line(&[(x, frame.bottom), (x, frame.top)], Stroke(FAINT, 0.75))?;
+pub(super) fn lines(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
+    for is_natural in [false, true] {
+        let of_kind = marks.iter().filter(|mark| mark.is_natural == is_natural);
+        let stroke = if is_natural { Stroke(RESIDUAL, 0.75) } else { Stroke(FAINT, 0.75) };
+        frame.uprights(canvas, of_kind.flat_map(|mark| [mark.hz, -mark.hz]), stroke);
     }
-    Ok(())
 }
 
 /// The names, and the lines on from the frame up to them.
-pub(super) fn names(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) -> Result<()> {
-    for mark in marks {
-        let x = frame.at(&(mark.hz, 0.0)).0;
-        let y = frame.top - ROW * (mark.row as f64 + 0.5) - 2.0;
-        canvas.line(&[(x, frame.top), (x, y - 4.0)], Stroke(MARK, 0.75))?;
-        canvas.text(&mark.name, (x + 3.0, y), Anchor::Start, INK)?;
-    }
-    Ok(())
+pub(super) fn names(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
+    frame.along(canvas, |canvas| {
+        for mark in marks {
+            let x = frame.at(&(mark.hz, 0.0)).0;
+            let y = frame.top - ROW * (mark.row as f64 + 0.5) - 2.0;
+            canvas.line(&[(x, frame.top), (x, y - 4.0)], Stroke(MARK, 0.75));
+            canvas.text(&mark.name, (x + 3.0, y), Anchor::Start, INK);
+        }
+    });
+}
+
+/// Names the sides of a two-sided spectrum, below the lowest frame.
+pub(super) fn name_sides(canvas: &mut Canvas, frame: &Frame) {
+    let y = frame.bottom + 26.0;
+    canvas.text("\u{2190} reverse precession", (frame.left - 8.0, y), Anchor::Start, INK);
+    canvas.text("forward precession \u{2192}", (frame.right, y), Anchor::End, INK);
 }
 
 #[cfg(test)]
@@ -111,14 +125,22 @@ mod tests {
             line("DE inner", 5.42),
             line("bad", f64::NAN),
         ];
-        let names: Vec<String> = marks(&lines, 800.0).into_iter().map(|mark| mark.name).collect();
+        let names: Vec<String> = marks(&lines, &[], 800.0).into_iter().map(|mark| mark.name).collect();
         assert_eq!(names, ["1X", "DE, NDE outer 3.58X", "DE inner 5.42X"]);
+    }
+
+    #[test]
+    fn natural_frequencies_have_names_of_their_own() {
+        let natural = |label: &str, hz: f64| MarkedLine { label: label.to_owned(), order: f64::NAN, hz };
+        let marks = marks(&[line("1X", 1.0)], &[natural("N2", 50.2), natural("N1", 50.1), natural("N3", 900.0)], 800.0);
+        let names: Vec<(&str, bool)> = marks.iter().map(|mark| (mark.name.as_str(), mark.is_natural)).collect();
+        assert_eq!(names, [("1X", false), ("N1, N2", true)]);
     }
 
     #[test]
     fn no_name_covers_another_name_or_line() {
         let lines: Vec<MarkedLine> = (1..12).map(|n| line(&format!("bearing {n} outer"), 0.4 * f64::from(n))).collect();
-        let mut marks = marks(&lines, 300.0);
+        let mut marks = marks(&lines, &[], 300.0);
         let x_of = |hz: f64| 2.0 * hz;
         stack(&mut marks, x_of);
         for (i, mark) in marks.iter().enumerate() {

@@ -2,17 +2,14 @@
 
 use super::Picture;
 use super::axis::{Axis, signed};
-use super::canvas::{
-    Anchor, Canvas, Dashes, FAINT, GRID, INK, Key, MARK, MEASURED, SMALL, Stroke, TWIN, picture, text_width,
-};
+use super::canvas::{Anchor, Canvas, FAINT, GRID, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, WIDE, picture};
+use super::deflected_line::bearing_names;
 use super::line::Point;
-use crate::number::{fixed, shortened};
-use anyhow::Result;
+use crate::number::fixed;
 use ballrace_twin::campbell::{ModeShape, ModeShapePoint, Whirl};
 use ballrace_twin::replay::outcome::RotorDrawing;
 
-const WIDTH: f64 = 560.0;
-const EDGES: [f64; 2] = [24.0, WIDTH - 24.0];
+const EDGES: [f64; 2] = [24.0, WIDE - 24.0];
 /// Height of a mode's title, and of its strip.
 const TITLE: f64 = 17.0;
 const STRIP: f64 = 66.0;
@@ -27,39 +24,40 @@ const SHAFT: f64 = 26.0;
 
 const X: Stroke = Stroke(MEASURED, 2.0);
 const Y: Stroke = Stroke(TWIN, 2.0);
-const Z: Stroke = Stroke(MARK, 1.0);
+const Z: Stroke = Stroke(RESIDUAL, 1.4);
 
 /// Draws the modes at one speed; none without a mode shape.
-pub(crate) fn mode_shapes(shapes: &[ModeShape], drawing: &RotorDrawing) -> Result<Option<Picture>> {
-    let Some(lowest) = shapes.first() else { return Ok(None) };
-    let [from, to] = drawing.ends_mm();
+pub(crate) fn mode_shapes(shapes: &[ModeShape], rotor: &RotorDrawing) -> Option<Picture> {
+    let lowest = shapes.first()?;
+    let [from, to] = rotor.ends_mm();
     let axis = Axis::exact(Some((from, to)), 7, "Station Z, mm");
     let x_of = |station: f64| EDGES[0] + axis.place(station) * (EDGES[1] - EDGES[0]);
     let first = 40.0;
     let bottom = first + (TITLE + STRIP + SPACE) * shapes.len() as f64;
-    let svg = picture((WIDTH, bottom + 36.0), Dashes::Twin, |canvas| {
+    let drawing = picture((WIDE, bottom + 36.0), |canvas| {
         let keys = [(Key::Line(X), "along X"), (Key::Line(Y), "along Y"), (Key::Line(Z), "along Z")];
-        canvas.legend(EDGES[0], 0.0, &keys)?;
-        bearing_names(canvas, drawing, x_of, 28.0)?;
+        canvas.legend(EDGES[0], 0.0, &keys);
+        bearing_names(canvas, &rotor.bearings, x_of, 28.0);
         for (i, shape) in shapes.iter().enumerate() {
             let top = first + (TITLE + STRIP + SPACE) * i as f64;
-            canvas.text(&title(i, shape), (EDGES[0], top + 0.5 * TITLE), Anchor::Start, INK)?;
-            strip(canvas, shape, drawing, x_of, top + TITLE)?;
+            canvas.text(&title(i, shape), (EDGES[0], top + 0.5 * TITLE), Anchor::Start, INK);
+            strip(canvas, shape, rotor, x_of, top + TITLE);
         }
-        canvas.line(&[(EDGES[0], bottom), (EDGES[1], bottom)], Stroke(MARK, 0.75))?;
+        canvas.line(&[(EDGES[0], bottom), (EDGES[1], bottom)], Stroke(MARK, 0.75));
         for (value, label) in &axis.ticks {
-            canvas.line(&[(x_of(*value), bottom), (x_of(*value), bottom + 4.0)], Stroke(MARK, 0.75))?;
-            canvas.text(label, (x_of(*value), bottom + 11.0), Anchor::Middle, INK)?;
+            canvas.line(&[(x_of(*value), bottom), (x_of(*value), bottom + 4.0)], Stroke(MARK, 0.75));
+            canvas.text(label, (x_of(*value), bottom + 11.0), Anchor::Middle, INK);
         }
-        canvas.text(&axis.title, (0.5 * WIDTH, bottom + 27.0), Anchor::Middle, INK)
-    })?;
-    Ok(Some(Picture {
+        canvas.text(&axis.title, (0.5 * WIDE, bottom + 27.0), Anchor::Middle, INK);
+    });
+    Some(Picture {
         title: format!("Mode shapes at {} rpm", fixed(lowest.speed_rpm, 0)),
         note: "Linearised at the static equilibrium, with damping. Each mode has its own scale; in each direction the shape is that at its \
                largest displacement. Vertical lines: bearings. Grey: the shaft."
             .to_owned(),
-        svg,
-    }))
+        drawing,
+        ..Picture::default()
+    })
 }
 
 fn title(i: usize, shape: &ModeShape) -> String {
@@ -71,60 +69,36 @@ fn title(i: usize, shape: &ModeShape) -> String {
     let [x, y, _] = shape.largest();
     let alike = if x.max(y) > LEAST && shape.is_alike_in_both_planes(ALIKE) { ", X and Y alike" } else { "" };
     let (hz, damping) = (fixed(shape.mode.frequency_hz, 2), signed(&fixed(100.0 * shape.mode.damping_ratio, 2)));
-    format!("{}: {hz} Hz, damping {damping} %{whirl}{alike}", i + 1)
+    format!("N{}: {hz} Hz, damping {damping} %{whirl}{alike}", i + 1)
 }
 
-/// Writes the names of the bearings above their lines; a name that would cover the one before is omitted.
-fn bearing_names(canvas: &mut Canvas, drawing: &RotorDrawing, x_of: impl Fn(f64) -> f64, y: f64) -> Result<()> {
-    let mut bearings: Vec<&(String, f64)> = drawing.bearings.iter().collect();
-    bearings.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut free = 0.0;
-    for (name, station) in bearings {
-        let name = shortened(name, 16);
-        let half = 0.5 * text_width(&name, SMALL) + 2.0;
-        let x = x_of(*station).clamp(half, WIDTH - half);
-        if x - half >= free {
-            canvas.text(&name, (x, y), Anchor::Middle, INK)?;
-            free = x + half + 4.0;
-        }
-    }
-    Ok(())
-}
-
-fn strip(
-    canvas: &mut Canvas,
-    shape: &ModeShape,
-    drawing: &RotorDrawing,
-    x_of: impl Fn(f64) -> f64,
-    top: f64,
-) -> Result<()> {
+fn strip(canvas: &mut Canvas, shape: &ModeShape, drawing: &RotorDrawing, x_of: impl Fn(f64) -> f64, top: f64) {
     let middle = top + 0.5 * STRIP;
     let thickest = drawing.sections.iter().flat_map(|s| s.outer_mm).fold(f64::MIN_POSITIVE, f64::max);
     for section in &drawing.sections {
         let [from, to] = section.ends_mm.map(&x_of);
         let [a, b] = section.outer_mm.map(|d| 0.5 * SHAFT * d / thickest);
-        canvas.polygon(&[(from, middle - a), (to, middle - b), (to, middle + b), (from, middle + a)], GRID)?;
+        canvas.polygon(&[(from, middle - a), (to, middle - b), (to, middle + b), (from, middle + a)], GRID);
     }
-    canvas.line(&[(EDGES[0], middle), (EDGES[1], middle)], Stroke(FAINT, 0.75))?;
+    canvas.line(&[(EDGES[0], middle), (EDGES[1], middle)], Stroke(FAINT, 0.75));
     for (_, station) in &drawing.bearings {
         let x = x_of(*station);
-        canvas.line(&[(x, top), (x, top + STRIP)], Stroke(FAINT, 1.0))?;
+        canvas.line(&[(x, top), (x, top + STRIP)], Stroke(FAINT, 1.0));
     }
     let curve = |canvas: &mut Canvas, of: fn(&ModeShapePoint) -> f64, stroke: Stroke| {
         let point = |p: &ModeShapePoint| (x_of(p.station_mm), middle - 0.48 * STRIP * of(p));
-        canvas.line(&shape.points.iter().map(point).collect::<Vec<Point>>(), stroke)
+        canvas.line(&shape.points.iter().map(point).collect::<Vec<Point>>(), stroke);
     };
     let [x, y, z] = shape.largest();
     if z > LEAST {
-        curve(canvas, |p| p.z, Z)?;
+        curve(canvas, |p| p.z, Z);
     }
     if x > LEAST {
-        curve(canvas, |p| p.x, X)?;
+        curve(canvas, |p| p.x, X);
     }
     if y > LEAST && !shape.is_alike_in_both_planes(ALIKE) {
-        curve(canvas, |p| p.y, Y)?;
+        curve(canvas, |p| p.y, Y);
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -146,13 +120,12 @@ mod tests {
     fn one_line_where_both_planes_are_alike() {
         let drawing = RotorDrawing { bearings: vec![("DE".to_owned(), 0.0)], ..RotorDrawing::default() };
         let lines = |shape: ModeShape| {
-            let drawn = mode_shapes(&[shape], &drawing).unwrap().unwrap();
-            // Two polylines are in the legend's samples of X and Y, one in that of Z.
-            (drawn.svg.matches("<polyline").count() - 3, drawn.svg.contains("X and Y alike"))
+            let svg = mode_shapes(&[shape], &drawing).unwrap().drawing.svg;
+            (svg.matches("<polyline").count(), svg.contains("X and Y alike"))
         };
         assert_eq!(lines(shape(1.0)), (1, true));
         assert_eq!(lines(shape(0.5)), (2, false));
         assert_eq!(lines(shape(0.0)), (1, false));
-        assert!(mode_shapes(&[], &drawing).unwrap().is_none());
+        assert!(mode_shapes(&[], &drawing).is_none());
     }
 }

@@ -1,19 +1,19 @@
 //! Orbits: both axes at one scale, the directions of the probes, a blank and a bright dot at the keyphasor.
 
-use super::axis::{Axis, extent, signed};
+use super::axis::{extent, signed};
 use super::canvas::{
-    Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, TWIN, gutter, picture, text_width,
+    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MARK, MEASURED, MEASURED_LINE, SMALL, Stroke, TWIN, TWIN_LINE,
+    equal_scales, picture, text_width,
 };
-use super::line::{Point, thinned};
-use super::{Context, Figure, Picture, PointBudget, Shape};
+use super::line::Point;
+use super::{Context, Figure, Picture, PointBudget, Shape, Source};
 use crate::number::{at_station, fixed, shortened};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit, Pictures};
 
 /// Side of the square.
-const SIDE: f64 = 340.0;
+const SIDE: f64 = 290.0;
 /// Radius of the rim that the probes sit on.
-const RIM: f64 = 0.5 * SIDE - 24.0;
+const RIM: f64 = 0.5 * SIDE - 22.0;
 /// Share of the rim's radius that the orbit fills.
 const FILLED: f64 = 0.8;
 /// Largest number of revolutions drawn.
@@ -44,19 +44,19 @@ impl Figure for Orbits {
         2 * data.orbits.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
-        let mut pictures = Vec::new();
-        for direct in &context.data.orbits {
-            pictures.push(orbit(direct, context.forward, context.budget)?);
-            pictures.extend(one_x(direct, context.forward, context.budget)?);
-        }
-        Ok(pictures)
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
+        let both = |(i, direct): (usize, &Orbit)| {
+            let all = Picture { source: Some(Source::Orbit(i)), ..orbit(direct, context.forward, context.budget) };
+            let filtered = one_x(direct, context.forward, context.budget);
+            [Some(all), filtered.map(|one| Picture { source: Some(Source::FilteredOrbit(i)), ..one })]
+        };
+        context.data.orbits.iter().enumerate().flat_map(both).flatten().collect()
     }
 }
 
 /// The 1X part of an orbit, once around; `forward` is the sense of rotation.
-pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<Option<Picture>> {
-    let Some(FilteredOrbit { speed_rpm, measured, twin }) = orbit.one_x else { return Ok(None) };
+pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Option<Picture> {
+    let FilteredOrbit { speed_rpm, measured, twin } = orbit.one_x?;
     let around = |[cos, sin]: [(f64, f64); 2]| -> Vec<Point> {
         let point = |i: u16| {
             // The shaft's angle as time goes on.
@@ -74,9 +74,9 @@ pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<
         probes: orbit.probes.clone(),
         one_x: None,
     };
-    let drawn = self::orbit(&filtered, forward, budget)?;
+    let drawn = self::orbit(&filtered, forward, budget);
     let title = drawn.title.replacen("Orbit", &format!("1X orbit at {} rpm", fixed(speed_rpm, 0)), 1);
-    Ok(Some(Picture { title, ..drawn }))
+    Some(Picture { title, ..drawn })
 }
 
 /// Returns the sense of precession relative to that of rotation; none where noise alone may cause it.
@@ -98,37 +98,35 @@ fn precession(points: &[Point], forward: f64) -> &'static str {
 }
 
 /// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
-pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Result<Picture> {
+pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Picture {
     let shown = shown_samples(orbit);
     let frame = square(orbit, shown);
-    let svg = picture((frame.right + 14.0, frame.bottom + 36.0), Dashes::Twin, |canvas| {
-        canvas.legend(frame.left, 0.0, &legend())?;
-        frame.axes(canvas, true)?;
-        rim(canvas, &frame, orbit)?;
-        sense(canvas, &frame, forward)?;
+    let drawing = picture((frame.right + 14.0, frame.bottom + BELOW), |canvas| {
+        canvas.legend(4.0, 0.0, &legend());
+        frame.axes(canvas, true);
+        rim(canvas, &frame, orbit);
+        sense(canvas, &frame, forward);
         let marks: Vec<usize> = orbit.keyphasor.iter().copied().filter(|at| *at < shown).collect();
-        draw_path(canvas, &frame, &orbit.measured, &marks, shown, Stroke(MEASURED, 1.3), budget)?;
-        draw_path(canvas, &frame, &orbit.twin, &marks, shown, Stroke(TWIN, 1.1), budget)?;
-        dots(canvas, &frame, orbit, &marks)?;
-        frame.note_if_empty(canvas, &[&orbit.measured, &orbit.twin])
-    })?;
+        for (name, points, stroke) in [("measured", &orbit.measured, MEASURED_LINE), ("twin", &orbit.twin, TWIN_LINE)] {
+            frame.series(canvas, (name, &turns(points, &marks, shown)), budget.path(), stroke);
+        }
+        dots(canvas, &frame, orbit, &marks);
+        frame.note_if_empty(canvas, &[&orbit.measured, &orbit.twin]);
+    });
     // The 1X orbit beside it, which is free of noise, states the sense of precession.
     let filtered = orbit.one_x.is_some();
     let run = orbit.measured.get(..shown).unwrap_or(&orbit.measured);
     let sense = if filtered { "" } else { precession(run, forward) };
-    Ok(Picture {
+    Picture {
         title: format!("Orbit of {}{}{sense}", orbit.name, signed(&at_station(orbit.station_mm, 0))),
         note: NOTE.to_owned(),
-        svg,
-    })
+        drawing,
+        ..Picture::default()
+    }
 }
 
 fn legend() -> [(Key, &'static str); 3] {
-    [
-        (Key::Line(Stroke(MEASURED, 1.5)), "measured"),
-        (Key::Line(Stroke(TWIN, 1.5)), "twin"),
-        (Key::Dot(MEASURED), "keyphasor"),
-    ]
+    [(Key::Line(MEASURED_LINE), "measured"), (Key::Line(TWIN_LINE), "twin"), (Key::Dot(MEASURED), "keyphasor")]
 }
 
 /// Samples of the first turns.
@@ -146,32 +144,27 @@ fn square(orbit: &Orbit, shown: usize) -> Frame {
     let size = [x.0, x.1, y.0, y.1].into_iter().map(f64::abs).fold(0.0, f64::max);
     // A motion that the digits of its position cannot show is drawn as a point.
     let radius = if radius > 1e-9 * size.max(1e-3) { radius } else { 1.0f64.max(1e-3 * size) };
-    let half = radius * 0.5 * SIDE / (FILLED * RIM);
     let about = |range: (f64, f64)| {
         let middle = 0.5 * (range.0 + range.1);
-        Some((middle - half, middle + half))
+        (middle - radius, middle + radius)
     };
-    let x = Axis::exact(about(x), 8, "X, um");
-    let y = Axis::exact(about(y), 8, "Y, um");
-    let left = gutter(&[&y]);
-    Frame { start: 0.0, left, top: 24.0, right: left + SIDE, bottom: 24.0 + SIDE, x, y }
+    equal_scales((about(x), about(y)), (24.0, SIDE, FILLED * RIM / (0.5 * SIDE)), ["X, um", "Y, um"])
 }
 
 /// The circle with the probes on it.
-fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) -> Result<()> {
+fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) {
     let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
-    canvas.circle(x, y, RIM, Stroke(RESIDUAL, 0.75))?;
+    canvas.circle(x, y, RIM, Stroke(FAINT, 0.75));
     for (name, angle) in orbit.probes.iter().filter(|probe| probe.1.is_finite()) {
         let (sine, cosine) = angle.sin_cos();
         let tip = (x + RIM * cosine, y - RIM * sine);
-        canvas.triangle(tip, *angle, 11.0, MARK)?;
-        name_probe(canvas, frame, tip, (cosine, sine), &shortened(name, 14))?;
+        canvas.triangle(tip, *angle, 11.0, MARK);
+        name_probe(canvas, frame, tip, (cosine, sine), &shortened(name, 14));
     }
-    Ok(())
 }
 
 /// A probe's name between rim and frame: upright near the X axis, where there is height but no width.
-fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) -> Result<()> {
+fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) {
     let half = 0.5 * text_width(name, SMALL) + 3.0;
     let side = if cosine < -1e-6 { -1.0 } else { 1.0 };
     if cosine.abs() > 0.87 {
@@ -190,56 +183,40 @@ fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Po
 }
 
 /// An arc with a head in the upper left corner: the sense of rotation.
-fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) -> Result<()> {
+fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) {
     let (x, y, radius) = (frame.left + 18.0, frame.top + 18.0, 9.0);
     let at = |angle: f64| (x + radius * angle.cos(), y - radius * angle.sin());
     let turn = |share: f64| std::f64::consts::PI * (0.5 + forward * (1.5 * share - 0.75));
     let arc: Vec<Point> = (0..=18).map(|i| at(turn(f64::from(i) / 18.0))).collect();
-    canvas.line(&arc, Stroke(MARK, 1.2))?;
+    canvas.line(&arc, Stroke(MARK, 1.2));
     let end = turn(1.0) + forward * 0.35;
     let back = turn(1.0) - forward * std::f64::consts::FRAC_PI_2;
-    canvas.triangle(at(end), back, 7.0, MARK)?;
+    canvas.triangle(at(end), back, 7.0, MARK);
     canvas.text("rotation", (x + 14.0, y), Anchor::Start, MARK)
 }
 
 /// The curve, blank just before each keyphasor.
-fn draw_path(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    points: &[Point],
-    marks: &[usize],
-    shown: usize,
-    stroke: Stroke,
-    budget: PointBudget,
-) -> Result<()> {
+fn turns(points: &[Point], marks: &[usize], shown: usize) -> Vec<Point> {
     let turn = marks.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).max().unwrap_or(0);
     let blank = if turn > 0 { 2 + (BLANK * turn as f64) as usize } else { 0 };
-    let mut start = 0;
-    let share = budget.line() / (marks.len() + 1);
-    for end in marks.iter().copied().chain([shown.saturating_add(blank)]) {
-        let until = end.saturating_sub(blank).min(points.len());
-        if start < until {
-            let mut piece = thinned(&points[start..until], share.max(24));
-            piece.push(points[until - 1]);
-            frame.curve(canvas, &piece, stroke)?;
-        }
-        start = end;
-    }
-    Ok(())
+    let is_blank = |i: &usize| marks.iter().any(|mark| *i < *mark && i + blank > *mark);
+    let place = |(i, point): (usize, &Point)| if is_blank(&i) { (f64::NAN, f64::NAN) } else { *point };
+    points.iter().take(shown).enumerate().map(place).collect()
 }
 
-/// Keyphasor dots: filled for the machine, a ring for the twin, so that both are visible at one place.
-fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) -> Result<()> {
+/// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
+fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) {
     let at = |points: &[Point], mark: &usize| {
         points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))
     };
-    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.measured, mark)) {
-        canvas.dot(x, y, 3.6, MEASURED)?;
-    }
-    for (x, y) in marks.iter().filter_map(|mark| at(&orbit.twin, mark)) {
-        canvas.ring(x, y, TWIN)?;
-    }
-    Ok(())
+    frame.inside(canvas, |canvas| {
+        for (x, y) in marks.iter().filter_map(|mark| at(&orbit.measured, mark)) {
+            canvas.dot(x, y, 3.6, MEASURED);
+        }
+        for (x, y) in marks.iter().filter_map(|mark| at(&orbit.twin, mark)) {
+            canvas.ring(x, y, TWIN);
+        }
+    });
 }
 
 #[cfg(test)]

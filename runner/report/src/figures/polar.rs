@@ -2,19 +2,17 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    Anchor, Canvas, Dashes, GRID, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, picture, text_width,
+    Anchor, Canvas, Colour, GRID, INK, Key, MARK, MEASURED, RESIDUAL, SMALL, Stroke, picture, text_width,
 };
 use super::line::{Point, pieces};
 use super::one_x::{OneX, amplitude, lag};
 use super::{Context, Figure, Picture, Shape};
-use anyhow::Result;
-use plotters::prelude::RGBColor;
 
-const SIDE: f64 = 372.0;
-const MIDDLE: Point = (0.5 * SIDE, 214.0);
-const RADIUS: f64 = 146.0;
+const SIDE: f64 = 340.0;
+const MIDDLE: Point = (0.5 * SIDE, 196.0);
+const RADIUS: f64 = 132.0;
 const COMPENSATED: Stroke = Stroke(MEASURED, 1.8);
-const RAW: Stroke = Stroke(RESIDUAL, 1.6);
+const RAW: Stroke = Stroke(RESIDUAL, 1.4);
 
 /// Position of a lag in the figure.
 struct Dial {
@@ -54,9 +52,9 @@ impl Figure for PolarPlots {
         Shape::Square
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         if !context.over_speed {
-            return Ok(vec![]);
+            return vec![];
         }
         let one = |(i, name, angle)| polar(name, angle, context.forward, &OneX::new(&context.data.blocks, i));
         context.radial_probes().map(one).collect()
@@ -64,48 +62,48 @@ impl Figure for PolarPlots {
 }
 
 /// Draws the polar plot of one probe at an angle (rad); `forward` is the sense of rotation, +1 from +X towards +Y.
-pub(super) fn polar(name: &str, angle: f64, forward: f64, one_x: &OneX) -> Result<Picture> {
+pub(super) fn polar(name: &str, angle: f64, forward: f64, one_x: &OneX) -> Picture {
     let all = one_x.raw.iter().chain(&one_x.compensated).map(amplitude).filter(|size| size.is_finite());
     let radial = Axis::from_zero(Some(all.fold(0.0, f64::max)), 4, "");
     let dial = Dial { probe: angle, forward, radial };
-    let svg = picture((SIDE, MIDDLE.1 + RADIUS + 28.0), Dashes::None, |canvas| {
-        canvas.legend(8.0, 0.0, &[(Key::Line(COMPENSATED), "compensated"), (Key::Line(RAW), "as measured")])?;
-        let mut taken = rings(canvas, &dial)?;
+    let drawing = picture((SIDE, MIDDLE.1 + RADIUS + 28.0), |canvas| {
+        canvas.legend(8.0, 0.0, &[(Key::Line(COMPENSATED), "compensated"), (Key::Line(RAW), "as measured")]);
+        let mut taken = rings(canvas, &dial);
         for (vectors, stroke) in [(&one_x.raw, RAW), (&one_x.compensated, COMPENSATED)] {
             let points: Vec<Point> = vectors.iter().map(|vector| dial.at(vector)).collect();
             for piece in pieces(&points) {
-                canvas.line(piece, stroke)?;
+                canvas.line(piece, stroke);
             }
         }
-        speeds(canvas, &dial, one_x, &mut taken)
-    })?;
+        speeds(canvas, &dial, one_x, &mut taken);
+    });
     let note = format!("{} Rings in um pp, zero lag at the probe.", one_x.words());
-    Ok(Picture { title: format!("Polar plot of {}: 1X over speed", name), note, svg })
+    Picture { title: format!("Polar plot of {name}: 1X over speed"), note, drawing, ..Picture::default() }
 }
 
 /// Circles of equal amplitude, the four quarters, the probe. Gives the places taken by text.
-fn rings(canvas: &mut Canvas, dial: &Dial) -> Result<Vec<Place>> {
+fn rings(canvas: &mut Canvas, dial: &Dial) -> Vec<Place> {
     let mut taken = Vec::new();
-    canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.9))?;
+    canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.9));
     for quarter in [0.0, 90.0, 180.0, 270.0] {
-        canvas.line(&[MIDDLE, dial.around(quarter, 1.0)], Stroke(GRID, 0.75))?;
+        canvas.line(&[MIDDLE, dial.around(quarter, 1.0)], Stroke(GRID, 0.75));
         let place = Place::new(dial.around(quarter, 1.12), &format!("{quarter:.0}\u{b0}"));
-        place.write(canvas, INK)?;
+        place.write(canvas, INK);
         taken.push(place);
     }
-    canvas.triangle(dial.around(0.0, 1.0), dial.probe, 11.0, MARK)?;
+    canvas.triangle(dial.around(0.0, 1.0), dial.probe, 11.0, MARK);
     for (value, label) in dial.radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
         let share = dial.radial.place(*value);
-        canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS * share, Stroke(GRID, 0.9))?;
+        canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS * share, Stroke(GRID, 0.9));
         let place = Place::new(dial.around(135.0, share), label);
-        place.write(canvas, MARK)?;
+        place.write(canvas, MARK);
         taken.push(place);
     }
-    Ok(taken)
+    taken
 }
 
 /// Dots with the speed, where there is room for the number beside the curve.
-fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) -> Result<()> {
+fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) {
     let curves = one_x.compensated.iter().chain(&one_x.raw);
     let curve: Vec<Point> = curves.map(|vector| dial.at(vector)).collect();
     for (rpm, vector) in one_x.speed_rpm.iter().zip(&one_x.compensated).filter(|(_, v)| one_x.has_phase(v)) {
@@ -121,12 +119,11 @@ fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>
         };
         let places = beside.into_iter().map(|(dx, dy)| Place::new((x + dx, y + dy), &label));
         if let Some(place) = places.into_iter().find(free) {
-            canvas.ring(x, y, MEASURED)?;
-            place.write(canvas, INK)?;
+            canvas.ring(x, y, MEASURED);
+            place.write(canvas, INK);
             taken.push(place);
         }
     }
-    Ok(())
 }
 
 /// A text and the room that it takes.
@@ -151,7 +148,7 @@ impl Place {
         (self.middle.0 - x).abs() < self.half && (self.middle.1 - y).abs() < 7.0
     }
 
-    fn write(&self, canvas: &mut Canvas, colour: RGBColor) -> Result<()> {
-        canvas.text(&self.text, self.middle, Anchor::Middle, colour)
+    fn write(&self, canvas: &mut Canvas, colour: Colour) {
+        canvas.text(&self.text, self.middle, Anchor::Middle, colour);
     }
 }

@@ -2,22 +2,26 @@
 
 use super::axis::{Axis, extent};
 use super::canvas::{
-    Anchor, Canvas, Dashes, Frame, GRID, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture,
+    Anchor, Canvas, Frame, GRID, INK, Key, MARK, MEASURED, MEASURED_LINE, RESIDUAL_LINE, Stroke, TWIN_LINE, WIDE,
+    WIDE_RIGHT, gutter, legend_height, picture,
 };
-use super::line::{Point, decimated};
+use super::line::{Point, pieces};
 use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{ElementLoads, Pictures};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-const WIDTH: f64 = 620.0;
-/// Middle and radius of the polar picture.
-pub(super) const MIDDLE: Point = (142.0, 184.0);
-const RADIUS: f64 = 112.0;
-/// Largest load, from the machine.
-const LARGEST: Stroke = Stroke(RESIDUAL, 1.2);
-const MEAN: Stroke = Stroke(MEASURED, 1.6);
-const TWIN_MEAN: Stroke = Stroke(TWIN, 1.5);
+/// Radius of the polar picture.
+const RADIUS: f64 = 88.0;
+/// Left edge of the polar picture's middle, and where it is below its upper edge.
+const MIDDLE: Point = (126.0, RADIUS + 20.0);
+/// Where the frame beside it begins.
+const BESIDE: f64 = 252.0;
+
+/// A picture around a ring: its middle and its radial axis.
+pub(super) struct Polar {
+    middle: Point,
+    radial: Axis,
+}
 
 /// Loads around the ring, one picture per bearing with elements.
 pub(super) struct ElementLoadPlots;
@@ -31,93 +35,128 @@ impl Figure for ElementLoadPlots {
         4 * data.element_loads.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         context.data.element_loads.iter().map(|one| loads(one, context.budget)).collect()
     }
 }
 
 /// One picture for each bearing with elements.
-pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Result<Picture> {
-    let top = extent(loads.largest.iter().chain(&loads.mean).chain(&loads.twin_mean).copied()).map(|range| range.1);
-    let radial = Axis::from_zero(top, 5, "");
-    let frame = way_frame(loads);
-    let svg = picture((WIDTH, 330.0), Dashes::Twin, |canvas| {
-        canvas.legend(8.0, 0.0, &legend())?;
-        rings(canvas, &radial)?;
-        for (values, stroke) in [(&loads.largest, LARGEST), (&loads.mean, MEAN), (&loads.twin_mean, TWIN_MEAN)] {
-            polar(canvas, &loads.azimuth, values, &radial, stroke)?;
+pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
+    let legend = [
+        (Key::Line(MEASURED_LINE), "mean, from measured displacement"),
+        (Key::Line(TWIN_LINE), "mean, twin"),
+        (Key::Line(RESIDUAL_LINE), "largest"),
+    ];
+    let top = legend_height(8.0, &legend) + 12.0;
+    let largest = loads.largest.iter().chain(&loads.mean).chain(&loads.twin_mean).copied();
+    let polar = Polar::new(top, largest);
+    let highest = extent(loads.first_element.iter().map(|point| point.1)).map(|range| range.1);
+    let frame = beside(top, Axis::from_zero(highest, 6, "Load on element 1, N"));
+    let drawing = picture((WIDE, polar.bottom()), |canvas| {
+        canvas.legend(8.0, 0.0, &legend);
+        polar.rings(canvas);
+        let curves = [(&loads.largest, RESIDUAL_LINE), (&loads.mean, MEASURED_LINE), (&loads.twin_mean, TWIN_LINE)];
+        for (values, stroke) in curves {
+            polar.curve(canvas, &loads.azimuth, values, stroke);
         }
-        ring_labels(canvas, loads, &radial)?;
-        frame.axes(canvas, true)?;
-        frame.curve(canvas, &path(&loads.first_element, budget.line()), Stroke(MEASURED, 1.0))?;
-        frame.note_if_empty(canvas, &[&loads.first_element])
-    })?;
-    Ok(Picture {
+        polar.labels(canvas, unloaded(loads));
+        frame.axes(canvas, true);
+        let passes = ("element 1", &passes(&loads.first_element)[..]);
+        frame.series(canvas, passes, budget.path(), Stroke(MEASURED, 0.9));
+        frame.note_if_empty(canvas, &[&loads.first_element]);
+    });
+    Picture {
         title: format!("Load on the elements of bearing {}", loads.name),
         note:
             "Left: load of the element that passes at each azimuth. Right: element 1 from the measured displacement, \
                every turn of the cage drawn over the ones before. Azimuth from +X towards +Y."
                 .to_owned(),
-        svg,
-    })
+        drawing,
+        ..Picture::default()
+    }
 }
 
 /// The load on every element of a bearing at one moment: azimuth (rad) and load (N).
-pub(crate) fn present_loads(name: &str, loads: &[(f64, f64)]) -> Result<Picture> {
-    let radial = Axis::from_zero(extent(loads.iter().map(|load| load.1)).map(|range| range.1), 5, "");
-    let svg = picture((2.0 * MIDDLE.0 + 60.0, 330.0), Dashes::None, |canvas| {
-        canvas.legend(8.0, 0.0, &[(Key::Line(MEAN), "load on each element now")])?;
-        rings(canvas, &radial)?;
+pub(crate) fn present_loads(name: &str, loads: &[(f64, f64)]) -> Picture {
+    let polar = Polar::new(24.0, loads.iter().map(|load| load.1));
+    let drawing = picture((2.0 * MIDDLE.0 + 30.0, polar.bottom()), |canvas| {
+        canvas.legend(8.0, 0.0, &[(Key::Line(Stroke(MEASURED, 3.0)), "load on each element now")]);
+        polar.rings(canvas);
         for (azimuth, load) in loads.iter().filter(|(azimuth, load)| azimuth.is_finite() && *load > 0.0) {
-            canvas.line(&[MIDDLE, around(*azimuth, radial.place(*load))], Stroke(MEASURED, 3.0))?;
+            polar.spoke(canvas, *azimuth, *load, Stroke(MEASURED, 3.0));
         }
-        for (value, label) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
-            canvas.text(&format!("{label} N"), around(FRAC_PI_2 / 2.0, radial.place(*value)), Anchor::Middle, INK)?;
+        polar.labels(canvas, FRAC_PI_2 / 2.0);
+    });
+    Picture {
+        title: format!("Load on the elements of bearing {name}"),
+        note: "At the estimated displacement. Azimuth from +X towards +Y.".to_owned(),
+        drawing,
+        ..Picture::default()
+    }
+}
+
+impl Polar {
+    /// Creates the picture below `top`, for loads (N) from 0 to the largest.
+    pub(super) fn new(top: f64, loads: impl Iterator<Item = f64>) -> Self {
+        let radial = Axis::from_zero(extent(loads).map(|range| range.1), 4, "");
+        Self { middle: (MIDDLE.0, top + MIDDLE.1), radial }
+    }
+
+    /// Returns the lower edge of a picture with this one.
+    pub(super) fn bottom(&self) -> f64 {
+        self.middle.1 + RADIUS + 26.0
+    }
+
+    /// Returns the point at an azimuth and a load.
+    pub(super) fn at(&self, azimuth: f64, load: f64) -> Point {
+        self.around(azimuth, self.radial.place(load))
+    }
+
+    fn around(&self, azimuth: f64, share: f64) -> Point {
+        (self.middle.0 + RADIUS * share * azimuth.cos(), self.middle.1 - RADIUS * share * azimuth.sin())
+    }
+
+    /// Draws a line from the middle to a load.
+    pub(super) fn spoke(&self, canvas: &mut Canvas, azimuth: f64, load: f64, stroke: Stroke) {
+        canvas.line(&[self.middle, self.at(azimuth, load)], stroke);
+    }
+
+    /// Draws circles of equal load and the four directions.
+    pub(super) fn rings(&self, canvas: &mut Canvas) {
+        for (name, angle) in [("+X", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)] {
+            let radians: f64 = f64::to_radians(angle);
+            canvas.line(&[self.middle, self.around(radians, 1.0)], Stroke(GRID, 0.75));
+            let (sine, cosine) = radians.sin_cos();
+            let (x, y) = self.around(radians, 1.0);
+            let anchor = match cosine {
+                cosine if cosine > 0.5 => Anchor::Start,
+                cosine if cosine < -0.5 => Anchor::End,
+                _ => Anchor::Middle,
+            };
+            canvas.text(name, (x + 4.0 * cosine, y - 9.0 * sine), anchor, INK);
         }
-        Ok(())
-    })?;
-    let title = format!("Load on the elements of bearing {name}");
-    Ok(Picture { title, note: "At the estimated displacement. Azimuth from +X towards +Y.".to_owned(), svg })
-}
-
-fn legend() -> [(Key, &'static str); 3] {
-    [
-        (Key::Line(MEAN), "mean, from measured displacement"),
-        (Key::Line(LARGEST), "largest"),
-        (Key::Line(TWIN_MEAN), "mean, twin"),
-    ]
-}
-
-/// Circles of equal load and the four directions.
-pub(super) fn rings(canvas: &mut Canvas, radial: &Axis) -> Result<()> {
-    for (name, angle) in [("0\u{b0} (+X)", 0.0), ("90\u{b0} (+Y)", 90.0), ("180\u{b0}", 180.0), ("270\u{b0}", 270.0)] {
-        let radians: f64 = f64::to_radians(angle);
-        canvas.line(&[MIDDLE, around(radians, 1.0)], Stroke(GRID, 0.75))?;
-        let (sine, cosine) = radians.sin_cos();
-        let (x, y) = around(radians, 1.0);
-        let anchor = if cosine > 0.5 {
-            Anchor::Start
-        } else if cosine < -0.5 {
-            Anchor::End
-        } else {
-            Anchor::Middle
-        };
-        canvas.text(name, (x + 5.0 * cosine, y - 9.0 * sine), anchor, INK)?;
+        canvas.circle(self.middle.0, self.middle.1, RADIUS, Stroke(MARK, 0.75));
+        for (value, _) in self.radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
+            canvas.circle(self.middle.0, self.middle.1, self.radial.place(*value) * RADIUS, Stroke(GRID, 1.0));
+        }
     }
-    canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.75))?;
-    for (value, _) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
-        canvas.circle(MIDDLE.0, MIDDLE.1, radial.place(*value) * RADIUS, Stroke(GRID, 1.0))?;
-    }
-    Ok(())
-}
 
-/// Draws the values of the circles, over the curves.
-fn ring_labels(canvas: &mut Canvas, loads: &ElementLoads, radial: &Axis) -> Result<()> {
-    let free = unloaded(loads);
-    for (value, label) in radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
-        canvas.text(&format!("{label} N"), around(free, radial.place(*value)), Anchor::Middle, INK)?;
+    /// Draws the values of the circles along an azimuth, over the curves.
+    pub(super) fn labels(&self, canvas: &mut Canvas, azimuth: f64) {
+        for (value, label) in self.radial.ticks.iter().filter(|tick| tick.0 > 0.0) {
+            canvas.text(&format!("{label} N"), self.at(azimuth, *value), Anchor::Middle, INK);
+        }
     }
-    Ok(())
+
+    /// Draws a closed curve; a missing value breaks it.
+    fn curve(&self, canvas: &mut Canvas, azimuth: &[f64], values: &[f64], stroke: Stroke) {
+        let ring: Vec<Point> = azimuth.iter().copied().zip(values.iter().copied()).collect();
+        let closed: Vec<Point> = ring.iter().chain(ring.first()).copied().collect();
+        for piece in pieces(&closed) {
+            let pixels: Vec<Point> = piece.iter().map(|(azimuth, load)| self.at(*azimuth, *load)).collect();
+            canvas.line(&pixels, stroke);
+        }
+    }
 }
 
 /// A diagonal on which little load is drawn, for the labels of the circles.
@@ -131,32 +170,16 @@ fn unloaded(loads: &ElementLoads) -> f64 {
     diagonals.into_iter().min_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(FRAC_PI_2)
 }
 
-/// The point of the polar picture at an azimuth, `share` of the radius out.
-pub(super) fn around(azimuth: f64, share: f64) -> Point {
-    (MIDDLE.0 + RADIUS * share * azimuth.cos(), MIDDLE.1 - RADIUS * share * azimuth.sin())
-}
-
-/// A closed curve; a missing value breaks it.
-fn polar(canvas: &mut Canvas, azimuth: &[f64], values: &[f64], radial: &Axis, stroke: Stroke) -> Result<()> {
-    let ring: Vec<Point> = azimuth.iter().copied().zip(values.iter().copied()).collect();
-    let closed: Vec<Point> = ring.iter().chain(ring.first()).copied().collect();
-    for piece in super::line::pieces(&closed) {
-        let pixels: Vec<Point> = piece.iter().map(|(azimuth, value)| around(*azimuth, radial.place(*value))).collect();
-        canvas.line(&pixels, stroke)?;
-    }
-    Ok(())
-}
-
-fn way_frame(loads: &ElementLoads) -> Frame {
-    let top = extent(loads.first_element.iter().map(|point| point.1)).map(|range| range.1);
-    let y = Axis::from_zero(top, 8, "Load on element 1, N");
-    let mut x = Axis::exact(Some((0.0, 360.0)), 4, "Azimuth of element 1, deg");
+/// Returns the frame over the azimuth, in degrees, to the right of a polar picture below `top`.
+pub(super) fn beside(top: f64, y: Axis) -> Frame {
+    let mut x = Axis::exact(Some((0.0, 360.0)), 4, "Azimuth, deg");
     x.ticks = [0.0, 90.0, 180.0, 270.0, 360.0].map(|degrees: f64| (degrees, format!("{degrees:.0}"))).to_vec();
-    Frame { start: 312.0, left: 312.0 + gutter(&[&y]), top: 48.0, right: WIDTH - 18.0, bottom: 292.0, x, y }
+    let bottom = top + MIDDLE.1 + RADIUS - 14.0;
+    Frame { start: BESIDE, left: BESIDE + gutter(&[&y]), top: top + 8.0, right: WIDE_RIGHT, bottom, x, y }
 }
 
-/// Azimuth folded into one turn, broken where it passes 0.
-fn path(points: &[Point], limit: usize) -> Vec<Point> {
+/// Azimuth folded into one turn, broken where it starts anew.
+fn passes(points: &[Point]) -> Vec<Point> {
     let mut folded: Vec<Point> = Vec::with_capacity(points.len() + 16);
     for (azimuth, load) in points.iter().filter(|point| point.0.is_finite()) {
         let degrees = azimuth.rem_euclid(TAU).to_degrees();
@@ -165,5 +188,5 @@ fn path(points: &[Point], limit: usize) -> Vec<Point> {
         }
         folded.push((degrees, *load));
     }
-    decimated(&folded, limit)
+    folded
 }

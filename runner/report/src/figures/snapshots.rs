@@ -1,16 +1,13 @@
 //! Trends over snapshots of vibration: statistics of each sensor, and the line that has grown most.
 
 use super::axis::{Axis, extent};
-use super::canvas::{Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, gutter, picture};
-use super::line::{Point, decimated};
+use super::canvas::{BELOW, FAULT, Frame, Key, MEASURED_LINE, Stroke, WIDE, picture, stacked};
+use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
 use ballrace_twin::replay::outcome::{LineLevel, Outcome, SnapshotFigures, SnapshotTrend};
 
-const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 78.0;
-const VALUE: Stroke = Stroke(MEASURED, 1.4);
-const ONSET: Stroke = Stroke(RESIDUAL, 1.0);
+const ONSET: Stroke = Stroke(FAULT, 1.0);
 
 /// Trends over snapshots, one picture per sensor.
 pub(super) struct SnapshotTrends;
@@ -20,7 +17,7 @@ impl Figure for SnapshotTrends {
         "Trends over the snapshots"
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let first = context.outcome.snapshots.iter().take(1).flat_map(|snapshot| &snapshot.sensors);
         first.enumerate().map(|(k, figures)| sensor(context.outcome, k, &figures.sensor, context.budget)).collect()
     }
@@ -33,7 +30,7 @@ struct Curve<'a> {
     trend: Option<&'a SnapshotTrend>,
 }
 
-fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Result<Picture> {
+fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Picture {
     let trends = || outcome.snapshot_trends.iter().filter(|trend| trend.sensor == name);
     let points = |of: &dyn Fn(&SnapshotFigures) -> f64| -> Vec<Point> {
         let value = |figures: Option<&SnapshotFigures>| figures.map_or(f64::NAN, of);
@@ -59,28 +56,21 @@ fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Resul
     }
     let frames = frames(&curves);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
-    let svg = picture((WIDTH, bottom + 36.0), Dashes::None, |canvas| {
+    let drawing = picture((WIDE, bottom + BELOW), |canvas| {
         let left = frames.first().map_or(0.0, |frame| frame.left);
-        canvas.legend(left, 0.0, &[(Key::Line(VALUE), "measured"), (Key::Line(ONSET), "onset of growth")])?;
+        canvas.legend(left, 0.0, &[(Key::Line(MEASURED_LINE), "measured"), (Key::Line(ONSET), "onset of growth")]);
         for (i, (frame, curve)) in frames.iter().zip(&curves).enumerate() {
-            frame.axes(canvas, i + 1 == curves.len())?;
-            onset(canvas, frame, curve.trend)?;
-            frame.curve(canvas, &decimated(&curve.points, budget.line()), VALUE)?;
-            frame.note_if_empty(canvas, &[&curve.points])?;
+            frame.axes(canvas, i + 1 == curves.len());
+            frame.uprights(canvas, curve.trend.and_then(|trend| trend.onset).map(|number| number as f64), ONSET);
+            frame.series(canvas, (curve.title, &curve.points), budget.time(), MEASURED_LINE);
+            frame.note_if_empty(canvas, &[&curve.points]);
         }
-        Ok(())
-    })?;
-    Ok(Picture { title: format!("Trend of {name}"), note, svg })
+    });
+    Picture { title: format!("Trend of {name}"), note, drawing, ..Picture::default() }
 }
 
 fn is_of(line: &LineLevel, trend: &SnapshotTrend) -> bool {
     Some(&line.bearing) == trend.bearing.as_ref() && Some(line.component) == trend.component
-}
-
-fn onset(canvas: &mut Canvas, frame: &Frame, trend: Option<&SnapshotTrend>) -> Result<()> {
-    let Some(number) = trend.and_then(|trend| trend.onset) else { return Ok(()) };
-    let x = frame.at(&(number as f64, 0.0)).0;
-    canvas.line(&[(x, frame.bottom), (x, frame.top)], ONSET)
 }
 
 fn frames(curves: &[Curve<'_>]) -> Vec<Frame> {
@@ -90,11 +80,5 @@ fn frames(curves: &[Curve<'_>]) -> Vec<Frame> {
         let highest = extent(curve.points.iter().map(|point| point.1)).map(|range| range.1);
         Axis::from_zero(highest, 3, curve.title)
     };
-    let axes: Vec<Axis> = curves.iter().map(axis).collect();
-    let left = gutter(&axes.iter().collect::<Vec<_>>());
-    let frame = |(i, y): (usize, Axis)| {
-        let top = 30.0 + i as f64 * (HEIGHT + 16.0);
-        Frame { start: 0.0, left, top, right: WIDTH - 18.0, bottom: top + HEIGHT, x: x.clone(), y }
-    };
-    axes.into_iter().enumerate().map(frame).collect()
+    stacked(&x, curves.iter().map(axis).collect(), (30.0, HEIGHT, 16.0))
 }

@@ -1,25 +1,28 @@
 //! Half spectra (one a probe, logarithmic) and full spectra (one a plane, linear).
 
 use super::axis::{Axis, extent};
-use super::canvas::{Anchor, Canvas, Dashes, Frame, INK, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
-use super::line::{Point, peaks};
+use super::canvas::{
+    BELOW, Canvas, Frame, Key, MARK, MEASURED_LINE, RESIDUAL, RESIDUAL_LINE, Stroke, TWIN, WIDE, gutter, legend_height,
+    picture,
+};
+use super::line::Point;
 use super::mark::{self, Mark};
-use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
+use super::{Context, Figure, Picture, PointBudget, Source};
 use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine, Pictures};
 
-const WIDTH: f64 = 620.0;
 /// Height of a frame; the rows of names come on top.
-const HEIGHT: f64 = 176.0;
+const HEIGHT: f64 = 170.0;
 /// The close view ends at this many times the highest marked line.
 const BEYOND_LINES: f64 = 3.0;
 /// The same of a full spectrum, which has half the room.
 const BEYOND_LINES_FULL: f64 = 1.6;
+/// The close view ends at least at this many times the lowest natural frequency.
+const BEYOND_NATURAL: f64 = 1.15;
 /// Below the highest peak at most so much is shown.
 const DYNAMIC_RANGE: f64 = 1e6;
-const MEASURED_FINE: Stroke = Stroke(MEASURED, 1.1);
-const TWIN_WIDE: Stroke = Stroke(TWIN, 2.6);
-const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.8);
+/// The twin lies under the machine and is wider, so that it is visible beside a peak.
+const TWIN_WIDE: Stroke = Stroke(TWIN, 2.4);
+const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.9);
 /// Lowest bins, which hold the mean and what the window spreads of it, at most.
 const MEAN_BINS: usize = 3;
 
@@ -35,62 +38,78 @@ impl Figure for HalfSpectra {
         6 * data.half_spectra.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let data = context.data;
-        data.half_spectra.iter().map(|one| half(one, &data.lines, context.budget)).collect()
+        let one = |(i, spectrum): (usize, &HalfSpectrum)| Picture {
+            source: Some(Source::Spectrum(i)),
+            ..half(spectrum, data, context.budget)
+        };
+        data.half_spectra.iter().enumerate().map(one).collect()
     }
 }
 
 /// One picture for each probe: the range of the bearing lines, and beside it the whole range.
-pub(super) fn half(spectrum: &HalfSpectrum, lines: &[MarkedLine], budget: PointBudget) -> Result<Picture> {
+pub(super) fn half(spectrum: &HalfSpectrum, data: &Pictures, budget: PointBudget) -> Picture {
     let whole = whole_range(spectrum.bin_hz, longest(spectrum).saturating_sub(1));
-    let close = close_view(lines, whole, BEYOND_LINES);
-    let curves = Curves::new(spectrum, mean_bins(lines, spectrum.bin_hz));
+    let close = close_view(data, whole, BEYOND_LINES);
+    let curves = Curves::new(spectrum, mean_bins(&data.lines, spectrum.bin_hz));
     let y = curves.amplitude_axis();
-    let mut marks = mark::marks(lines, close);
+    let mut marks = mark::marks(&data.lines, &data.natural_frequencies, close);
     let split = whole > 1.5 * close;
-    let width = if split { 0.70 * WIDTH } else { WIDTH };
-    let x = Axis::exact(Some((0.0, close)), 7, "Frequency, Hz");
+    let width = if split { 0.72 * WIDE } else { WIDE };
+    let x = Axis::exact(Some((0.0, close)), if split { 5 } else { 7 }, "Frequency, Hz");
     let left = gutter(&[&y]);
     let right = mark::right_edge(&marks, left, width, |hz| x.place(hz));
     let rows = mark::stack(&mut marks, |hz| left + x.place(hz) * (right - left));
-    let top = 24.0 + mark::height(rows);
+    let legend = [
+        (Key::Line(MEASURED_LINE), "measured"),
+        (Key::Line(TWIN_WIDE), "twin"),
+        (Key::Line(RESIDUAL_LINE), "residual"),
+        (Key::Ring(MARK), "residual at a marked line"),
+    ];
+    let top = legend_height(left, &legend) + 8.0 + mark::height(rows);
     let frame = Frame { start: 0.0, left, top, right, bottom: top + HEIGHT, x, y };
-    let svg = picture((WIDTH, frame.bottom + 36.0), Dashes::None, |canvas| {
-        canvas.legend(left, 0.0, &half_legend())?;
-        frame.axes(canvas, true)?;
-        mark::lines(canvas, &frame, &marks)?;
-        mark::names(canvas, &frame, &marks)?;
-        curves.draw(canvas, &frame, budget)?;
-        residual_at(canvas, &frame, spectrum, &marks)?;
-        if split { overview(canvas, &frame, &curves, whole, budget) } else { Ok(()) }
-    })?;
-    let note = if split { ", with the whole range beside it" } else { "" };
-    Ok(Picture {
+    let drawing = picture((WIDE, frame.bottom + BELOW), |canvas| {
+        canvas.legend(left, 0.0, &legend);
+        frame.axes(canvas, true);
+        mark::lines(canvas, &frame, &marks);
+        mark::names(canvas, &frame, &marks);
+        curves.draw(canvas, &frame, budget);
+        residual_at(canvas, &frame, spectrum, &marks);
+        if split {
+            overview(canvas, &frame, &curves, whole, budget);
+        }
+    });
+    let beside = if split { ", with the whole range beside it" } else { "" };
+    Picture {
         title: format!("Spectrum of {}", spectrum.name),
-        note: format!("Amplitude zero to peak, logarithmic scale. Mean position left out; 0 to {close:.0} Hz{note}."),
-        svg,
-    })
+        note: format!(
+            "Amplitude zero to peak, logarithmic scale. Mean position left out; 0 to {close:.0} Hz{beside}.{}",
+            natural_note(data)
+        ),
+        drawing,
+        ..Picture::default()
+    }
 }
 
-fn half_legend() -> [(Key, &'static str); 4] {
-    [
-        (Key::Line(MEASURED_FINE), "measured"),
-        (Key::Line(TWIN_WIDE), "twin"),
-        (Key::Line(RESIDUAL_FINE), "measured \u{2212} twin"),
-        (Key::Ring(MARK), "the same at a marked line"),
-    ]
+/// Explains the names of natural frequencies, where there are any.
+fn natural_note(data: &Pictures) -> &'static str {
+    if data.natural_frequencies.is_empty() {
+        ""
+    } else {
+        " Grey dotted lines N1, N2, ...: natural frequencies of the twin at the mean speed."
+    }
 }
 
 /// The same three curves from 0 to the highest frequency, narrow.
-fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: PointBudget) -> Result<()> {
-    let x = Axis::exact(Some((0.0, whole)), 4, "Whole range, Hz");
+fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: PointBudget) {
+    let x = Axis::exact(Some((0.0, whole)), 2, "Frequency, Hz");
     let mut y = close.y.clone();
     y.title = String::new();
     y.ticks.iter_mut().for_each(|tick| tick.1.clear());
-    let frame = Frame { left: 0.73 * WIDTH, right: WIDTH - 16.0, x, y, ..close.clone() };
-    frame.axes(canvas, true)?;
-    curves.draw(canvas, &frame, budget)
+    let frame = Frame { left: 0.76 * WIDE, right: WIDE - 18.0, x, y, ..close.clone() };
+    frame.axes(canvas, true);
+    curves.draw(canvas, &frame, budget);
 }
 
 /// The three curves of a half spectrum, without the mean.
@@ -123,14 +142,16 @@ impl Curves {
         Axis::decades((0.5 * floor).max(high / DYNAMIC_RANGE), 1.6 * high, "Amplitude, um peak")
     }
 
-    /// Stroke of the twin: thicker and below, so that it is visible beside a peak of the machine.
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) -> Result<()> {
-        let curves = [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE), (&self.residual, RESIDUAL_FINE)];
-        for (points, stroke) in curves {
-            let points = peaks(&inside(frame, points), budget.spectrum());
-            frame.curve(canvas, &standing_out(frame, points), stroke)?;
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) {
+        let curves = [
+            ("twin", &self.twin, TWIN_WIDE),
+            ("measured", &self.measured, MEASURED_LINE),
+            ("residual", &self.residual, RESIDUAL_FINE),
+        ];
+        for (name, points, stroke) in curves {
+            frame.series(canvas, (name, points), budget.spectrum(), stroke);
         }
-        frame.note_if_empty(canvas, &[&self.measured, &self.twin, &self.residual])
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin, &self.residual]);
     }
 }
 
@@ -141,28 +162,18 @@ fn mean_bins(lines: &[MarkedLine], bin_hz: f64) -> usize {
 }
 
 /// Rings at the residual's peaks on the marked lines, where its curve runs inside the machine's peak.
-fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, marks: &[Mark]) -> Result<()> {
-    for mark in marks {
-        let near = |i: usize| (i as f64 * spectrum.bin_hz - mark.hz).abs() <= 1.5 * spectrum.bin_hz;
-        let peak = spectrum.residual.iter().enumerate().filter(|(i, a)| near(*i) && a.is_finite()).map(|(_, a)| *a);
-        let peak = peak.fold(0.0, f64::max);
-        if peak > frame.y.low() {
-            let (x, y) = frame.at(&(mark.hz, peak));
-            canvas.ring(x, y, MARK)?;
+fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, marks: &[Mark]) {
+    frame.inside(canvas, |canvas| {
+        for mark in marks.iter().filter(|mark| !mark.is_natural) {
+            let near = |i: usize| (i as f64 * spectrum.bin_hz - mark.hz).abs() <= 1.5 * spectrum.bin_hz;
+            let peak = spectrum.residual.iter().enumerate().filter(|(i, a)| near(*i) && a.is_finite()).map(|(_, a)| *a);
+            let peak = peak.fold(0.0, f64::max);
+            if peak > frame.y.low() {
+                let (x, y) = frame.at(&(mark.hz, peak));
+                canvas.ring(x, y, MARK);
+            }
         }
-    }
-    Ok(())
-}
-
-fn inside(frame: &Frame, points: &[Point]) -> Vec<Point> {
-    points.iter().copied().filter(|point| point.1.is_finite() && frame.x.holds(point.0)).collect()
-}
-
-/// Without the stretches that lie below the frame: they would run along its lower edge.
-fn standing_out(frame: &Frame, points: Vec<Point>) -> Vec<Point> {
-    let above: Vec<bool> = points.iter().map(|point| point.1 > frame.y.low()).collect();
-    let near = |i: usize| above[i] || (i > 0 && above[i - 1]) || above.get(i + 1) == Some(&true);
-    points.into_iter().enumerate().map(|(i, point)| if near(i) { point } else { (point.0, f64::NAN) }).collect()
+    });
 }
 
 /// Highest frequency; 0 where the width of a bin is no number.
@@ -175,38 +186,43 @@ fn longest(spectrum: &HalfSpectrum) -> usize {
     spectrum.measured.len().max(spectrum.twin.len()).max(spectrum.residual.len())
 }
 
-/// End of the range that the bearing lines need; the whole range when there are none.
-fn close_view(lines: &[MarkedLine], whole: f64, beyond: f64) -> f64 {
-    let highest = lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
-    if highest > 0.0 { whole.min(beyond * highest) } else { whole }
+/// End of the range that the bearing lines and the lowest natural frequency need; the whole range when there are no lines.
+fn close_view(data: &Pictures, whole: f64, beyond: f64) -> f64 {
+    let highest = data.lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
+    let natural = data.natural_frequencies.iter().map(|line| line.hz).fold(f64::INFINITY, f64::min);
+    let natural = if natural < 2.0 * beyond * highest { BEYOND_NATURAL * natural } else { 0.0 };
+    if highest > 0.0 { whole.min((beyond * highest).max(natural)) } else { whole }
 }
 
 /// One picture for each plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
-pub(super) fn full(spectrum: &FullSpectrum, lines: &[MarkedLine], budget: PointBudget) -> Result<Picture> {
-    let sides = Sides::new(spectrum, lines);
-    let mut marks = mark::marks(lines, sides.close);
+pub(super) fn full(spectrum: &FullSpectrum, data: &Pictures, budget: PointBudget) -> Picture {
+    let sides = Sides::new(spectrum, data);
+    let mut marks = mark::marks(&data.lines, &data.natural_frequencies, sides.close);
     let frames = sides.frames(&mut marks);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
-    let svg = picture((WIDTH, bottom + 36.0), Dashes::None, |canvas| {
-        canvas.legend(frames[0].left, 0.0, &half_legend()[..2])?;
+    let drawing = picture((WIDE, bottom + BELOW), |canvas| {
+        let legend = [(Key::Line(MEASURED_LINE), "measured"), (Key::Line(TWIN_WIDE), "twin")];
+        canvas.legend(frames[0].left, 0.0, &legend);
         for (i, frame) in frames.iter().enumerate() {
-            frame.axes(canvas, i + 1 == frames.len())?;
-            mark::lines(canvas, frame, &marks)?;
-            sides.draw(canvas, frame, budget)?;
+            frame.axes(canvas, i + 1 == frames.len());
+            mark::lines(canvas, frame, &marks);
+            sides.draw(canvas, frame, budget);
         }
-        mark::names(canvas, &frames[0], &marks)?;
-        name_sides(canvas, &frames[frames.len() - 1])
-    })?;
+        mark::names(canvas, &frames[0], &marks);
+        mark::name_sides(canvas, &frames[frames.len() - 1]);
+    });
     let magnified = if frames.len() > 1 { "; below, magnified, with 1X cut off" } else { "" };
     let (close, whole) = (sides.close, sides.whole);
-    Ok(Picture {
+    Picture {
         title: format!("Full spectrum of {}", spectrum.name),
         note: format!(
             "Amplitude zero to peak, linear scale{magnified}. Mean position left out; \u{b1}{close:.0} Hz of \
-             \u{b1}{whole:.0} Hz."
+             \u{b1}{whole:.0} Hz.{}",
+            natural_note(data)
         ),
-        svg,
-    })
+        drawing,
+        ..Picture::default()
+    }
 }
 
 /// Both curves of a full spectrum, and how far and high they are shown.
@@ -220,10 +236,11 @@ struct Sides {
 }
 
 impl Sides {
-    fn new(spectrum: &FullSpectrum, lines: &[MarkedLine]) -> Self {
+    fn new(spectrum: &FullSpectrum, data: &Pictures) -> Self {
+        let lines = &data.lines;
         let half = spectrum.measured.len().max(spectrum.twin.len()) / 2;
         let whole = whole_range(spectrum.bin_hz, half);
-        let close = close_view(lines, whole, BEYOND_LINES_FULL);
+        let close = close_view(data, whole, BEYOND_LINES_FULL);
         let mean_bins = mean_bins(lines, spectrum.bin_hz);
         let measured = two_sided(&spectrum.measured, spectrum.bin_hz, mean_bins);
         let twin = two_sided(&spectrum.twin, spectrum.bin_hz, mean_bins);
@@ -246,10 +263,10 @@ impl Sides {
         };
         let highs = if magnified { vec![self.highest, self.highest_but_one_x] } else { vec![self.highest] };
         let height = if magnified { 0.6 * HEIGHT } else { HEIGHT };
-        let axes: Vec<Axis> = highs.into_iter().map(|high| Axis::from_zero(high, 6, "Ampl., um peak")).collect();
-        let x = Axis::exact(Some((-self.close, self.close)), 9, "Frequency, Hz");
+        let axes: Vec<Axis> = highs.into_iter().map(|high| Axis::from_zero(high, 5, "Ampl., um peak")).collect();
+        let x = Axis::exact(Some((-self.close, self.close)), 7, "Frequency, Hz");
         let left = gutter(&axes.iter().collect::<Vec<_>>());
-        let right = mark::right_edge(marks, left, WIDTH, |hz| x.place(hz));
+        let right = mark::right_edge(marks, left, WIDE, |hz| x.place(hz));
         let rows = mark::stack(marks, |hz| left + x.place(hz) * (right - left));
         let first = 24.0 + mark::height(rows);
         let frame = |(i, y): (usize, Axis)| {
@@ -259,21 +276,13 @@ impl Sides {
         axes.into_iter().enumerate().map(frame).collect()
     }
 
-    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) -> Result<()> {
-        for (points, stroke) in [(&self.twin, TWIN_WIDE), (&self.measured, MEASURED_FINE)] {
-            frame.curve(canvas, &peaks(&inside(frame, points), budget.spectrum()), stroke)?;
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, budget: PointBudget) {
+        for (name, points, stroke) in [("twin", &self.twin, TWIN_WIDE), ("measured", &self.measured, MEASURED_LINE)] {
+            frame.series(canvas, (name, points), budget.spectrum(), stroke);
         }
-        let middle = frame.at(&(0.0, 0.0)).0;
-        canvas.line(&[(middle, frame.top), (middle, frame.bottom)], Stroke(MARK, 1.0))?;
-        frame.note_if_empty(canvas, &[&self.measured, &self.twin])
+        frame.uprights(canvas, [0.0], Stroke(MARK, 1.0));
+        frame.note_if_empty(canvas, &[&self.measured, &self.twin]);
     }
-}
-
-/// Labels both sides of the spectrum below the frame.
-fn name_sides(canvas: &mut Canvas, frame: &Frame) -> Result<()> {
-    let y = frame.bottom + 26.0;
-    canvas.text("\u{2190} reverse precession", (frame.left, y), Anchor::Start, INK)?;
-    canvas.text("forward precession \u{2192}", (frame.right, y), Anchor::End, INK)
 }
 
 /// Amplitudes with their frequencies, without the bins about 0 Hz, which hold the mean.

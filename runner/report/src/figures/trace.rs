@@ -1,13 +1,15 @@
 //! Time traces: the twin over the machine, the difference below.
 
 use super::axis::{Axis, extent};
-use super::canvas::{Canvas, Dashes, Frame, Key, MARK, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
-use super::line::{Point, decimated, zipped};
-use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
+use super::canvas::{
+    BELOW, Canvas, FAINT, Frame, Key, MARK, MEASURED_LINE, RESIDUAL_LINE, Stroke, TWIN_LINE, WIDE, picture, stacked,
+};
+use super::line::{Point, zipped};
+use super::{Context, Figure, Picture, PointBudget, Source};
 use ballrace_twin::replay::outcome::{Pictures, Trace};
 
-const WIDTH: f64 = 620.0;
+/// Largest number of keyphasor marks drawn.
+const MAX_MARKS: usize = 64;
 
 /// Time traces, one per probe.
 pub(super) struct Traces;
@@ -21,82 +23,68 @@ impl Figure for Traces {
         3 * data.traces.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
-        context.data.traces.iter().map(|one| trace(one, context.budget)).collect()
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
+        let one =
+            |(i, named): (usize, &Trace)| Picture { source: Some(Source::Trace(i)), ..trace(named, context.budget) };
+        context.data.traces.iter().enumerate().map(one).collect()
     }
 }
 
 /// One picture for each probe.
-pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Result<Picture> {
+pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Picture {
     let clock = Clock::of(&trace.time);
     let time: Vec<f64> = trace.time.iter().map(|t| t * clock.scale).collect();
-    let curves = Curves::new(trace, &time, budget.line());
-    let x = Axis::exact(extent(time.iter().copied()), 10, clock.title);
-    let (upper, lower) = frames(&curves, x);
-    let svg = picture((WIDTH, lower.bottom + 36.0), Dashes::Twin, |canvas| {
-        canvas.legend(upper.left, 0.0, &legend())?;
-        upper.axes(canvas, false)?;
-        lower.axes(canvas, true)?;
-        keyphasor(canvas, [&upper, &lower], trace.keyphasor.iter().map(|t| t * clock.scale))?;
-        upper.curve(canvas, &curves.measured, Stroke(MEASURED, 1.6))?;
-        upper.curve(canvas, &curves.twin, Stroke(TWIN, 1.3))?;
-        lower.curve(canvas, &curves.residual, Stroke(MARK, 0.8))?;
-        upper.note_if_empty(canvas, &[&curves.measured, &curves.twin])?;
-        lower.note_if_empty(canvas, &[&curves.residual])
-    })?;
-    Ok(Picture { title: format!("Position at {} over time", trace.name), note: String::new(), svg })
+    let residual: Vec<f64> = trace.measured.iter().zip(&trace.twin).map(|(m, t)| m - t).collect();
+    let [measured, twin, residual] = [&trace.measured, &trace.twin, &residual].map(|values| zipped(&time, values));
+    let x = Axis::exact(extent(time.iter().copied()), 8, clock.title);
+    let [upper, lower] = two_frames(x, [&[&measured, &twin], &[&residual]]);
+    let drawing = picture((WIDE, lower.bottom + BELOW), |canvas| {
+        canvas.legend(upper.left, 0.0, &legend());
+        upper.axes(canvas, false);
+        lower.axes(canvas, true);
+        keyphasor(canvas, [&upper, &lower], trace.keyphasor.iter().map(|t| t * clock.scale));
+        upper.series(canvas, ("measured", &measured), budget.time(), MEASURED_LINE);
+        upper.series(canvas, ("twin", &twin), budget.time(), TWIN_LINE);
+        lower.series(canvas, ("residual", &residual), budget.time(), RESIDUAL_LINE);
+        upper.note_if_empty(canvas, &[&measured, &twin]);
+        lower.note_if_empty(canvas, &[&residual]);
+    });
+    Picture { title: format!("Position at {} over time", trace.name), drawing, ..Picture::default() }
 }
 
 fn legend() -> [(Key, &'static str); 4] {
     [
-        (Key::Line(Stroke(MEASURED, 1.8)), "measured"),
-        (Key::Line(Stroke(TWIN, 1.6)), "twin"),
-        (Key::Line(Stroke(MARK, 1.0)), "measured \u{2212} twin"),
+        (Key::Line(MEASURED_LINE), "measured"),
+        (Key::Line(TWIN_LINE), "twin"),
+        (Key::Line(RESIDUAL_LINE), "residual"),
         (Key::Triangle(MARK), "keyphasor"),
     ]
 }
 
-/// The three lines, with no more points than the page can show.
-struct Curves {
-    measured: Vec<Point>,
-    twin: Vec<Point>,
-    residual: Vec<Point>,
-}
-
-impl Curves {
-    fn new(trace: &Trace, time: &[f64], limit: usize) -> Self {
-        let residual: Vec<f64> = trace.measured.iter().zip(&trace.twin).map(|(m, t)| m - t).collect();
-        Self {
-            measured: decimated(&zipped(time, &trace.measured), limit),
-            twin: decimated(&zipped(time, &trace.twin), limit),
-            residual: decimated(&zipped(time, &residual), limit),
-        }
-    }
-}
-
-fn frames(curves: &Curves, x: Axis) -> (Frame, Frame) {
-    let above = extent(curves.measured.iter().chain(&curves.twin).map(|point| point.1));
-    let below = extent(curves.residual.iter().map(|point| point.1));
-    let position = Axis::padded(above, 7, "Position, um");
-    let difference = Axis::padded(below, 5, "Diff., um");
-    let left = gutter(&[&position, &difference]);
-    let right = WIDTH - 18.0;
-    let upper = Frame { start: 0.0, left, top: 34.0, right, bottom: 190.0, x: x.clone(), y: position };
-    let lower = Frame { start: 0.0, left, top: 202.0, right, bottom: 278.0, x, y: difference };
-    (upper, lower)
+/// A frame for positions, and below it one for differences.
+pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2]) -> [Frame; 2] {
+    let [above, below] = curves.map(|curves| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1))));
+    let axes = vec![Axis::padded(above, 6, "Position, um"), Axis::padded(below, 4, "Residual, um")];
+    let mut frames = stacked(&x, axes, (36.0, 140.0, 12.0)).into_iter();
+    let (Some(upper), Some(mut lower)) = (frames.next(), frames.next()) else {
+        unreachable!("two axes give two frames")
+    };
+    lower.bottom = lower.top + 84.0;
+    [upper, lower]
 }
 
 /// A triangle above and a fine line through the frames at each passage of the mark.
-fn keyphasor(canvas: &mut Canvas, frames: [&Frame; 2], times: impl Iterator<Item = f64>) -> Result<()> {
-    for time in times.filter(|time| frames[0].x.holds(*time)).take(64) {
-        for frame in frames {
-            let x = frame.at(&(time, 0.0)).0;
-            canvas.line(&[(x, frame.top), (x, frame.bottom)], Stroke(RESIDUAL, 0.5))?;
-        }
-        let tip = (frames[0].at(&(time, 0.0)).0, frames[0].top - 1.0);
-        canvas.triangle(tip, std::f64::consts::FRAC_PI_2, 8.0, MARK)?;
+pub(super) fn keyphasor(canvas: &mut Canvas, frames: [&Frame; 2], marks: impl Iterator<Item = f64>) {
+    let marks: Vec<f64> = marks.filter(|mark| frames[0].x.holds(*mark)).take(MAX_MARKS).collect();
+    for frame in frames {
+        frame.uprights(canvas, marks.iter().copied(), Stroke(FAINT, 0.6));
     }
-    Ok(())
+    frames[0].along(canvas, |canvas| {
+        for mark in &marks {
+            let tip = (frames[0].at(&(*mark, 0.0)).0, frames[0].top - 1.0);
+            canvas.triangle(tip, std::f64::consts::FRAC_PI_2, 8.0, MARK);
+        }
+    });
 }
 
 /// Seconds or milliseconds.

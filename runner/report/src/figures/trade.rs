@@ -2,12 +2,12 @@
 
 use super::Picture;
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, Dashes, FAINT, Frame, INK, Key, MEASURED, Stroke, TWIN, gutter, picture};
+use super::canvas::{
+    Anchor, BELOW, Canvas, FAINT, Frame, INK, Key, MEASURED, Marker, Stroke, TWIN, WIDE, WIDE_RIGHT, gutter, picture,
+};
 use super::line::Point;
-use anyhow::Result;
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 360.0;
+const HEIGHT: f64 = 300.0;
 /// Smallest error drawn; smaller ones are rounding.
 const LEAST: f64 = 1e-16;
 
@@ -26,10 +26,10 @@ pub(crate) struct Dot {
 }
 
 /// Draws the figure; `None` where no candidate has a cost.
-pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Result<Option<Picture>> {
+pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Option<Picture> {
     let shown: Vec<&Dot> = dots.iter().filter(|d| d.cost > 0.0 && d.error.is_finite()).collect();
     if shown.is_empty() {
-        return Ok(None);
+        return None;
     }
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
@@ -40,24 +40,35 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Res
     let (low, high) = range(&mut shown.iter().map(|d| error(d)));
     let y = Axis::decades(low / 2.5, high * 2.5, errors);
     let left = gutter(&[&y]);
-    let frame = Frame { start: 0.0, left, top: 34.0, right: WIDTH - 18.0, bottom: HEIGHT, x, y };
+    let frame = Frame { start: 0.0, left, top: 30.0, right: WIDE_RIGHT, bottom: HEIGHT, x, y };
     let mut best: Vec<&Dot> = shown.iter().copied().filter(|d| d.front).collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let svg = picture((WIDTH, HEIGHT + 36.0), Dashes::None, |canvas| {
+    let drawing = picture((WIDE, HEIGHT + BELOW), |canvas| {
         let keys =
-            [(Key::Dot(MEASURED), "f64"), (Key::Dot(TWIN), "f32"), (Key::Line(Stroke(FAINT, 1.5)), "Pareto front")];
-        canvas.legend(left, 0.0, &keys)?;
-        frame.axes(canvas, true)?;
-        frame.curve(canvas, &stairs(&best), Stroke(FAINT, 1.5))?;
-        for dot in &shown {
-            let (px, py) = frame.at(&(dot.cost, error(dot)));
-            let colour = if dot.single { TWIN } else { MEASURED };
-            if dot.front { canvas.dot(px, py, 4.0, colour)? } else { canvas.dot(px, py, 2.2, colour)? }
+            [(Key::Dot(MEASURED), "f64"), (Key::Ring(TWIN), "f32"), (Key::Line(Stroke(FAINT, 1.5)), "Pareto front")];
+        canvas.legend(left, 0.0, &keys);
+        frame.axes(canvas, true);
+        frame.curve(canvas, &stairs(&best), Stroke(FAINT, 1.5));
+        let kinds = [
+            ("f64", false, false, Marker::Dot(2.4, MEASURED)),
+            ("f32", true, false, Marker::Ring(TWIN)),
+            ("f64, on the Pareto front", false, true, Marker::Dot(4.0, MEASURED)),
+            ("f32, on the Pareto front", true, true, Marker::Ring(TWIN)),
+        ];
+        for (name, is_single, is_front, marker) in kinds {
+            let of_kind = shown.iter().filter(|dot| dot.single == is_single && dot.front == is_front);
+            let points: Vec<Point> = of_kind.map(|dot| (dot.cost, error(dot))).collect();
+            frame.scatter(canvas, (name, &points), marker);
         }
-        numbers(canvas, &frame, &best)
-    })?;
+        frame.inside(canvas, |canvas| numbers(canvas, &frame, &best));
+    });
     let list: Vec<String> = best.iter().enumerate().map(|(i, d)| format!("{} {}", i + 1, d.name)).collect();
-    Ok(Some(Picture { title: title.to_owned(), note: format!("On the Pareto front: {}.", list.join("; ")), svg }))
+    Some(Picture {
+        title: title.to_owned(),
+        note: format!("On the Pareto front: {}.", list.join("; ")),
+        drawing,
+        ..Picture::default()
+    })
 }
 
 /// Returns the Pareto front as a staircase.
@@ -74,15 +85,14 @@ fn stairs(best: &[&Dot]) -> Vec<Point> {
 }
 
 /// Draws numbers beside the dots of the front, on the side of lower cost and error.
-fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) -> Result<()> {
+fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) {
     let mut last: Option<Point> = None;
     for (i, dot) in best.iter().enumerate() {
         let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST)));
         // Labels of nearly coincident dots would overlap.
         let near = last.is_some_and(|(x, y)| (px - x).abs() < 12.0 && (py - y).abs() < 12.0);
         let at = if near { (px + 9.0, py - 9.0) } else { (px - 9.0, py + 9.0) };
-        canvas.text(&(i + 1).to_string(), at, Anchor::Middle, INK)?;
+        canvas.text(&(i + 1).to_string(), at, Anchor::Middle, INK);
         last = Some((px, py));
     }
-    Ok(())
 }

@@ -1,25 +1,22 @@
 //! Trends: the indicators of one probe from the start of the recording to its end, with limits and events.
 
 use super::axis::{Axis, extent};
-use super::canvas::{BAND, Canvas, Dashes, Frame, Key, MEASURED, RESIDUAL, Stroke, TWIN, gutter, picture};
-use super::line::{Point, decimated};
+use super::canvas::{BAND, BELOW, Canvas, FAULT, Frame, Key, MEASURED_LINE, RESIDUAL, Stroke, WIDE, picture, stacked};
+use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget};
-use anyhow::Result;
 use ballrace_twin::outcome::Event;
 use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, ProbeOutcome};
 
-const WIDTH: f64 = 620.0;
-const HEIGHT: f64 = 78.0;
-const VALUE: Stroke = Stroke(MEASURED, 1.4);
-const LIMIT: Stroke = Stroke(TWIN, 1.4);
+const HEIGHT: f64 = 70.0;
+const LIMIT: Stroke = Stroke(FAULT, 1.4);
 
 /// An indicator: as limits name it, its axis, its value.
 type Indicator = (&'static str, &'static str, fn(&BlockFigures) -> f64);
 
 const INDICATORS: [Indicator; 4] = [
-    ("peak-to-peak", "Overall, um pp", |f| f.greatest_um_pp),
+    ("peak-to-peak", "Peak to peak, um pp", |f| f.greatest_um_pp),
     ("1X", "1X, um peak", |f| f.one_x_um[0].hypot(f.one_x_um[1])),
-    ("residual", "Resid., um rms", |f| f.residual_rms_um),
+    ("residual", "Residual, um rms", |f| f.residual_rms_um),
     ("kurtosis", "Kurtosis", |f| f.kurtosis),
 ];
 
@@ -45,7 +42,7 @@ impl Figure for Trends {
         4 * data.traces.len()
     }
 
-    fn draw(&self, context: &Context<'_>) -> Result<Vec<Picture>> {
+    fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
         let (outcome, data) = (context.outcome, context.data);
         let probes = outcome.probes.iter().enumerate().filter(|_| data.blocks.len() > 1);
         let one = |(probe, named): (usize, &ProbeOutcome)| {
@@ -59,24 +56,23 @@ impl Figure for Trends {
 }
 
 /// One picture for each probe.
-pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Result<Picture> {
+pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Picture {
     let clock = Clock::of(trend.blocks);
     let frames = frames(trend, &clock);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
     let left = frames.first().map_or(0.0, |frame| frame.left);
-    let svg = picture((WIDTH, bottom + 36.0), Dashes::Twin, |canvas| {
-        canvas.legend(left, 0.0, &legend(trend))?;
+    let drawing = picture((WIDE, bottom + BELOW), |canvas| {
+        canvas.legend(left, 0.0, &legend(trend));
         for (k, (frame, indicator)) in frames.iter().zip(&INDICATORS).enumerate() {
-            events(canvas, frame, trend, indicator, &clock)?;
-            frame.axes(canvas, k + 1 == INDICATORS.len())?;
-            limits(canvas, frame, trend, indicator)?;
+            events(canvas, frame, trend, indicator, &clock);
+            frame.axes(canvas, k + 1 == INDICATORS.len());
+            frame.levels(canvas, trend.limits_of(indicator), LIMIT);
             let points = trend.points(indicator, &clock);
-            frame.curve(canvas, &decimated(&points, budget.line()), VALUE)?;
-            frame.note_if_empty(canvas, &[&points])?;
+            frame.series(canvas, ("measured", &points), budget.time(), MEASURED_LINE);
+            frame.note_if_empty(canvas, &[&points]);
         }
-        Ok(())
-    })?;
-    Ok(Picture { title: format!("Trend of {}", trend.name), note: trend.words(), svg })
+    });
+    Picture { title: format!("Trend of {}", trend.name), note: trend.words(), drawing, ..Picture::default() }
 }
 
 impl Trend<'_> {
@@ -96,14 +92,14 @@ impl Trend<'_> {
         let others = self.events.iter().filter(|event| INDICATORS.iter().all(|i| i.0 != event.indicator)).count();
         let others = if others > 0 { " Events of other indicators: shaded in all." } else { "" };
         format!(
-            "Blocks of four turns, or neighbours of them joined: overall is the greatest, the others are means. Limits \
+            "Blocks of four turns, or neighbours of them joined: peak to peak is the greatest, the others are means. Limits \
              are held against blocks of 16 turns.{others}"
         )
     }
 }
 
 fn legend(trend: &Trend) -> Vec<(Key, &'static str)> {
-    let mut legend = vec![(Key::Line(VALUE), "measured")];
+    let mut legend = vec![(Key::Line(MEASURED_LINE), "measured")];
     if !trend.limits.is_empty() {
         legend.push((Key::Line(LIMIT), "limit"));
     }
@@ -115,40 +111,24 @@ fn legend(trend: &Trend) -> Vec<(Key, &'static str)> {
 
 fn frames(trend: &Trend, clock: &Clock) -> Vec<Frame> {
     let ends = trend.blocks.iter().flat_map(|block| [block.start_s, block.end_s]);
-    let x = Axis::exact(extent(ends.map(|t| t * clock.scale)), 9, clock.title);
+    let x = Axis::exact(extent(ends.map(|t| t * clock.scale)), 7, clock.title);
     let axis = |indicator: &Indicator| {
         let values = trend.points(indicator, clock).into_iter().map(|point| point.1);
         let highest = extent(values.chain(trend.limits_of(indicator))).map(|range| range.1);
         Axis::from_zero(highest, 3, indicator.1)
     };
-    let axes: Vec<Axis> = INDICATORS.iter().map(axis).collect();
-    let left = gutter(&axes.iter().collect::<Vec<_>>());
-    let frame = |(k, y): (usize, Axis)| {
-        let top = 30.0 + k as f64 * (HEIGHT + 16.0);
-        Frame { start: 0.0, left, top, right: WIDTH - 18.0, bottom: top + HEIGHT, x: x.clone(), y }
-    };
-    axes.into_iter().enumerate().map(frame).collect()
-}
-
-fn limits(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator) -> Result<()> {
-    for max in trend.limits_of(indicator).filter(|max| max.is_finite()) {
-        let y = frame.at(&(0.0, max)).1;
-        canvas.line(&[(frame.left, y), (frame.right, y)], LIMIT)?;
-    }
-    Ok(())
+    stacked(&x, INDICATORS.iter().map(axis).collect(), (34.0, HEIGHT, 20.0))
 }
 
 /// From start to end of each event of this indicator; of one that is not drawn, in every frame.
-fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) -> Result<()> {
-    let drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
-    for event in trend.events.iter().filter(|e| e.indicator == indicator.0 || !drawn(e.indicator)) {
-        let x = |t: f64| frame.at(&(t * clock.scale, 0.0)).0;
-        let (from, to) = (x(event.start_s), event.end_s.map_or(frame.right, x));
-        let to = to.max(from + 1.0);
-        canvas.polygon(&[(from, frame.top), (to, frame.top), (to, frame.bottom), (from, frame.bottom)], BAND)?;
-        canvas.line(&[(from, frame.top), (from, frame.bottom)], Stroke(RESIDUAL, 0.75))?;
-    }
-    Ok(())
+fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) {
+    let is_drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
+    let shown = trend.events.iter().filter(|e| e.indicator == indicator.0 || !is_drawn(e.indicator));
+    let ranges: Vec<[f64; 2]> = shown
+        .map(|event| [event.start_s * clock.scale, event.end_s.map_or(frame.x.high(), |end| end * clock.scale)])
+        .collect();
+    frame.shade(canvas, ranges.iter().copied(), BAND);
+    frame.uprights(canvas, ranges.iter().map(|range| range[0]), Stroke(RESIDUAL, 0.75));
 }
 
 /// Seconds, minutes or hours.

@@ -26,7 +26,7 @@ pub fn parse_hours(query: &str) -> Option<f64> {
 /// Draws the last `hours` of the files in `folder`, or the seconds of the view without a folder.
 ///
 /// # Errors
-/// Returns an error if a file cannot be read, or an SVG element cannot be drawn.
+/// Returns an error if a file cannot be read.
 pub fn figures(scene: &Scene, folder: Option<&Path>, view: &View, hours: f64) -> Result<Vec<LiveFigure>> {
     let names: Vec<&str> = scene.recording.iter().flat_map(|r| &r.probes).map(|p| p.column.as_str()).collect();
     let mut history = History::new(hours * HOUR, names.len());
@@ -60,7 +60,7 @@ pub fn figures(scene: &Scene, folder: Option<&Path>, view: &View, hours: f64) ->
         "From {source}. 0 is the present. Lowest and highest second of each interval of {:.0} s.",
         history.width
     );
-    live::history(scene, history.blocks(), view.limits.iter().map(limit).collect(), &note)
+    Ok(live::history(scene, history.blocks(), view.limits.iter().map(limit).collect(), &note))
 }
 
 /// Lowest and highest values of every interval.

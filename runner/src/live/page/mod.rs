@@ -222,7 +222,7 @@ impl Site {
             return http::text(StatusCode::OK, JSON, figures.clone());
         }
         let site = self.0.clone();
-        let result = on_drawing_thread(move || figures(&site.scene, &view.snapshot)).await;
+        let result = on_drawing_thread(move || Ok(figures(&site.scene, &view.snapshot))).await;
         if let Ok(figures) = &result {
             *drawn = Some((Instant::now(), figures.clone()));
         }

@@ -18,8 +18,8 @@ pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, Ref
 pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
 pub use implausibility::Implausibility;
 pub use pictures::{
-    Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, FilteredOrbit, ForceTrace,
-    FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Trace,
+    Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit,
+    ForceTrace, FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Stretch, Trace,
 };
 pub use rotor::RotorOutcome;
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};

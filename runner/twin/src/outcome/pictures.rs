@@ -19,6 +19,10 @@ pub struct Pictures {
     pub full_spectra: Vec<FullSpectrum>,
     /// Marked in every spectrum: 1X and each bearing's lines.
     pub lines: Vec<MarkedLine>,
+    /// Natural frequencies of the rotor in its bearings at the mean speed, named N1, N2, ...; empty where they are not computed.
+    pub natural_frequencies: Vec<MarkedLine>,
+    /// Readings over stretches of the recording.
+    pub excerpt: Excerpt,
     /// One a bearing.
     pub forces: Vec<ForceTrace>,
     /// One a bearing with elements.
@@ -33,6 +37,38 @@ pub struct Pictures {
     pub limits: Vec<LimitLine>,
     /// One a vibration sensor.
     pub envelopes: Vec<EnvelopeSpectrum>,
+}
+
+/// Readings of all probes over stretches of the recording, from which figures of a chosen time are computed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Excerpt {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// In their order in time.
+    pub stretches: Vec<Stretch>,
+}
+
+/// Consecutive samples of all probes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Stretch {
+    /// Time of the first sample.
+    pub start_s: f64,
+    /// Number of samples.
+    pub(crate) count: usize,
+    /// Readings of each probe, um; NaN where missing.
+    pub measured: Vec<Vec<f32>>,
+    /// The same of the twin.
+    pub twin: Vec<Vec<f32>>,
+    /// Samples before which the keyphasor passed.
+    pub keyphasor: Vec<usize>,
+}
+
+impl Stretch {
+    /// Returns the number of samples.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.count
+    }
 }
 
 /// One block of four turns, or several one after the other.

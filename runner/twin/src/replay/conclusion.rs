@@ -5,9 +5,11 @@ use super::running_diagnosis::RunningDiagnosis;
 use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
+use crate::campbell;
 use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, FindingKind, Implausibility, Outcome, Pictures, Record, RotorDrawing};
+use crate::outcome::{Finding, FindingKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing};
+use crate::plant::Plant;
 use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
@@ -149,6 +151,7 @@ impl Pipeline<'_> {
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
+        pictures.natural_frequencies = natural_frequencies(&self.plant, mean_speed);
         pictures.envelopes = vibration.envelopes;
         let deflection = self.deflection.as_ref();
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
@@ -283,6 +286,24 @@ impl Pipeline<'_> {
         }
         notes
     }
+}
+
+/// Coordinates beyond which natural frequencies are not computed: the time grows with the cube of their number.
+const MOST_COORDINATES: usize = 60;
+
+/// Returns the damped natural frequencies at a speed (rad/s), lowest first.
+fn natural_frequencies(plant: &Plant, speed: f64) -> Vec<MarkedLine> {
+    if plant.layout.order > MOST_COORDINATES || !speed.is_finite() {
+        return vec![];
+    }
+    // The figures have no marks where the modes cannot be computed.
+    let modes = campbell::modes(plant, speed, true).unwrap_or_default();
+    let line = |(number, mode): (usize, &campbell::Mode)| MarkedLine {
+        label: format!("N{number}"),
+        order: f64::NAN,
+        hz: mode.frequency_hz,
+    };
+    (1..).zip(&modes).map(line).collect()
 }
 
 /// Returns the constant load on the rotor of a scene; not a number where a `[system]` has it on its coordinates.

@@ -32,6 +32,7 @@ mod twin;
 // Indicators.
 mod cascade;
 mod deflection;
+mod excerpt;
 mod history;
 mod lines;
 mod pictures;

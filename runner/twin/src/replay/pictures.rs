@@ -2,6 +2,7 @@
 
 use super::cascade::Spectra;
 use super::comparison::Comparison;
+use super::excerpt::ExcerptCollector;
 use super::force::{AZIMUTH_BINS, BearingForces, EvaluatedForce};
 use super::trend::Trend;
 use crate::outcome::{
@@ -28,6 +29,7 @@ pub struct FigureCollector {
     planes: Vec<Plane>,
     trend: Trend,
     cascade: Spectra,
+    excerpt: ExcerptCollector,
     revolutions: f64,
     samples: usize,
 }
@@ -44,7 +46,8 @@ impl FigureCollector {
         let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
         let trend = Trend::new(probes.len(), planes.clone());
         let cascade = Spectra::new(probes, &planes, rate, speed);
-        Self { pictures, planes, trend, cascade, revolutions: 0.0, samples: 0 }
+        let excerpt = ExcerptCollector::new(probes.len(), rate);
+        Self { pictures, planes, trend, cascade, excerpt, revolutions: 0.0, samples: 0 }
     }
 
     /// Adds a sample with the twin's readings and the revolutions since the last sample.
@@ -52,6 +55,7 @@ impl FigureCollector {
         self.trend.add(sample, twin, revolutions);
         self.cascade.add(sample);
         let passed = self.samples > 0 && passes_keyphasor(sample, revolutions);
+        self.excerpt.add(sample, twin, passed);
         self.revolutions += revolutions.abs();
         self.samples += 1;
         if !self.open(TURNS) {
@@ -150,6 +154,7 @@ impl FigureCollector {
         self.pictures.lines = marked_lines(mounted, speed_hz);
         self.pictures.blocks = self.trend.finish();
         self.pictures.cascades = self.cascade.finish();
+        self.pictures.excerpt = self.excerpt.finish();
         if let Some(first) = self.pictures.blocks.first() {
             for (orbit, plane) in self.pictures.orbits.iter_mut().zip(&self.planes) {
                 orbit.one_x = Some(filtered(plane, first));
