@@ -7,7 +7,7 @@ use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::diagnosis::{self, Material};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
+use crate::outcome::{DiagnosisOutcome, Finding, FindingKind, Outcome, Pictures, Record, RotorDrawing, RotorOutcome};
 use crate::plausibility::{Evidence, Implausibility, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::scene::Scene;
@@ -29,6 +29,28 @@ pub(super) struct RecordingFacts<'a> {
 }
 
 impl Pipeline<'_> {
+    /// Adds the slips of the cages that the observer followed; returns notes on them.
+    fn follow_up(&self, outcome: &mut DiagnosisOutcome) -> Vec<String> {
+        let mut notes = vec![];
+        if self.totals.speed().count() as usize <= outcome.samples {
+            return notes;
+        }
+        let tracker = &self.cages;
+        for ((cage, slips), &is_followed) in outcome.cages.iter_mut().zip(tracker.slips()).zip(tracker.followed()) {
+            let Some(slips) = slips.map(|slips| slips.map(|slip| 100.0 * slip)) else { continue };
+            let (name, [low, high]) = (&cage.bearing, slips);
+            notes.push(if is_followed {
+                format!("The observer followed the cage of {name}: its slip was {low:.2} to {high:.2} %.")
+            } else {
+                format!(
+                    "The observer lost the cage of {name}, whose passing elements it sees too weakly or whose shaft angle was interrupted; until then its slip was {low:.2} to {high:.2} %."
+                )
+            });
+            cage.followed_slip_percent = Some(slips);
+        }
+        notes
+    }
+
     /// Returns the outcome.
     ///
     /// # Errors
@@ -103,7 +125,10 @@ impl Pipeline<'_> {
             }
         };
         self.timing.diagnosed(begun.elapsed());
-        let diagnosed = diagnosed.filter(|_| is_judged);
+        let mut diagnosed = diagnosed.filter(|_| is_judged);
+        if let Some(diagnosis) = &mut diagnosed {
+            diagnosis.notes.extend(self.follow_up(&mut diagnosis.outcome));
+        }
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
