@@ -14,8 +14,10 @@ use std::f64::consts::TAU;
 
 /// Difference of the cage angle between the two observers, revolutions.
 pub const DISPLACEMENT: f64 = 1e-6;
-/// Random walk of the slip, per root second: within some minutes it crosses the usual range of 0 to 3 %.
-const SLIP_WALK: f64 = 1e-3;
+/// Random walk of the slip, per root second: it changes by 1 %, the spread of slips in practice, within a quarter of an hour.
+const SLIP_WALK: f64 = 3e-4;
+/// Time constant of the slip that is reported, s.
+const REPORTED: f64 = 2.0;
 /// Standard deviation of a cage that a diagnosis has found: angle in pitches, slip.
 const FOUND: [f64; 2] = [0.03, 2e-4];
 /// Standard deviation of the angle, in pitches, above which a cage is not followed: the innovations are linear in the angle within
@@ -52,7 +54,8 @@ struct TrackedCage {
     rolling: f64,
     /// Cage speed over shaft speed beyond that of the scene.
     deviation: f64,
-    /// Lowest and highest slip while it was followed.
+    /// Mean slip of the last seconds, and its lowest and highest value while the cage was followed.
+    mean_slip: f64,
     slips: Option<[f64; 2]>,
 }
 
@@ -85,6 +88,7 @@ impl CageTracker {
             ratio: of.kinematics.cage_ratio,
             rolling: of.kinematics.rolling_cage_ratio,
             deviation: 0.0,
+            mean_slip: 0.0,
             slips: None,
         };
         let n = plant.bearings.len();
@@ -135,7 +139,8 @@ impl CageTracker {
     pub fn follow(&mut self, b: usize) {
         if let Some(cage) = self.cages.get_mut(b) {
             self.followed[b] = true;
-            cage.slips = Some([cage.slip(); 2]);
+            cage.mean_slip = cage.slip();
+            cage.slips = Some([cage.mean_slip; 2]);
             self.forget(b);
         }
     }
@@ -156,8 +161,8 @@ impl CageTracker {
         self.offsets[b] += nearest(offset - self.offsets[b]);
         cage.deviation = found.ratio - cage.ratio;
         self.followed[b] = true;
-        let slip = cage.slip();
-        cage.slips.get_or_insert([slip; 2]);
+        cage.mean_slip = cage.slip();
+        cage.slips.get_or_insert([cage.mean_slip; 2]);
         self.forget(b);
     }
 
@@ -182,7 +187,7 @@ impl CageTracker {
     /// Advances by `turns` revolutions of the shaft in `time`, s.
     pub fn advance(&mut self, turns: f64, time: f64) {
         let n = 2 * self.cages.len();
-        for (b, cage) in self.cages.iter().enumerate() {
+        for (b, cage) in self.cages.iter_mut().enumerate() {
             self.offsets[b] += cage.deviation * turns;
             if !self.followed[b] {
                 continue;
@@ -198,6 +203,9 @@ impl CageTracker {
             self.covariance[deviation * n + deviation] += (SLIP_WALK * cage.rolling).powi(2) * time;
             let pitches = self.covariance[offset * n + offset].max(0.0).sqrt() * cage.elements;
             self.followed[b] = pitches < LOST;
+            cage.mean_slip += (cage.slip() - cage.mean_slip) * (time / REPORTED).min(1.0);
+            let [low, high] = cage.slips.get_or_insert([cage.mean_slip; 2]);
+            (*low, *high) = (low.min(cage.mean_slip), high.max(cage.mean_slip));
         }
     }
 
@@ -228,9 +236,6 @@ impl CageTracker {
         for (b, cage) in self.cages.iter_mut().enumerate().filter(|(b, _)| self.followed[*b]) {
             self.offsets[b] += moved[2 * b];
             cage.deviation += moved[2 * b + 1];
-            let slip = cage.slip();
-            let [low, high] = cage.slips.get_or_insert([slip; 2]);
-            (*low, *high) = (low.min(slip), high.max(slip));
         }
     }
 }
@@ -239,4 +244,77 @@ impl CageTracker {
 #[must_use]
 pub fn found_position(ratio: f64, azimuth: f64, of_scene: f64, turns: f64) -> CagePosition {
     CagePosition { revolutions: (azimuth - of_scene) / TAU + ratio * turns, ratio }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    /// Revolutions of the shaft and time of a sample, s.
+    const TURNS: f64 = 0.05;
+    const PERIOD: f64 = 1e-3;
+
+    fn tracker() -> CageTracker {
+        let scene = read_str(include_str!("../../../demo/healthy.toml"), Path::new("scene.toml")).unwrap();
+        CageTracker::new(&Plant::try_new(&scene).unwrap())
+    }
+
+    /// Follows the first cage, whose slip grows by 0.01 % per second, for 20 s; `slope` is the amplitude of the change of one whitened
+    /// innovation per revolution of it. Returns the error of its angle in pitches.
+    fn followed(tracker: &mut CageTracker, slope: f64) -> f64 {
+        tracker.follow(0);
+        let rolling = tracker.cages[0].rolling;
+        let mut noise = fastrand::Rng::with_seed(3);
+        let (mut truth, mut slip) = (0.0, 0.0);
+        for i in 0..20_000 {
+            slip += 1e-4 * PERIOD;
+            truth -= slip * rolling * TURNS;
+            tracker.advance(TURNS, PERIOD);
+            let s = slope * (0.7 * f64::from(i)).cos();
+            // Uniform noise of variance 1.
+            let white = -s * (truth - tracker.offsets()[0]) + 12.0_f64.sqrt() * (noise.f64() - 0.5);
+            tracker.correct(&CageEvidence { white: vec![white], slopes: vec![vec![s], vec![]] }, 1.0);
+        }
+        (truth - tracker.offsets()[0]) * tracker.cages[0].elements
+    }
+
+    #[test]
+    fn a_drifting_cage_is_followed() {
+        let mut tracker = tracker();
+        let error = followed(&mut tracker, 500.0);
+        assert!(error.abs() < 0.05, "{error}");
+        assert_eq!(tracker.followed(), [true, false]);
+        let [low, high] = tracker.slips()[0].unwrap();
+        assert!(low.abs() < 5e-4 && (high - 2e-3).abs() < 5e-4, "{low} {high}");
+        assert_eq!((tracker.slips()[1], tracker.offsets()[1]), (None, 0.0));
+    }
+
+    #[test]
+    fn a_cage_that_shows_too_little_is_lost() {
+        let mut tracker = tracker();
+        followed(&mut tracker, 0.01);
+        assert_eq!(tracker.followed(), [false, false]);
+    }
+
+    /// A diagnosis of samples up to revolution 100 is taken at revolution 160, and kept where the cage is near.
+    #[test]
+    fn a_found_cage_is_taken_over() {
+        let mut tracker = tracker();
+        let pitch = 1.0 / tracker.cages[0].elements;
+        let before = tracker.positions(100.0)[0];
+        let found = CagePosition { revolutions: before.revolutions + 7.3 * pitch, ratio: before.ratio - 1e-4 };
+        tracker.take(0, &found, &before, [100.0, 160.0]);
+        let expected = 0.3 * pitch - 1e-4 * 60.0;
+        assert!((tracker.offsets()[0] - expected).abs() < 1e-9, "{}", tracker.offsets()[0]);
+        assert!((tracker.positions(160.0)[0].ratio - found.ratio).abs() < 1e-12);
+        let before = tracker.positions(160.0)[0];
+        let near = CagePosition { revolutions: before.revolutions - 2.1 * pitch, ..before };
+        tracker.take(0, &near, &before, [160.0, 160.0]);
+        assert!((tracker.offsets()[0] - expected).abs() < 1e-9);
+        tracker.interrupt();
+        assert_eq!((tracker.followed(), tracker.interruptions()), (&[false, false][..], 1));
+    }
 }
