@@ -226,10 +226,10 @@ impl CageTracker {
             if !(scale * error).is_finite() {
                 continue;
             }
-            for row in 0..n {
-                moved[row] += gain[row] * scale * error;
-                for column in 0..n {
-                    self.covariance[row * n + column] -= gain[row] * gain[column] * scale;
+            for (row, (moved, of_row)) in moved.iter_mut().zip(&gain).enumerate().take(n) {
+                *moved += of_row * scale * error;
+                for (column, of_column) in gain.iter().enumerate().take(n) {
+                    self.covariance[row * n + column] -= of_row * of_column * scale;
                 }
             }
         }
