@@ -10,10 +10,6 @@
 //!
 //! The thresholds are set with the recordings of the machines in good order, so that none of them has a finding: the best case
 //! for this method.
-//! slip between 0 and 2 % that gives the highest level, at the probes nearest to the bearing. The highest level over its
-//! threshold names component and bearing. A change of the 1X amplitude by more than 25 % names unbalance.
-//!
-//! The thresholds are set with the recordings of the machines in good order that are judged afterwards: the best case.
 
 use crate::fleet::{Fleet, HEALTHY, Recording};
 use crate::program::Finding;

@@ -251,16 +251,21 @@ impl Machine {
                 Fault { azimuth, half_width: Some(half_width), depth: Some(depth), ..of_kind(surface.kind()) }
             }
             Cause::Waviness(surface) => {
-                let multiple = random.choice(&[1.0, 2.0]) * mounted.elements as f64;
-                let (order, amplitude) =
-                    (multiple + random.choice(&[-1.0, 0.0, 1.0]), 1e-6 * random.between(0.15, 0.6));
+                let order = if surface == Surface::Ball {
+                    // Waves of odd order keep the sum of both deflections of an element.
+                    random.choice(&[2.0, 4.0, 6.0])
+                } else {
+                    let multiple = random.choice(&[1.0, 2.0]) * mounted.elements as f64;
+                    multiple + random.choice(&[-1.0, 0.0, 1.0])
+                };
+                let amplitude = 1e-6 * random.between(0.15, 0.6);
                 mounted.fault = format!(
                     "waviness = [{{ surface = \"{}\", order = {order}, amplitude = {amplitude:e}, phase = {:e} }}]",
                     surface.name(),
                     random.angle()
                 );
                 // A scene has the radial amplitude, a diagnosis that normal to the race.
-                let normal = amplitude * mounted.contact_cosine();
+                let normal = if surface == Surface::Ball { amplitude } else { amplitude * mounted.contact_cosine() };
                 Fault { order: Some(order), amplitude: Some(normal), ..of_kind(surface.kind()) }
             }
         }
@@ -303,7 +308,7 @@ enum Cause {
 }
 
 /// The recordings of a rotor: name, and causes with their bearing: 0 is that of the rotor's single faults, 1 the other.
-const RECORDINGS: [(&str, &[(Cause, usize)]); 11] = [
+const RECORDINGS: [(&str, &[(Cause, usize)]); 12] = [
     (HEALTHY, &[]),
     ("healthy-again", &[]),
     ("unbalance", &[(Cause::Unbalance, 0)]),
@@ -315,6 +320,7 @@ const RECORDINGS: [(&str, &[(Cause, usize)]); 11] = [
     ("worn", &[(Cause::Worn, 0)]),
     ("unbalance-and-inner-spall", &[(Cause::Unbalance, 0), (Cause::Spall(Surface::Inner), 0)]),
     ("outer-spall-both", &[(Cause::Spall(Surface::Outer), 0), (Cause::Spall(Surface::Outer), 1)]),
+    ("ball-waviness", &[(Cause::Waviness(Surface::Ball), 0)]),
 ];
 
 /// Readings of the probes in um, one column a probe, then the keyphasor.

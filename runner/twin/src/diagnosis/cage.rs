@@ -79,10 +79,31 @@ const TRIED: usize = 6;
 /// Most rounds over all bearings.
 const ROUNDS: usize = 3;
 
-/// Returns the unknowns of the observable cages.
-pub fn unknowns(observable: &[bool]) -> Vec<Unknown> {
-    let of = |b: usize| [Unknown::CagePhase(b), Unknown::CageSlip(b)];
+/// Returns the unknowns of the observable cages; the change of the speed is one where it was found to change.
+pub fn unknowns(observable: &[bool], machine: &Machine) -> Vec<Unknown> {
+    let of = |b: usize| {
+        let drift = (machine.bearings[b].cage.drift != 0.0).then_some(Unknown::CageDrift(b));
+        [Unknown::CagePhase(b), Unknown::CageSlip(b)].into_iter().chain(drift)
+    };
     observable.iter().enumerate().filter(|(_, o)| **o).flat_map(|(b, _)| of(b)).collect()
+}
+
+/// Fits a change of the speed of every observable cage, each where chi-squared falls by [`OBSERVABLE`] or more.
+fn with_drift(e: &Evidence, settled: Fitted, observable: &[bool]) -> Result<Fitted> {
+    let mut now = settled;
+    for (b, _) in observable.iter().enumerate().filter(|(_, o)| **o) {
+        let unknowns = [Unknown::CagePhase(b), Unknown::CageSlip(b), Unknown::CageDrift(b)];
+        let tried = fit(e, &now, &unknowns, 3)?;
+        if now.chi_square - tried.chi_square > threshold(&now) {
+            now = tried;
+        }
+    }
+    Ok(now)
+}
+
+/// Fall of chi-squared that counts, in units of what the residual has for its noise.
+fn threshold(now: &Fitted) -> f64 {
+    OBSERVABLE * (now.chi_square / now.residual.len() as f64).max(1.0)
 }
 
 /// Fits slip and phase of every cage; returns which are observable.
@@ -93,9 +114,7 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
         let before = now.chi_square;
         for (bearing, is_observable) in observable.iter_mut().enumerate() {
             let candidates = search(e, band, &now, bearing, range)?;
-            *is_observable = candidates
-                .first()
-                .is_some_and(|c| c.0 > OBSERVABLE * (now.chi_square / now.residual.len() as f64).max(1.0));
+            *is_observable = candidates.first().is_some_and(|c| c.0 > threshold(&now));
             if !*is_observable {
                 continue;
             }
@@ -111,12 +130,12 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
             now = best;
             now = fit(e, &now, &[Unknown::CagePhase(bearing), Unknown::CageSlip(bearing)], 6)?;
         }
-        now = fit(e, &now, &unknowns(&observable), 8)?;
+        now = fit(e, &now, &unknowns(&observable, &now.machine), 8)?;
         // The second round finds what the other bearings' cages hid in the first, unless the first has found nothing.
         let fall = before - now.chi_square;
         if fall < MIN_FALL || (round > 0 && fall < 0.01 * now.chi_square) {
             break;
         }
     }
-    Ok((now, observable))
+    Ok((with_drift(e, now, &observable)?, observable))
 }

@@ -130,17 +130,17 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
     // Stiffness waits: far from the recording, more of everything explains it nearly as well.
     let mut first = all.clone();
     first.retain(|unknown| !matches!(unknown, Unknown::Modulus(_)));
-    first.extend(cage::unknowns(&of.observable));
+    first.extend(cage::unknowns(&of.observable, &of.healthy.machine));
     let mut now = fit_whole(&of.evidence, &of.healthy, &first, &prior, 20)?;
     for _ in 0..ROUNDS {
-        let unknowns = [all.clone(), cage::unknowns(&of.observable)].concat();
+        let unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
         of.evidence.weight_for(&now.machine)?;
         let (settled, seen) = cage::fit_cages(&of.evidence, &of.band, &now.machine, SLIPS)?;
         of.observable = seen;
         now = settled;
     }
-    let unknowns = [all, cage::unknowns(&of.observable)].concat();
+    let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
     let now = fit_whole(&of.evidence, &now, &unknowns, &prior, 10)?;
     let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
     let inflation = chi_square_per_value.max(1.0).sqrt();

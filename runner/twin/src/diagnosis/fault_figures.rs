@@ -4,7 +4,7 @@
 //! line in use.
 
 use super::fit::{Fitted, changed};
-use super::force_rose::{STEPS, direction_deg, energy, mean_pass};
+use super::force_rose::{HARMONICS, Instant, STEPS, direction_deg, energy, mean_pass};
 use super::hypothesis::{Cause, without};
 use super::machine::Machine;
 use super::motion::{C, D};
@@ -14,6 +14,7 @@ use super::{DiagnosisInput, Result};
 use crate::outcome::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 use crate::probes;
 use crate::scene::Direction;
+use ballrace::{BearingKinematicState, Phase};
 use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,8 +25,8 @@ const SPECTRUM_POINTS: usize = 600;
 const MOTION_POINTS: usize = 1200;
 /// Points of the mean pass.
 const PASS_POINTS: usize = 360;
-/// Harmonics of the mean pass, at most.
-const HARMONICS: usize = 40;
+/// Least value of the window at which the force is taken from its product with the window.
+const MIN_WINDOW: f64 = 0.3;
 /// Harmonics of the family that a spectrum shows.
 const SHOWN_HARMONICS: f64 = 5.0;
 /// Orders that a spectrum of a fault without lines of its own shows.
@@ -93,7 +94,8 @@ impl Contrast<'_, '_> {
     /// Azimuth of the first element, rad.
     fn cage_angle(&self, b: usize, turns: f64) -> f64 {
         let first = self.e.plant.bearings[b].element_azimuths.first().map_or(0.0, |a| a.radians());
-        TAU * (self.machine.bearings[b].cage.phase + self.cage_ratio(b) * turns) + first
+        let rolling = self.e.plant.bearings[b].kinematics.cage_ratio;
+        TAU * self.machine.bearings[b].cage.revolutions(rolling, turns, &self.e.motion) + first
     }
 
     /// Spin of the balls over shaft speed.
@@ -144,21 +146,23 @@ impl Contrast<'_, '_> {
             return None;
         }
         let frame = frame_of(component);
-        let mut force = self.plane_force(&self.without);
-        for (f, turns) in force.iter_mut().zip(&self.grid.turns) {
-            *f *= C::from_polar(1.0, -self.frame_angle(b, frame, *turns));
-        }
+        let force = self.plane_force(&self.without);
         let mounted = &self.e.plant.bearings[b];
         let n = mounted.elements as f64;
-        let passing = |turns: &f64| match component {
-            Component::Outer => n * self.cage_angle(b, *turns),
-            Component::Inner => n * (self.cage_angle(b, *turns) - TAU * turns),
-            // The two contacts of a ball make two passes in a turn of it.
-            Component::Ball => 2.0 * TAU * (self.machine.bearings[b].cage.spin_phase + self.ball_ratio(b) * turns),
+        let spin_phase = self.machine.bearings[b].cage.spin_phase;
+        let instant = |(i, (force, &turns)): (usize, (&C, &f64))| {
+            let window = self.e.transform.window_at(i as f64 / self.grid.turns.len() as f64);
+            let at = BearingKinematicState {
+                inner: Phase::from_revolutions(turns),
+                cage: Phase::from_radians(self.cage_angle(b, turns)),
+                ball: Phase::from_revolutions(spin_phase + self.ball_ratio(b) * turns),
+                ..BearingKinematicState::default()
+            };
+            (window > MIN_WINDOW).then(|| Instant { force: force / window, at })
         };
-        let passing: Vec<f64> = self.grid.turns.iter().map(passing).collect();
+        let instants = force.iter().zip(&self.grid.turns).enumerate().filter_map(instant);
         let harmonics = ((self.highest_order() - 1.0) / order).clamp(1.0, HARMONICS as f64) as usize;
-        let pass = mean_pass(&force, &passing, self.grid.window, harmonics);
+        let pass = mean_pass(instants, mounted.elements, component, harmonics)?;
         let first = mounted.element_azimuths.first().map_or(0.0, |a| a.radians());
         let start = if frame == ReferenceFrame::Cage { 0.0 } else { self.cage_angle(b, self.middle_turn()) };
         let geometry = self.machine.bearings[b].scene.geometry;

@@ -2,10 +2,10 @@
 
 use super::cage::unknowns;
 use super::fault_figures::fault_figures;
-use super::fit::{Fitted, fit};
+use super::fit::{Fitted, changed, fit};
 use super::hypothesis::{Cause, Fault, MIN_GAIN};
 use super::machine::{Machine, Unknown, clearance};
-use super::residual::Evidence;
+use super::residual::{Evidence, dot};
 use super::surface::Component;
 use super::{DiagnosisInput, Prepared, Result};
 use crate::outcome::{
@@ -13,6 +13,7 @@ use crate::outcome::{
     FindingKind,
 };
 use crate::scene::RotationSource;
+use nalgebra::DVector;
 use std::f64::consts::TAU;
 
 /// Deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -27,6 +28,11 @@ const NOISE_ERROR: f64 = 0.01;
 const STIFFNESS_ERROR: f64 = 0.005;
 /// The same for depth and width of a spall: only their product shows well, and a real spall has no half-sine profile.
 const PROFILE_ERROR: f64 = 0.05;
+/// Search for the end of an interval: factor of its steps, share of the allowed rise that counts as reached, and largest size over
+/// that of a parabola.
+const WIDER: f64 = 1.4;
+const NEARLY: f64 = 0.8;
+const FARTHEST: f64 = 10.0;
 /// Lines listed of an unexplained residual.
 const LISTED: usize = 5;
 
@@ -46,12 +52,28 @@ pub struct Diagnosis {
 /// Angle and speed of one cage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CageEstimate {
-    /// Cage speed over shaft speed.
+    /// Cage speed over shaft speed in the middle of the record.
     pub cage_ratio: f64,
-    /// Azimuth of the first element at shaft angle 0, rad.
+    /// Azimuth of the first element at shaft angle 0, rad, by the cage speed in the middle of the record.
     pub first_element_azimuth: f64,
     /// The passing of the elements is observable.
     pub observable: bool,
+    /// Change of the cage speed, revolutions per square of a shaft revolution.
+    drift: f64,
+    /// Total revolutions in the middle of the record.
+    middle: f64,
+}
+
+impl CageEstimate {
+    /// Returns cage ratio and azimuth of the first element at shaft angle 0 (rad) of the cage that has the speed that this one has at
+    /// `turns`, and is there at the same angle.
+    #[must_use]
+    pub fn tangent(&self, turns: f64) -> (f64, f64) {
+        let from_middle = turns - self.middle;
+        let faster = self.drift * from_middle;
+        let ahead = 0.5 * faster * from_middle - faster * turns;
+        (self.cage_ratio + faster, self.first_element_azimuth + TAU * ahead)
+    }
 }
 
 /// Returns the cages of a fitted machine.
@@ -64,6 +86,8 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
             cage_ratio: mounted.kinematics.cage_ratio * (1.0 - bearing.cage.slip),
             first_element_azimuth: azimuth.rem_euclid(pitch),
             observable: observable[i],
+            drift: bearing.cage.drift,
+            middle: e.motion.middle,
         }
     };
     of.machine.bearings.iter().enumerate().map(estimate).collect()
@@ -78,6 +102,7 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
     // The error of the model may lie along the unknowns: each may be off by its share of what chi-squared has too much.
     let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
     let inflation = (1.0 + excess / last.unknowns.len().max(1) as f64).sqrt();
+    let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last)? };
     let reported = Reported { e, last: &last, inflation };
     let mut findings: Vec<Finding> = vec![];
     for (i, fault) in faults.iter().enumerate() {
@@ -162,6 +187,9 @@ impl Cause {
             Self::Clearance(b) => format!("clearance of {}", of(b)),
             Self::Misalignment(b) => format!("misalignment of {}", of(b)),
             Self::Spall(b, component) => format!("a spall on {} of {}", surface(component), of(b)),
+            Self::Waviness(b, Component::Ball, order) => {
+                format!("waviness of order {order} of the rolling elements of {}", of(b))
+            }
             Self::Waviness(b, component, order) => {
                 format!("waviness of order {order} on {} of {}", surface(component), of(b))
             }
@@ -169,10 +197,30 @@ impl Cause {
     }
 }
 
+/// Adds to the covariance of a fit what the uncertain parameters of the machine contribute by the force of its faults.
+///
+/// With the slopes `J` of the unknowns and the change `v` of the residual by one deviation of a parameter, the unknowns change by
+/// `-C J^T v`.
+fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
+    let changes = e.uncertain_changes(&last.spectra, &last.machine)?;
+    if changes.is_empty() || last.unknowns.is_empty() {
+        return Ok(last);
+    }
+    let slopes = last.unknowns.iter().map(|u| e.slope(&last.spectra, &last.machine, *u)).collect::<Result<Vec<_>>>()?;
+    let mut covariance = last.covariance.clone();
+    for change in &changes {
+        let along = DVector::from_iterator(slopes.len(), slopes.iter().map(|slope| dot(slope, change)));
+        let moved = &last.covariance * along;
+        covariance += &moved * moved.transpose();
+    }
+    last.covariance = covariance;
+    Ok(last)
+}
+
 /// Fits the unknowns of all faults together.
 fn joint(of: &Prepared, faults: &[Fault]) -> Result<Fitted> {
     let Some(last) = faults.last() else { return Ok(of.healthy.clone()) };
-    let mut all = unknowns(&of.observable);
+    let mut all = unknowns(&of.observable, &last.fitted.machine);
     for fault in faults {
         all.extend(fault.fitted.unknowns.iter().copied().filter(|u| !all.contains(u)).collect::<Vec<_>>());
     }
@@ -204,10 +252,40 @@ impl Reported<'_, '_> {
         self.inflation * variance.max(0.0).sqrt()
     }
 
+    /// Returns how far an unknown can move down and up until chi-squared has risen as far as by [`WITHIN_95`] deviations, the other
+    /// unknowns following it: where an element loses contact, more depth changes no force.
+    fn reach(&self, unknown: Unknown) -> [f64; 2] {
+        let linear = WITHIN_95 * self.deviation(unknown);
+        let Some(i) = self.last.unknowns.iter().position(|u| *u == unknown) else { return [linear; 2] };
+        let variance = self.last.covariance[(i, i)];
+        if variance.is_nan() || variance <= 0.0 {
+            return [linear; 2];
+        }
+        let allowed = (WITHIN_95 * self.inflation).powi(2);
+        let rise = |by: f64| {
+            let mut machine = self.last.machine.clone();
+            for (j, other) in self.last.unknowns.iter().enumerate() {
+                other.set(&mut machine, other.get(&self.last.machine) + by * self.last.covariance[(i, j)] / variance);
+            }
+            // The damping of the fit, which every fit has, is part of its covariance.
+            changed(self.e, self.last, &machine).map_or(f64::INFINITY, |moved| moved.chi_square - self.last.chi_square)
+        };
+        [-1.0, 1.0].map(|sign| {
+            let (mut reach, most) = (linear, FARTHEST * linear);
+            while reach < most && rise(sign * reach) < allowed * NEARLY {
+                reach *= WIDER;
+            }
+            reach.min(most)
+        })
+    }
+
     fn estimate(&self, unknown: Unknown, unit: f64) -> Estimate {
         let value = unknown.get(&self.last.machine) / unit;
+        if matches!(unknown, Unknown::SpallWidth(..) | Unknown::SpallDepth(..)) {
+            let [down, up] = self.reach(unknown).map(|reach| (reach / unit).hypot(WITHIN_95 * PROFILE_ERROR * value));
+            return Estimate { value, low: value - down, high: value + up };
+        }
         let known = match unknown {
-            Unknown::SpallWidth(..) | Unknown::SpallDepth(..) => PROFILE_ERROR,
             Unknown::Clearance(_) => STIFFNESS_ERROR,
             _ => 0.0,
         };
@@ -243,6 +321,14 @@ impl Reported<'_, '_> {
         ]
     }
 
+    /// Slip from pure rolling, %.
+    fn slip(&self, b: usize, cage: &CageEstimate) -> Estimate {
+        let kinematics = &self.e.plant.bearings[b].kinematics;
+        let share = kinematics.cage_ratio / kinematics.rolling_cage_ratio;
+        let slip = 1.0 - cage.cage_ratio / kinematics.rolling_cage_ratio;
+        around(100.0 * slip, 100.0 * share * self.deviation(Unknown::CageSlip(b)))
+    }
+
     fn cages(&self, observable: &[bool]) -> Vec<CageOutcome> {
         let estimates = cages(self.e, self.last, observable);
         let outcome = |(b, cage): (usize, &CageEstimate)| {
@@ -253,7 +339,8 @@ impl Reported<'_, '_> {
             CageOutcome {
                 bearing: self.e.plant.bearings[b].name.clone(),
                 observable: cage.observable,
-                slip_percent: cage.observable.then(|| self.estimate(Unknown::CageSlip(b), 0.01)),
+                slip_percent: cage.observable.then(|| self.slip(b, cage)),
+                followed_slip_percent: None,
                 cage_ratio: cage.cage_ratio,
                 first_element_azimuth_deg: cage.observable.then(azimuth),
             }
@@ -307,8 +394,11 @@ impl Reported<'_, '_> {
                     ..FaultParameters::default()
                 }
             }
-            Cause::Waviness(b, _, order) => {
-                let normal = self.e.evaluated(machine, b).map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
+            Cause::Waviness(b, component, order) => {
+                // Waves of the elements are along their contacts.
+                let is_of_race = component != Component::Ball;
+                let evaluated = self.e.evaluated(machine, b).ok().filter(|_| is_of_race);
+                let normal = evaluated.map_or(1.0, |bearing| bearing.contact_cosine(&self.e.motion));
                 let unknowns = [Unknown::Wave(b, at), Unknown::Wave(b, at + 1)];
                 let [amplitude, _] = self.vector(unknowns, 1e-6 / normal);
                 FaultParameters {
@@ -427,7 +517,11 @@ impl Reported<'_, '_> {
                 )
             }
             Cause::Waviness(_, component, order) => {
-                let surface = if component == Component::Outer { "Outer race" } else { "Inner race" };
+                let surface = match component {
+                    Component::Outer => "Outer race",
+                    Component::Inner => "Inner race",
+                    Component::Ball => "Rolling elements",
+                };
                 format!(
                     "{surface} of {bearing}: waviness of order {order}, amplitude {} um",
                     described_size(p.amplitude_um, 3)

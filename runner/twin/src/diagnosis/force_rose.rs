@@ -5,51 +5,81 @@
 //! harmonics of the passing and averages all else.
 
 use super::motion::C;
+use super::surface::Component;
+use ballrace::twin::{ForceLine, ForceOrderTracker};
+use ballrace::{BearingKinematicState, Exact};
 use std::f64::consts::TAU;
 
 /// Sectors of a rose.
 pub const SECTORS: usize = 72;
 /// Instants of the mean pass.
 pub const STEPS: usize = 1440;
-/// Distances from a harmonic at which the noise is estimated, in periods of the passing.
-const BESIDE: [f64; 6] = [-0.42, -0.31, -0.21, 0.19, 0.29, 0.44];
-/// Mean of the squares of noise over their median (exponential distribution).
-const MEAN_OVER_MEDIAN: f64 = 1.0 / std::f64::consts::LN_2;
+/// Harmonics of the passing that are followed.
+pub const HARMONICS: usize = 32;
+/// Revolutions of a block: its lines are a third of an order apart.
+const BLOCK_TURNS: u32 = 6;
 
-/// Returns the mean force of one pass: the harmonics 1 to `harmonics` of `passing`, forward and backward.
+/// A force along X and Y of the housing, and where the components of its bearing are.
+pub struct Instant {
+    /// `F_X + i F_Y`.
+    pub force: C,
+    /// Angles of the components; that of the cage is the azimuth of its first element.
+    pub at: BearingKinematicState<f64>,
+}
+
+/// Returns the mean force of one pass in the frame of `component`: the harmonics 1 to `harmonics` (at most [`HARMONICS`]) of the passing,
+/// forward and backward, by the kernel's [`ForceOrderTracker`]; none without two blocks of [`BLOCK_TURNS`] revolutions.
 ///
-/// `force` is `F_X + i F_Y` in the frame of the component, `passing` the angle of the passing (rad, one turn a pass), `weight` the
-/// sum of the window that `force` contains. Each harmonic is weighted by its signal-to-noise ratio (Wiener filter); the noise is
-/// the median power beside it.
-pub fn mean_pass(force: &[C], passing: &[f64], weight: f64, harmonics: usize) -> Vec<C> {
-    let steps: Vec<C> = passing.iter().map(|angle| C::from_polar(1.0, -angle)).collect();
-    // Amplitude at `k + offset` periods, for k from -harmonics to harmonics.
-    let amplitudes = |offset: f64| -> Vec<C> {
-        let start = |angle: &f64| C::from_polar(1.0, (harmonics as f64 - offset) * angle);
-        let mut turned: Vec<C> = force.iter().zip(passing).map(|(f, angle)| f * start(angle)).collect();
-        let mut all = Vec::with_capacity(2 * harmonics + 1);
-        for _ in 0..=2 * harmonics {
-            all.push(turned.iter().sum::<C>() / weight);
-            turned.iter_mut().zip(&steps).for_each(|(f, step)| *f *= step);
+/// Each harmonic is the mean of its amplitudes in all blocks, weighted by its signal-to-noise ratio (Wiener filter); the noise is their
+/// scatter.
+pub fn mean_pass(
+    instants: impl Iterator<Item = Instant>,
+    elements: usize,
+    component: Component,
+    harmonics: usize,
+) -> Option<Vec<C>> {
+    let mut instants = instants.peekable();
+    let first = instants.peek()?.at;
+    let mut tracker = ForceOrderTracker::<f64, HARMONICS>::new(elements as u32, BLOCK_TURNS, &first);
+    let mut blocks: Vec<[ForceLine<f64>; HARMONICS]> = vec![];
+    for Instant { force, at } in instants {
+        if tracker.add::<Exact>([force.re, force.im], &at) {
+            let all = tracker.close();
+            blocks.push(match component {
+                Component::Outer => all.outer,
+                Component::Inner => all.inner,
+                Component::Ball => all.element,
+            });
         }
-        all
+    }
+    if blocks.len() < 2 {
+        return None;
+    }
+    let filtered = |of: &dyn Fn(&ForceLine<f64>) -> [f64; 2], k: usize| {
+        let complex = |block: &[ForceLine<f64>; HARMONICS]| {
+            let [re, im] = of(&block[k]);
+            C::new(re, im)
+        };
+        let count = blocks.len() as f64;
+        let mean = blocks.iter().map(complex).sum::<C>() / count;
+        let scatter: f64 = blocks.iter().map(|block| (complex(block) - mean).norm_sqr()).sum();
+        let noise = scatter / (count * (count - 1.0));
+        mean * (1.0 - noise / mean.norm_sqr().max(f64::MIN_POSITIVE)).max(0.0)
     };
-    let on = amplitudes(0.0);
-    let beside = BESIDE.map(amplitudes);
-    let filtered: Vec<C> = (0..on.len())
-        .map(|i| {
-            let mut powers = beside.each_ref().map(|one| one[i].norm_sqr());
-            powers.sort_by(f64::total_cmp);
-            let noise = 0.5 * (powers[2] + powers[3]) * MEAN_OVER_MEDIAN;
-            on[i] * (1.0 - noise / on[i].norm_sqr().max(f64::MIN_POSITIVE)).max(0.0)
-        })
+    let lines: Vec<[C; 2]> = (0..harmonics.min(HARMONICS))
+        .map(|k| [filtered(&|line| line.forward, k), filtered(&|line| line.backward, k)])
         .collect();
     let at = |step: usize| {
         let angle = TAU * step as f64 / STEPS as f64;
-        let part = |(i, a): (usize, &C)| a * C::from_polar(1.0, (i as f64 - harmonics as f64) * angle);
-        filtered.iter().enumerate().filter(|(i, _)| *i != harmonics).map(part).sum()
+        // Elements pass a ring that turns, and its contacts an element, against the sense of the shaft.
+        let sense = if component == Component::Outer { 1.0 } else { -1.0 };
+        let part = |(k, [forward, backward]): (usize, &[C; 2])| {
+            let turned = C::from_polar(1.0, sense * (k + 1) as f64 * angle);
+            forward * turned + backward * turned.conj()
+        };
+        lines.iter().enumerate().map(part).sum()
     };
-    from_median((0..STEPS).map(at).collect())
+    Some(from_median((0..STEPS).map(at).collect()))
 }
 
 /// Returns the pass less its median: between two passes the damage causes no force.
@@ -83,29 +113,27 @@ pub fn direction_deg(pass: &[C]) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnosis::residual::Normal;
+    use ballrace::Phase;
 
     const SAMPLES: usize = 80 * 128;
-    const HARMONICS: usize = 12;
+    const SHOWN: usize = 12;
 
     /// Mean pass of nine elements, with a cage at 0.4 of the shaft speed: in each pass a pulse of 1 N as long as the damage, besides
-    /// it 10 N at 1X and noise (N rms) along X and Y, all under a Hann window.
+    /// it 10 N at 1X and noise (N rms) along X and Y.
     fn made_up(azimuth: f64, half_width: f64, noise: f64) -> Vec<C> {
         let mut normal = Normal::new();
-        let mut window = 0.0;
-        let (force, passing): (Vec<C>, Vec<f64>) = (0..SAMPLES)
-            .map(|t| {
-                let turns = t as f64 / 128.0;
-                let passing = 9.0 * TAU * 0.4 * turns + 1.0;
-                // Angle of the nearest element from the damage.
-                let distance = ((passing / TAU - 0.5).rem_euclid(1.0) - 0.5) * TAU / 9.0;
-                let pulse = if distance.abs() < half_width { (0.25 * TAU * distance / half_width).cos() } else { 0.0 };
-                let force = C::from_polar(pulse, azimuth + distance) + C::from_polar(10.0, TAU * turns);
-                let hann = 1.0 - (TAU * t as f64 / SAMPLES as f64).cos();
-                window += hann;
-                ((force + C::new(normal.next(), normal.next()) * noise) * hann, passing)
-            })
-            .unzip();
-        mean_pass(&force, &passing, window, HARMONICS)
+        let instants = (0..SAMPLES).map(|t| {
+            let turns = t as f64 / 128.0;
+            let cage = 0.4 * turns + 0.02;
+            // Angle of the nearest element from the damage.
+            let distance = ((9.0 * cage - 0.5).rem_euclid(1.0) - 0.5) * TAU / 9.0;
+            let pulse = if distance.abs() < half_width { (0.25 * TAU * distance / half_width).cos() } else { 0.0 };
+            let force = C::from_polar(pulse, azimuth + distance) + C::from_polar(10.0, TAU * turns);
+            let [inner, cage] = [turns, cage].map(Phase::from_revolutions);
+            let at = BearingKinematicState { inner, cage, ..BearingKinematicState::default() };
+            Instant { force: force + C::new(normal.next(), normal.next()) * noise, at }
+        });
+        mean_pass(instants, 9, Component::Outer, SHOWN).unwrap_or_default()
     }
 
     fn peak(pass: &[C]) -> f64 {
@@ -115,7 +143,7 @@ mod tests {
     /// Standard deviation of the mean pass by noise of 1 N, without the Wiener filter.
     fn noise_of_pass() -> f64 {
         // Sum of the squares of a Hann window over the square of its sum: 1.5 / n.
-        (2.0 * HARMONICS as f64 * 2.0 * 1.5 / SAMPLES as f64).sqrt()
+        (2.0 * SHOWN as f64 * 2.0 * 1.5 / SAMPLES as f64).sqrt()
     }
 
     #[test]

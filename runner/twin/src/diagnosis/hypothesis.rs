@@ -211,20 +211,26 @@ impl Search<'_, '_> {
         Some(Candidate { cause: Cause::Spall(b, family.component), gain, starts, unknowns: self.with_cages(own) })
     }
 
-    /// Returns a wave of a race.
+    /// Returns a wave of a race, or of all elements.
     fn waviness(&self, b: usize, family: &Family) -> Option<Candidate> {
         let surface = match family.component {
             Component::Outer => Surface::Outer,
             Component::Inner => Surface::Inner,
-            Component::Ball => return None,
+            Component::Ball => Surface::Ball(0),
         };
         let (gain, order, _) = family.wave()?;
         let mut start = self.now.machine.clone();
         let bearing = &mut start.bearings[b];
-        bearing.cage.slip = family.slip;
+        let slip = if family.component == Component::Ball {
+            bearing.cage.spin_slip = family.slip;
+            Unknown::SpinSlip(b)
+        } else {
+            bearing.cage.slip = family.slip;
+            Unknown::CageSlip(b)
+        };
         let w = bearing.scene.waviness.len();
         bearing.scene.waviness.extend(waves(surface, false, order, [0.0; 2]));
-        let own = vec![Unknown::Wave(b, w), Unknown::Wave(b, w + 1), Unknown::CageSlip(b)];
+        let own = vec![Unknown::Wave(b, w), Unknown::Wave(b, w + 1), slip];
         let cause = Cause::Waviness(b, family.component, order);
         Some(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(own) })
     }
@@ -237,7 +243,7 @@ const STARTS: usize = 3;
 
 /// Returns the unknowns of a candidate without those of the cages.
 fn own(candidate: &Candidate) -> Vec<Unknown> {
-    let is_of_cage = |u: &Unknown| matches!(u, Unknown::CagePhase(_) | Unknown::CageSlip(_));
+    let is_of_cage = |u: &Unknown| matches!(u, Unknown::CagePhase(_) | Unknown::CageSlip(_) | Unknown::CageDrift(_));
     candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
 }
 
@@ -265,7 +271,7 @@ fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fi
 /// false angles of its cages.
 fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
     let (settled, observable) = cage::fit_cages(&of.evidence, &of.band, &first.machine, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable);
+    let mut unknowns = cage::unknowns(&observable, &settled.machine);
     unknowns.extend(own(candidate));
     let again = fit(&of.evidence, &settled, &unknowns, 10)?;
     Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
@@ -290,6 +296,14 @@ pub(super) fn without(machine: &Machine, cause: Cause, at: usize, before: &Machi
 }
 
 impl Cause {
+    /// Returns the bearing whose cage the fault shows: a wave that all elements have alike does not.
+    fn shows_cage(self) -> Option<usize> {
+        match self {
+            Self::Spall(b, _) | Self::Waviness(b, Component::Outer | Component::Inner, _) => Some(b),
+            _ => None,
+        }
+    }
+
     /// Returns the index at which `machine` takes a further spall or first wave of this cause.
     pub(super) fn next_index(self, machine: &Machine) -> usize {
         match self {
@@ -358,7 +372,7 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
     while faults.len() < MAX_FAULTS {
         let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
         let least = (MIN_SHARE * excess).max(MIN_GAIN);
-        let cages = cage::unknowns(&of.observable);
+        let cages = cage::unknowns(&of.observable, &now.machine);
         let list = Search { e: &of.evidence, band: &of.band, now: &now, cages }.candidates(&locked)?;
         progress(0.3 + 0.2 * faults.len() as f64);
         let Some(top) = list.iter().find(|c| faults.iter().all(|fault| fault.cause != c.cause)).map(|c| c.gain) else {
@@ -385,7 +399,7 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
         if let Some(evidence) = evidence {
             of.evidence = evidence;
         }
-        if let Cause::Spall(b, _) | Cause::Waviness(b, ..) = fault.cause {
+        if let Some(b) = fault.cause.shows_cage() {
             locked[b] = true;
         }
         faults.push(fault);
@@ -423,8 +437,7 @@ fn judged<'a>(
         _ if search && !is_explained => (fitted, observable) = with_cages(of, candidate, first)?,
         _ => {}
     }
-    if let Cause::Waviness(b, ..) = candidate.cause {
-        // The fault shows the cage.
+    if let Some(b) = candidate.cause.shows_cage() {
         observable[b] = true;
     }
     let penalty = values.ln() * candidate.unknowns.len() as f64;
@@ -447,7 +460,7 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
             i += 1;
             continue;
         }
-        let mut unknowns = cage::unknowns(&of.observable);
+        let mut unknowns = cage::unknowns(&of.observable, &now.machine);
         for fault in faults.iter().filter(|fault| fault.cause != cause) {
             unknowns
                 .extend(fault.fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
@@ -491,7 +504,7 @@ fn weighted_from<'a>(
     let mut evidence = of.evidence.clone();
     evidence.weight_for(start)?;
     let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable);
+    let mut unknowns = cage::unknowns(&observable, &settled.machine);
     unknowns.extend(own(candidate));
     let closer = fit(&evidence, &settled, &unknowns, 12)?;
     evidence.weight_for(&closer.machine)?;

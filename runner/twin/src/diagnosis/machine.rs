@@ -18,12 +18,22 @@ use std::sync::Arc;
 pub struct Cage {
     /// Angle at total revolution 0, revolutions, beyond the scene's.
     pub phase: f64,
-    /// Cage speed below pure rolling, as a share of it.
+    /// Cage speed below pure rolling, as a share of it, in the middle of the record.
     pub slip: f64,
+    /// Change of the cage speed, revolutions per square of a shaft revolution.
+    pub drift: f64,
     /// Spin angle of the balls at total revolution 0, revolutions.
     pub spin_phase: f64,
     /// Ball spin below pure rolling, as a share of it.
     pub spin_slip: f64,
+}
+
+impl Cage {
+    /// Returns the revolutions of the cage at a total revolution of the shaft; `rolling` is its speed over the shaft speed by the scene.
+    pub fn revolutions(&self, rolling: f64, turns: f64, motion: &Motion) -> f64 {
+        let from_middle = turns - motion.middle;
+        self.phase + rolling * (1.0 - self.slip) * turns + 0.5 * self.drift * from_middle * from_middle
+    }
 }
 
 /// One bearing of the machine.
@@ -124,6 +134,7 @@ pub struct Evaluated {
     offset: Displacement<f64>,
     tilt: [f64; 2],
     cage: Cage,
+    /// Cage speed over shaft speed by the scene.
     cage_ratio: f64,
     ball_ratio: f64,
 }
@@ -158,19 +169,19 @@ impl Evaluated {
             tilt: of.tilt,
             displaced,
             cage: of.cage,
-            cage_ratio: kinematics.cage_ratio * (1.0 - of.cage.slip),
+            cage_ratio: kinematics.cage_ratio,
             ball_ratio: kinematics.ball_ratio() * (1.0 - of.cage.spin_slip),
         })
     }
 
     /// Returns the kinematic state at sample `t`.
     pub fn state(&self, motion: &Motion, t: usize) -> BearingKinematicState<f64> {
-        self.state_at(motion.turns[t], motion.speed[t])
+        self.state_at(motion, motion.turns[t], motion.speed[t])
     }
 
-    fn state_at(&self, turns: f64, speed: f64) -> BearingKinematicState<f64> {
+    fn state_at(&self, motion: &Motion, turns: f64, speed: f64) -> BearingKinematicState<f64> {
         BearingKinematicState {
-            cage: Phase::from_revolutions(self.cage.phase + self.cage_ratio * turns),
+            cage: Phase::from_revolutions(self.cage.revolutions(self.cage_ratio, turns, motion)),
             inner: Phase::from_revolutions(turns),
             outer: Phase::ZERO,
             ball: Phase::from_revolutions(self.cage.spin_phase + self.ball_ratio * turns),
@@ -198,7 +209,7 @@ impl Evaluated {
         let mut all = vec![[0.0; D]; motion.len() * PARTS];
         for t in 0..motion.len() - 1 {
             let (from, to) = (motion.turns[t], motion.turns[t + 1]);
-            if !self.passes(from, to) {
+            if !self.passes(motion, from, to) {
                 continue;
             }
             let (q0, q1) = (self.displaced[t].to_array(), self.displaced[t + 1].to_array());
@@ -206,7 +217,7 @@ impl Evaluated {
                 let share = part as f64 / PARTS as f64;
                 let turns = from + share * (to - from);
                 let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
-                let state = self.state_at(turns, motion.speed[t]);
+                let state = self.state_at(motion, turns, motion.speed[t]);
                 let (with, without) = (self.wrench(damaged, &q, &state), self.wrench(&self.bearing, &q, &state));
                 all[t * PARTS + part] = std::array::from_fn(|i| with[i] - without[i]);
             }
@@ -215,18 +226,19 @@ impl Evaluated {
     }
 
     /// Returns true where a ball is on a spall between two positions of the shaft.
-    fn passes(&self, from: f64, to: f64) -> bool {
+    fn passes(&self, motion: &Motion, from: f64, to: f64) -> bool {
         let middle = 0.5 * (from + to);
-        let cage = TAU * (self.cage.phase + self.cage_ratio * middle);
+        let cage = TAU * self.cage.revolutions(self.cage_ratio, middle, motion);
         let ball = TAU * (self.cage.spin_phase + self.ball_ratio * middle);
         let near = |angle: f64, reach: f64| (angle - TAU * (angle / TAU).round()).abs() < reach;
         self.spalls.iter().any(|spall| {
             let moved = |ratio: f64| 0.5 * (TAU * ratio * (to - from)).abs() + spall.half_width;
+            let cage_ratio = self.cage_ratio * (1.0 - self.cage.slip);
             match spall.surface {
-                Surface::Outer => self.azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(self.cage_ratio))),
+                Surface::Outer => self.azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(cage_ratio))),
                 Surface::Inner => {
                     let inner = TAU * middle + spall.azimuth;
-                    self.azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - self.cage_ratio)))
+                    self.azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - cage_ratio)))
                 }
                 Surface::Ball(_) => {
                     let reach = moved(self.ball_ratio);
@@ -305,6 +317,7 @@ impl Evaluated {
 pub enum Unknown {
     CagePhase(usize),
     CageSlip(usize),
+    CageDrift(usize),
     Clearance(usize),
     Modulus(usize),
     Tilt(usize, usize),
@@ -333,6 +346,7 @@ impl Unknown {
         match self {
             Self::CagePhase(b)
             | Self::CageSlip(b)
+            | Self::CageDrift(b)
             | Self::Clearance(b)
             | Self::Modulus(b)
             | Self::Tilt(b, _)
@@ -350,6 +364,7 @@ impl Unknown {
         match self {
             Self::CagePhase(_) => 1e-6,
             Self::CageSlip(_) | Self::SpinSlip(_) => 1e-8,
+            Self::CageDrift(_) => 1e-10,
             Self::Clearance(_) => 1e-10,
             Self::Modulus(_) => 1e6,
             Self::Tilt(..) => 1e-8,
@@ -379,6 +394,7 @@ impl Unknown {
         match self {
             Self::CagePhase(b) => bearing(b).cage.phase,
             Self::CageSlip(b) => bearing(b).cage.slip,
+            Self::CageDrift(b) => bearing(b).cage.drift,
             Self::SpinSlip(b) => bearing(b).cage.spin_slip,
             Self::Clearance(b) => clearance(&bearing(b).scene),
             Self::Modulus(b) => bearing(b).scene.geometry.map_or(0.0, |g| g.youngs_modulus),
@@ -413,6 +429,7 @@ impl Unknown {
         match self {
             Self::CagePhase(_) => bearing.cage.phase = x - x.round(),
             Self::CageSlip(_) => bearing.cage.slip = x.clamp(-0.02, 0.08),
+            Self::CageDrift(_) => bearing.cage.drift = x,
             Self::SpinSlip(_) => bearing.cage.spin_slip = x.clamp(-0.05, 0.05),
             Self::Clearance(_) => {
                 if let Some(g) = &mut bearing.scene.geometry {

@@ -159,11 +159,12 @@ pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate
     Ok(Some(finding::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
 }
 
-/// Sets the cages of a scene to what a recording shows.
-pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate]) {
+/// Sets the cages of a scene to what a recording shows at `turns`, the total revolutions of a sample.
+pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
     for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
-        bearing.cage_ratio = Some(cage.cage_ratio);
-        bearing.first_element_azimuth = cage.first_element_azimuth;
+        let (ratio, azimuth) = cage.tangent(turns);
+        bearing.cage_ratio = Some(ratio);
+        bearing.first_element_azimuth = azimuth.rem_euclid(TAU / bearing.elements as f64);
     }
 }
 

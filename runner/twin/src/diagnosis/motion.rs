@@ -30,6 +30,8 @@ pub struct Motion {
     /// Shaft acceleration, rad/s^2.
     pub acceleration: Vec<f64>,
     mean_speed: f64,
+    /// Total revolutions in the middle of the record.
+    pub middle: f64,
 }
 
 impl Motion {
@@ -54,6 +56,7 @@ impl Motion {
             speed: vec![],
             acceleration: vec![],
             mean_speed: samples.iter().map(|s| s.speed).sum::<f64>() / samples.len().max(1) as f64,
+            middle: samples.get(samples.len() / 2).map_or(0.0, Sample::total_revolutions),
         };
         for sample in samples {
             motion.q.push(solver.pose(&sample.row.probes, axial));
@@ -118,6 +121,12 @@ impl Transform {
         let lines = (0..n / 2).map(|k| k as f64 * bin).take_while(|w| *w <= highest).collect();
         let power = window[0].iter().map(|w| w * w).sum();
         Self { fft, fine, window, lines, power }
+    }
+
+    /// Returns the window at a share of the record.
+    pub fn window_at(&self, share: f64) -> f64 {
+        let window = &self.window[0];
+        window[((share * window.len() as f64) as usize).min(window.len() - 1)]
     }
 
     /// Returns the sum of the window.

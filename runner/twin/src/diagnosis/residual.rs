@@ -80,6 +80,8 @@ pub(super) struct Evidence<'a> {
     noise_scale: Vec<Vec<f64>>,
     /// Parameters that are not exactly known, with a root of their covariance.
     uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
+    /// Changes of the whitened residual of the machine by which it is weighted, by each of them.
+    uncertain_slopes: Arc<Vec<Vec<f64>>>,
     /// Directions of the whitened residual that they lead to.
     tolerance: Vec<Direction>,
     /// Mean dynamic stiffness of the machine by which the residual is weighted.
@@ -217,6 +219,7 @@ impl<'a> Evidence<'a> {
             whitening_of_bearing: vec![],
             noise_scale: vec![],
             uncertain: None,
+            uncertain_slopes: Arc::default(),
             tolerance: vec![],
             reference: MeanStiffness::default(),
             rows: 0,
@@ -439,12 +442,35 @@ impl<'a> Evidence<'a> {
     /// Returns a force as a residual at the probes in units of their noise: line by line, probe by probe, real and imaginary
     /// part.
     pub fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {
-        let mut residual = whitened(&self.whitening, force);
+        self.tolerated(whitened(&self.whitening, force))
+    }
+
+    /// Takes from a residual what the parameters that are not exactly known explain.
+    fn tolerated(&self, mut residual: Vec<f64>) -> Vec<f64> {
         for Direction { unit, share } in &self.tolerance {
             let along = share * dot(unit, &residual);
             residual.iter_mut().zip(unit).for_each(|(r, unit)| *r -= along * unit);
         }
         residual
+    }
+
+    /// Returns how the residual of a machine changes by one deviation of each independent uncertain parameter beyond the change that is
+    /// taken from every residual: the same fault has another force where the bearing is stiffer.
+    pub fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
+        let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
+        let mut slopes = unknowns.iter().map(|u| self.slope(spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
+            let reference = self.tolerated(reference.clone());
+            slope.iter_mut().zip(reference).for_each(|(slope, x)| *slope -= x);
+        }
+        let change = |column: usize| {
+            let mut sum = vec![0.0; slopes.first().map_or(0, Vec::len)];
+            for (slope, weight) in slopes.iter().zip(root.column(column).iter()) {
+                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight * x);
+            }
+            sum
+        };
+        Ok((0..unknowns.len()).map(change).collect())
     }
 
     /// Returns the residual of a machine.
@@ -458,6 +484,8 @@ impl<'a> Evidence<'a> {
         match unknown {
             Unknown::CagePhase(b) => 0.1 / self.plant.bearings[b].elements as f64,
             Unknown::CageSlip(b) | Unknown::SpinSlip(b) => 0.2 / (self.plant.bearings[b].elements as f64 * 0.4 * turns),
+            // At the ends of the record.
+            Unknown::CageDrift(b) => 0.1 / (self.plant.bearings[b].elements as f64 * 0.125 * turns * turns),
             Unknown::SpallAzimuth(..) => 0.1,
             Unknown::SpallWidth(..) => 0.01,
             Unknown::SpallDepth(..) => 5e-7,

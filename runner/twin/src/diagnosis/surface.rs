@@ -9,6 +9,7 @@
 //! | outer race | `N K_l P_(kN-l) e^(i k N c)` |
 //! | inner race | `N K_l P_(kN-l) e^(i k N (c - s)) e^(i l s)` |
 //! | one ball | `2 K_l P_h e^(i h b) e^(i l c)`, h even |
+//! | all balls alike | `2 N K_0 P_h e^(i h b)`, h even |
 //!
 //! with c, s, b the angles of cage, shaft and ball. `K_l` is evaluated along the measured motion, sample by sample.
 
@@ -408,11 +409,13 @@ impl Family {
         })
     }
 
-    /// Returns the wave that explains most: fall of chi-squared, order and complex amplitude.
+    /// Returns the wave that explains most: fall of chi-squared, order and complex amplitude. A wave of the elements is the same on all,
+    /// so that their sum has no side bands of the cage.
     pub fn wave(&self) -> Option<(f64, u32, C)> {
         let mut best: Option<(f64, u32, C)> = None;
+        let side_bands = if self.component == Component::Ball { L as usize..L as usize + 1 } else { 0..WIDTH };
         for (k, h) in &self.harmonics {
-            for l in 0..WIDTH {
+            for l in side_bands.clone() {
                 let amplitude = h.right[l] / h.normal[l][l].re.max(1e-300);
                 let gain = (amplitude.conj() * h.right[l]).re;
                 let order = self.profile_order(*k, l);

@@ -319,7 +319,8 @@ fn cages(of: &FitInput, plant: &Plant) -> Result<Cages> {
         [first, .., last] => (turns_of(last) - turns_of(first)).abs(),
         _ => 0.0,
     };
-    diagnosis::set_cages(&mut found.scene, &estimates);
+    let middle = samples.get(samples.len() / 2).map_or(0.0, Sample::total_revolutions);
+    diagnosis::set_cages(&mut found.scene, &estimates, middle);
     found.parameters = cage_parameters(scene, plant, &estimates, turns);
     let hidden = scene.bearings.iter().zip(&estimates).filter(|(_, cage)| !cage.observable);
     found.notes =

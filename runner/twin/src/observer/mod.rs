@@ -1,6 +1,7 @@
 //! The observer of a replay: the kernel's steady-state Kalman filter, its gains, its identification from the first
 //! revolutions, and its operation from sample to sample.
 
+mod cages;
 mod consistency;
 mod model;
 mod riccati;
@@ -8,6 +9,7 @@ mod running;
 mod start;
 mod tune;
 
+pub use cages::{CageEvidence, CagePosition, CageTracker, found_position};
 pub use consistency::{Consistency, ConsistencyState, gate};
 pub use model::{Uncertainty, memory, weight};
 pub use running::{Correction, RunningObserver};
@@ -157,6 +159,12 @@ pub trait StateEstimator {
     fn coordinates(&self) -> &[f64];
     /// Returns the estimated unknown force and moment on the rotor, about its centre of mass.
     fn load(&self) -> [f64; 5];
+    /// Sets the angle of each cage beyond that of the scene, revolutions.
+    fn set_cage_offsets(&mut self, offsets: &[f64]);
+    /// Sets the bearings of which the innovations are also computed with another cage angle.
+    fn follow_cages(&mut self, followed: &[bool]);
+    /// Returns the innovations of the last step and their changes by the cages; none where it corrected nothing.
+    fn cage_evidence(&self) -> Option<&CageEvidence>;
 }
 
 /// Starts an estimator at `sample`.
@@ -208,6 +216,62 @@ struct Estimator<S, C, const D: usize, const N: usize> {
     probes: usize,
     /// Number of coordinates in use.
     order: usize,
+    /// The same observer with the cage of one bearing [`cages::DISPLACEMENT`] ahead; none for a bearing that is not followed.
+    displaced: Vec<Option<ObserverState<f64, D, N>>>,
+    /// Angle of each cage beyond that of the scene, revolutions.
+    cage_offsets: [f64; N],
+    evidence: CageEvidence,
+    has_evidence: bool,
+}
+
+impl<S, C, const D: usize, const N: usize> Estimator<S, C, D, N>
+where
+    S: SecondOrderSystem<f64, D>,
+    C: ReactingElement<D>,
+{
+    /// Returns the state with the cage of bearing `b` displaced.
+    fn displaced(&self, b: usize) -> ObserverState<f64, D, N> {
+        let mut state = self.state;
+        turn(&mut state, b, cages::DISPLACEMENT);
+        state
+    }
+
+    /// Advances the observers with other cages, and computes the changes of the innovations.
+    fn step_displaced(&mut self, drive: &ShaftMotion<f64>, innovation: &[f64; MAX_PROBES], is_rejected: bool) {
+        let [first, density] = self.observer.speeds;
+        let nearest = ((drive.speed - first) * density).round().clamp(0.0, (self.observer.gains.len() - 1) as f64);
+        let whitening = self.observer.gains[nearest as usize].whitening;
+        let white = |e: &[f64; MAX_PROBES], white: &mut Vec<f64>| {
+            white.clear();
+            white.extend(whitening.iter().take(self.probes).map(|row| dot(row, e)));
+        };
+        white(innovation, &mut self.evidence.white);
+        // A sample that corrected one observer corrects the others too.
+        let gate = std::mem::replace(&mut self.observer.gate, f64::INFINITY);
+        let readings = if is_rejected { [f64::NAN; MAX_PROBES] } else { self.readings };
+        self.evidence.slopes.resize(self.displaced.len(), vec![]);
+        for (state, slopes) in self.displaced.iter_mut().zip(&mut self.evidence.slopes) {
+            let Some(state) = state else {
+                slopes.clear();
+                continue;
+            };
+            let other = self.observer.sample::<Exact>(state, drive, &readings).innovation;
+            let slope = std::array::from_fn(|p| (other[p] - innovation[p]) / cages::DISPLACEMENT);
+            white(&slope, slopes);
+        }
+        self.observer.gate = gate;
+    }
+}
+
+fn dot(a: &[f64; MAX_PROBES], b: &[f64; MAX_PROBES]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Turns the cage of a bearing by so many revolutions.
+fn turn<const D: usize, const N: usize>(state: &mut ObserverState<f64, D, N>, b: usize, revolutions: f64) {
+    if let Some(parts) = state.motion.component_angles.get_mut(b) {
+        parts.cage = parts.cage.wrapping_add(Phase::from_revolutions(revolutions));
+    }
 }
 
 impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
@@ -240,6 +304,10 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
             readings: [0.0; MAX_PROBES],
             probes: self.rows.len(),
             order: self.start.q.len(),
+            displaced: vec![],
+            cage_offsets: [0.0; N],
+            evidence: CageEvidence::default(),
+            has_evidence: false,
         })
     }
 }
@@ -254,6 +322,12 @@ where
             *to = reading;
         }
         let estimate = self.observer.sample::<Exact>(&mut self.state, drive, &self.readings);
+        self.has_evidence = false;
+        if self.displaced.iter().any(Option::is_some) {
+            let is_rejected = estimate.status.contains(Status::INNOVATION_REJECTED);
+            self.step_displaced(drive, &estimate.innovation, is_rejected);
+            self.has_evidence = !is_rejected && !estimate.status.contains(Status::INPUT_NOT_FINITE);
+        }
         (estimate.nis, estimate.status)
     }
     fn set_gate(&mut self, gate: f64) {
@@ -264,11 +338,34 @@ where
         self.state.motion.velocity = array(rates);
         self.state.load = [0.0; D];
         self.state.rotating_load = [0.0; D];
+        for b in 0..self.displaced.len() {
+            self.displaced[b] = self.displaced[b].map(|_| self.displaced(b));
+        }
     }
     fn coordinates(&self) -> &[f64] {
         self.state.motion.q.get(..self.order).unwrap_or_default()
     }
     fn load(&self) -> [f64; 5] {
         array(&self.state.load)
+    }
+    fn set_cage_offsets(&mut self, offsets: &[f64]) {
+        for (b, (offset, before)) in offsets.iter().zip(&mut self.cage_offsets).enumerate() {
+            let by = offset - std::mem::replace(before, *offset);
+            turn(&mut self.state, b, by);
+            for state in self.displaced.iter_mut().flatten() {
+                turn(state, b, by);
+            }
+        }
+    }
+    fn follow_cages(&mut self, followed: &[bool]) {
+        self.displaced.resize(followed.len(), None);
+        for (b, &is_followed) in followed.iter().enumerate() {
+            if is_followed != self.displaced[b].is_some() {
+                self.displaced[b] = is_followed.then(|| self.displaced(b));
+            }
+        }
+    }
+    fn cage_evidence(&self) -> Option<&CageEvidence> {
+        self.has_evidence.then_some(&self.evidence)
     }
 }

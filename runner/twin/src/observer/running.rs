@@ -1,13 +1,16 @@
 //! An observer in operation: its step from sample to sample, the consistency test, and the restart.
 
-use super::{Consistency, ConsistencyState, MAX_PROBES, StateEstimator};
+use super::{CageTracker, Consistency, ConsistencyState, MAX_PROBES, StateEstimator};
 use ballrace::Status;
 use ballrace::rotor::ShaftMotion;
+use std::f64::consts::TAU;
 
 /// An observer that follows the samples of a recording.
 pub struct RunningObserver {
     estimator: Box<dyn StateEstimator>,
     consistency: Consistency,
+    /// Sample period, s.
+    period: f64,
 }
 
 /// Result of a correction by a sample with a reading of every probe.
@@ -24,15 +27,21 @@ pub struct Correction {
 }
 
 impl RunningObserver {
-    /// Creates a running observer from its estimator and the initial state of the consistency test.
+    /// Creates a running observer from its estimator, the initial state of the consistency test and the sample period, s.
     #[must_use]
-    pub const fn new(estimator: Box<dyn StateEstimator>, consistency: Consistency) -> Self {
-        Self { estimator, consistency }
+    pub const fn new(estimator: Box<dyn StateEstimator>, consistency: Consistency, period: f64) -> Self {
+        Self { estimator, consistency, period }
+    }
+
+    /// Sets the angle of each cage beyond that of the scene, revolutions.
+    pub fn set_cage_offsets(&mut self, offsets: &[f64]) {
+        self.estimator.set_cage_offsets(offsets);
     }
 
     /// Advances over the sample periods `motion` (the shaft at the start of each) and corrects with the readings at the end
     /// of the last period. Readings are NaN where missing.
     ///
+    /// `cages` are states of the observer: they advance over the periods and are corrected where the observer is trusted.
     /// `is_possible` tests the estimated coordinates; `restart_state` returns coordinates and rates for a restart. Returns the flags of all
     /// periods, and the correction where every probe has a reading.
     pub fn step(
@@ -41,12 +50,16 @@ impl RunningObserver {
         readings: &[f64],
         is_possible: impl Fn(&[f64]) -> bool,
         restart_state: impl FnOnce() -> (Vec<f64>, Vec<f64>),
+        cages: &mut CageTracker,
     ) -> (Status, Option<Correction>) {
         let missing = [f64::NAN; MAX_PROBES];
         let mut motion = motion.peekable();
         let (mut all, mut last) = (Status::OK, None);
         while let Some(now) = motion.next() {
             let is_last = motion.peek().is_none();
+            cages.advance(now.delta_after(self.period).radians::<f64>() / TAU, self.period);
+            self.estimator.set_cage_offsets(cages.offsets());
+            self.estimator.follow_cages(cages.followed());
             self.estimator.set_gate(self.consistency.gate());
             let (nis, status) = self.estimator.step(&now, if is_last { readings } else { &missing });
             all = all.union(status);
@@ -59,6 +72,9 @@ impl RunningObserver {
         if verdict == ConsistencyState::Restart {
             let (position, rate) = restart_state();
             self.estimator.restart(&position, &rate);
+        }
+        if let Some(evidence) = self.estimator.cage_evidence().filter(|_| verdict == ConsistencyState::Trusted) {
+            cages.correct(evidence, self.consistency.ratio().max(1.0));
         }
         let lost_trust = (was_trusted && verdict != ConsistencyState::Trusted).then(|| self.consistency.ratio());
         (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))

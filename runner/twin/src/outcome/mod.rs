@@ -540,6 +540,9 @@ pub struct CageOutcome {
     /// Cage speed below that of pure rolling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slip_percent: Option<Estimate>,
+    /// Lowest and highest slip while the observer followed the cage through a recording longer than the samples used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub followed_slip_percent: Option<[f64; 2]>,
     /// Cage speed over shaft speed.
     pub cage_ratio: f64,
     /// Azimuth of the first element with the shaft at its angle 0, between 0 and one pitch.

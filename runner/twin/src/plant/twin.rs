@@ -22,6 +22,8 @@ pub trait Twin {
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
     /// Sets the first coordinates and rates.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
+    /// Turns the cage of bearing `i`.
+    fn turn_cage(&mut self, i: usize, by: Phase);
 }
 
 /// Returns the displacement of a rigid rotor from its coordinates.
@@ -133,6 +135,11 @@ impl<S: SecondOrderSystem<f64, D>, C: ReactingElement<D>, const D: usize, const 
             for (entry, &x) in to.iter_mut().zip(from) {
                 *entry = x;
             }
+        }
+    }
+    fn turn_cage(&mut self, i: usize, by: Phase) {
+        if let Some(parts) = self.state.component_angles.get_mut(i) {
+            parts.cage = parts.cage.wrapping_add(by);
         }
     }
 }

@@ -85,6 +85,11 @@ impl Ahead {
         implausible_samples(scene, &self.samples, self.period)
     }
 
+    /// Returns the total revolutions at the first sample.
+    pub fn first_turns(&self) -> f64 {
+        self.samples.first().map_or(0.0, Sample::total_revolutions)
+    }
+
     /// Diagnoses the samples read; none where they do not allow it.
     pub fn diagnose(
         &self,

@@ -8,7 +8,9 @@ use super::{list, observe, plausibility, verdict};
 use crate::campbell;
 use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
-use crate::outcome::{Finding, FindingKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing};
+use crate::outcome::{
+    DiagnosisOutcome, Finding, FindingKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing,
+};
 use crate::plant::Plant;
 use crate::plausibility::{Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
@@ -31,6 +33,28 @@ pub(super) struct RecordingFacts<'a> {
 }
 
 impl Pipeline<'_> {
+    /// Adds the slips of the cages that the observer followed; returns notes on them.
+    fn follow_up(&self, outcome: &mut DiagnosisOutcome) -> Vec<String> {
+        let mut notes = vec![];
+        if self.totals.speed().count() as usize <= outcome.samples {
+            return notes;
+        }
+        let tracker = &self.cages;
+        for ((cage, slips), &is_followed) in outcome.cages.iter_mut().zip(tracker.slips()).zip(tracker.followed()) {
+            let Some(slips) = slips.map(|slips| slips.map(|slip| 100.0 * slip)) else { continue };
+            let (name, [low, high]) = (&cage.bearing, slips);
+            notes.push(if is_followed {
+                format!("The observer followed the cage of {name}: its slip was {low:.2} to {high:.2} %.")
+            } else {
+                format!(
+                    "The observer lost the cage of {name}: its passing elements move the shaft too little, the observer does not describe the motion, or the shaft angle was interrupted. Until then its slip was {low:.2} to {high:.2} %."
+                )
+            });
+            cage.followed_slip_percent = Some(slips);
+        }
+        notes
+    }
+
     /// Returns the outcome.
     ///
     /// # Errors
@@ -107,7 +131,10 @@ impl Pipeline<'_> {
             }
         };
         self.timing.diagnosed(begun.elapsed());
-        let diagnosed = diagnosed.filter(|_| is_judged);
+        let mut diagnosed = diagnosed.filter(|_| is_judged);
+        if let Some(diagnosis) = &mut diagnosed {
+            diagnosis.notes.extend(self.follow_up(&mut diagnosis.outcome));
+        }
         let (mut findings, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
@@ -289,11 +316,11 @@ impl Pipeline<'_> {
 }
 
 /// Coordinates beyond which natural frequencies are not computed: the time grows with the cube of their number.
-const MOST_COORDINATES: usize = 60;
+const MAX_COORDINATES: usize = 60;
 
 /// Returns the damped natural frequencies at a speed (rad/s), lowest first.
 fn natural_frequencies(plant: &Plant, speed: f64) -> Vec<MarkedLine> {
-    if plant.layout.order > MOST_COORDINATES || !speed.is_finite() {
+    if plant.layout.order > MAX_COORDINATES || !speed.is_finite() {
         return vec![];
     }
     // The figures have no marks where the modes cannot be computed.

@@ -9,7 +9,7 @@ use crate::recording::Sample;
 
 const UM: f64 = 1e6;
 /// Readings that are kept, of the machine and its twin together.
-const MOST_VALUES: usize = 300_000;
+const MAX_VALUES: usize = 300_000;
 /// Longest piece: a segment of a spectrum.
 const LONGEST: usize = 4096;
 /// Shortest piece.
@@ -43,7 +43,7 @@ struct Piece {
 impl ExcerptCollector {
     /// Creates the collector for a number of probes at a sample rate (Hz).
     pub(super) fn new(probes: usize, rate_hz: f64) -> Self {
-        let fitting = MOST_VALUES / (2 * probes.max(1));
+        let fitting = MAX_VALUES / (2 * probes.max(1));
         let length = (1 << fitting.max(SHORTEST).ilog2()).min(LONGEST);
         Self {
             rate_hz,
@@ -169,7 +169,7 @@ mod tests {
     fn a_long_recording_is_spread_evenly_in_bounded_memory() {
         for probes in [1, 5, 40] {
             let excerpt = collected(900_000, probes, usize::MAX);
-            assert!(values(&excerpt) <= MOST_VALUES, "{}", values(&excerpt));
+            assert!(values(&excerpt) <= MAX_VALUES, "{}", values(&excerpt));
             let last = excerpt.stretches.last().map_or(0.0, |stretch| stretch.start_s);
             assert!(excerpt.stretches.len() > 1 && last > 450.0, "{} stretches to {last} s", excerpt.stretches.len());
             for stretch in &excerpt.stretches {

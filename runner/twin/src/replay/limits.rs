@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 
 const UM: f64 = 1e6;
 /// Largest number of events that are kept for the report.
-const MOST_EVENTS: usize = 10_000;
+const MAX_EVENTS: usize = 10_000;
 
 /// State of the limits at the end of their last blocks, from which another process can continue.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -132,7 +132,7 @@ struct EndedEvents {
 
 impl EndedEvents {
     fn add(&mut self, event: Event) {
-        if self.latest.len() >= MOST_EVENTS {
+        if self.latest.len() >= MAX_EVENTS {
             self.latest.pop_front();
             self.earlier += 1;
         }

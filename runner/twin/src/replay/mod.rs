@@ -51,6 +51,9 @@ pub mod timing;
 
 // The outcome at the end of the recording.
 mod conclusion;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod drifting_cage;
 mod list;
 mod plausibility;
 #[cfg(test)]
@@ -142,14 +145,17 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     let took = begun.elapsed();
     drop(plant);
     if let Some(diagnosis) = &diagnosed {
-        set_cages(&mut scene, &diagnosis.cages);
+        set_cages(&mut scene, &diagnosis.cages, ahead.first_turns());
     }
     let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
     let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
     replay.add_diagnosis_time(took);
-    if let (true, Some(diagnosis)) = (ahead.is_whole, diagnosed) {
-        replay.set_diagnosis(diagnosis);
+    if let Some(diagnosis) = diagnosed {
+        replay.follow_cages(&diagnosis.cages);
+        if ahead.is_whole {
+            replay.set_diagnosis(diagnosis);
+        }
     }
     let mut row = replay.blank();
     loop {

@@ -6,7 +6,9 @@ use super::range::ReadingRange;
 use super::statistics::Running;
 use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
-use crate::observer::{Consistency, ConsistencyState, InitialState, RunningObserver, TunedObserver, estimator, gate};
+use crate::observer::{
+    CageTracker, Consistency, ConsistencyState, InitialState, RunningObserver, TunedObserver, estimator, gate,
+};
 use crate::outcome::ObserverOutcome;
 use crate::plant::{AXIAL, Plant};
 use crate::probes::reading;
@@ -54,6 +56,7 @@ impl ObserverStage {
         start: TwinStart,
         sample: &Sample,
         period: f64,
+        cages: &CageTracker,
     ) -> Result<()> {
         let Some(tuned) = &self.tuned else { return Ok(()) };
         let probes = self.rows.len();
@@ -62,7 +65,9 @@ impl ObserverStage {
             TwinStart::Restart => (InitialState::new(twin.coordinates(), twin.rates()), Consistency::restarted(probes)),
         };
         let estimator = estimator(plant, &self.rows, &tuned.gains, state, sample, period)?;
-        self.running = Some(RunningObserver::new(estimator, consistency));
+        let mut running = RunningObserver::new(estimator, consistency, period);
+        running.set_cage_offsets(cages.offsets());
+        self.running = Some(running);
         Ok(())
     }
 
@@ -74,6 +79,7 @@ impl ObserverStage {
         range: &ReadingRange,
         location: &LocationStage,
         notices: &mut Notices,
+        cages: &mut CageTracker,
     ) -> ObserverSample {
         let untrusted = SampleStatus::FROM_DISPLACEMENT;
         let Some(running) = &mut self.running else {
@@ -85,7 +91,8 @@ impl ObserverStage {
             range.allows(rows.iter().map(|row| reading(row, q)), axial)
         };
         let restart_state = || (location.displaced(twin.coordinates()), twin.rates().to_vec());
-        let (flags, correction) = running.step(interval.motion(), location.readings(), is_possible, restart_state);
+        let (flags, correction) =
+            running.step(interval.motion(), location.readings(), is_possible, restart_state, cages);
         let mut status = SampleStatus::from(flags);
         if let Some(correction) = correction {
             self.innovations.add(correction.nis, correction.status, correction.verdict);

@@ -27,6 +27,7 @@ use crate::diagnosis::Diagnosis;
 use crate::diagnosis::block::Block;
 use crate::effect_significance;
 use crate::error::Result;
+use crate::observer::CageTracker;
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Finding, Implausibility};
@@ -63,6 +64,10 @@ pub(super) struct Pipeline<'a> {
     pub(super) twin: TwinStage,
     pub(super) location: LocationStage,
     pub(super) observer: ObserverStage,
+    /// Angle and speed of the cages.
+    pub(super) cages: CageTracker,
+    /// Total revolutions at the last sample; none at first and after an interruption of the angle.
+    last_turns: Option<f64>,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
     /// Samples for a diagnosis.
@@ -160,6 +165,8 @@ impl<'a> Pipeline<'a> {
             twin: TwinStage::new(plant.clone(), rate),
             location: LocationStage::try_new(scene, &plant, probes, rows.clone())?,
             observer: ObserverStage::new(rows.clone(), !plant.layout.is_given()),
+            cages: CageTracker::new(&plant),
+            last_turns: None,
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.len()),
             block: Block::default(),
@@ -286,7 +293,11 @@ impl<'a> Pipeline<'a> {
             && let Some(queued) = self.startup.pop()
         {
             match queued {
-                Queued::Restart => self.twin.stop(),
+                Queued::Restart => {
+                    self.twin.stop();
+                    self.cages.interrupt();
+                    self.last_turns = None;
+                }
                 Queued::Sample(sample) => {
                     let sample = self.alignment.align(sample);
                     self.process(&sample)?;
@@ -342,15 +353,26 @@ impl<'a> Pipeline<'a> {
     fn process(&mut self, sample: &Sample) -> Result<()> {
         let (index, time) = (sample.row.index, sample.row.time);
         let interval = self.twin.interval(sample, || self.startup.take_settled())?;
+        let turns = sample.total_revolutions();
+        let last_turns = self.last_turns.replace(turns);
         if let Some(start) = interval.start {
-            self.observer.start(&self.plant, &self.twin, start, sample, 1.0 / self.rate)?;
+            self.cages.advance(turns - last_turns.unwrap_or(turns), 0.0);
+            self.twin.set_cage_offsets(self.cages.offsets());
+            self.observer.start(&self.plant, &self.twin, start, sample, 1.0 / self.rate, &self.cages)?;
         }
         self.timing.sample(time);
         let begun = Instant::now();
         self.location.set_sample(&self.range, sample);
         self.twin.advance(sample, &interval);
-        let observed =
-            self.observer.advance((sample, &interval), &self.twin, &self.range, &self.location, &mut self.notices);
+        let observed = self.observer.advance(
+            (sample, &interval),
+            &self.twin,
+            &self.range,
+            &self.location,
+            &mut self.notices,
+            &mut self.cages,
+        );
+        self.twin.set_cage_offsets(self.cages.offsets());
         let displacements = self.displaced();
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, self.twin.parts(), &shaft, &displacements);
@@ -426,7 +448,7 @@ impl<'a> Pipeline<'a> {
         if self.diagnosed.is_none() {
             self.block.add(sample);
             if let Some(running) = &mut self.running_diagnosis {
-                running.poll(&self.block, time, &mut self.notices);
+                running.poll(&self.block, (time, sample.total_revolutions()), &mut self.cages, &mut self.notices);
             }
         }
         self.figures.add(sample, &readings.twin, revolutions);

@@ -3,6 +3,7 @@
 use super::notices::Notices;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
+use crate::observer::{CagePosition, CageTracker, found_position};
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, FaultFigures, Finding, FindingKind, Implausibility};
 use crate::plant::Plant;
@@ -101,10 +102,41 @@ struct OpenFault {
 
 /// A diagnosis in progress.
 struct Running {
-    thread: JoinHandle<Result<Judged, BuildError>>,
+    /// None once it was joined.
+    thread: Option<JoinHandle<Result<Judged, BuildError>>>,
     started: Instant,
     /// Time of the last sample in the recording's time, s.
     time: f64,
+    /// Total revolutions of the shaft at the last sample, and the cages there.
+    turns: f64,
+    cages: Vec<CagePosition>,
+    /// [`CageTracker::interruptions`] then.
+    interruptions: u64,
+}
+
+impl Running {
+    fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Returns what the thread returned.
+    fn join(&mut self) -> std::thread::Result<Result<Judged, BuildError>> {
+        self.thread.take().map_or_else(|| Err(Box::new("joined before")), JoinHandle::join)
+    }
+
+    /// Hands the cages that `diagnosis` found in `scene` over to the tracker, which is at `turns` now.
+    fn hand_over(&self, diagnosis: &Diagnosis, scene: &Scene, turns: f64, tracker: &mut CageTracker) {
+        if tracker.interruptions() != self.interruptions {
+            return;
+        }
+        for (b, (found, before)) in diagnosis.cages.iter().zip(&self.cages).enumerate() {
+            if found.observable {
+                let (ratio, azimuth) = found.tangent(self.turns);
+                let position = found_position(ratio, azimuth, scene.bearings[b].first_element_azimuth, self.turns);
+                tracker.take(b, &position, before, [self.turns, turns]);
+            }
+        }
+    }
 }
 
 /// Diagnoses one block after another, and reports faults as notices: their start, their size at every diagnosis, their end.
@@ -165,12 +197,21 @@ impl RunningDiagnosis {
     }
 
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
-    pub(super) fn poll(&mut self, block: &Block, time: f64, notices: &mut Notices) {
-        if let Some(running) = self.running.take_if(|running| running.thread.is_finished()) {
+    ///
+    /// `time` and total revolutions of the last sample; the cages are followed from where a diagnosis finds them.
+    pub(super) fn poll(
+        &mut self,
+        block: &Block,
+        (time, turns): (f64, f64),
+        cages: &mut CageTracker,
+        notices: &mut Notices,
+    ) {
+        if let Some(mut running) = self.running.take_if(|running| running.is_finished()) {
             let worked = running.started.elapsed();
             self.rests_until = Some(Instant::now() + worked.mul_f64(1.0 / SHARE - 1.0));
-            match running.thread.join() {
+            match running.join() {
                 Ok(Ok(Judged::Diagnosed(diagnosis))) => {
+                    running.hand_over(&diagnosis, &self.machine.scene, turns, cages);
                     self.state = DiagnosisState::Made { time_s: running.time };
                     let is_new = |finding: &Finding| {
                         finding.kind != FindingKind::Other
@@ -208,7 +249,16 @@ impl RunningDiagnosis {
         }
         let thread = std::thread::Builder::new().name("diagnosis".to_owned());
         match thread.spawn(move || machine.diagnose(&samples)) {
-            Ok(thread) => self.running = Some(Running { thread, started: Instant::now(), time }),
+            Ok(thread) => {
+                self.running = Some(Running {
+                    thread: Some(thread),
+                    started: Instant::now(),
+                    time,
+                    turns,
+                    cages: cages.positions(turns),
+                    interruptions: cages.interruptions(),
+                });
+            }
             Err(error) => self.end(&error.to_string(), time, notices),
         }
     }

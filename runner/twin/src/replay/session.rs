@@ -8,7 +8,7 @@ use super::running_diagnosis::{DiagnosisState, FaultState};
 use super::second::Second;
 use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{CageEstimate, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
 use crate::options::Options;
 use crate::outcome::{Calibration, Event, Finding, Implausibility, Outcome};
@@ -256,6 +256,13 @@ impl<'a> Replay<'a> {
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: Diagnosis) {
         self.pipeline.diagnosed = Some(diagnosis);
+    }
+
+    /// Follows the cages from the angles of the scene, where a diagnosis has found them.
+    pub(super) fn follow_cages(&mut self, cages: &[CageEstimate]) {
+        for (b, _) in cages.iter().enumerate().filter(|(_, cage)| cage.observable) {
+            self.pipeline.cages.follow(b);
+        }
     }
 
     /// Adds the time of calibration and diagnosis before the first sample.

@@ -82,6 +82,8 @@ struct TwinState {
     /// Number of consecutive samples in which the twin was held.
     held: u32,
     parts: Vec<ComponentAngles>,
+    /// Angle of each cage beyond that of the scene, revolutions.
+    cage_offsets: Vec<f64>,
     shaft: ShaftMotion<f64>,
     index: u64,
 }
@@ -123,8 +125,11 @@ impl TwinStage {
                 self.gap_restarts = (count + 1, if count == 0 { sample.row.line } else { line });
             }
             let revolutions = sample.total_revolutions();
-            let parts = self.plant.bearings.iter().map(|b| b.kinematics.parts_at(revolutions)).collect();
-            self.state = Some(TwinState { twin, linear, held: 0, parts, shaft, index: sample.row.index });
+            let parts: Vec<ComponentAngles> =
+                self.plant.bearings.iter().map(|b| b.kinematics.parts_at(revolutions)).collect();
+            let cage_offsets = vec![0.0; parts.len()];
+            let index = sample.row.index;
+            self.state = Some(TwinState { twin, linear, held: 0, parts, cage_offsets, shaft, index });
             let start = if self.has_run { TwinStart::Restart } else { TwinStart::First };
             return Ok(SampleInterval { from: shaft, steps: 0, period, revolutions: 0.0, start: Some(start) });
         }
@@ -150,6 +155,16 @@ impl TwinStage {
         }
         (state.shaft, state.index) = (sample.shaft_motion(), sample.row.index);
         self.has_run = true;
+    }
+
+    /// Sets the angle of each cage beyond that of the scene, revolutions.
+    pub(super) fn set_cage_offsets(&mut self, offsets: &[f64]) {
+        let Some(TwinState { twin, parts, cage_offsets, .. }) = &mut self.state else { return };
+        for (i, ((offset, before), parts)) in offsets.iter().zip(cage_offsets).zip(parts).enumerate() {
+            let by = Phase::from_revolutions(offset - std::mem::replace(before, *offset));
+            parts.cage = parts.cage.wrapping_add(by);
+            twin.turn_cage(i, by);
+        }
     }
 
     /// Advances the twin on linear springs.

@@ -26,13 +26,18 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Blows `order` times a turn, ringing at `ring` (Hz), in noise; `modulated` with the shaft as a damaged inner race's are.
-fn blows(order: f64, ring: f64, modulated: f64, loud: f64, seed: u64) -> Vec<f64> {
+/// Depth of a modulation and its order: damage that passes through the load zone is hit harder there.
+type Modulation = (f64, f64);
+const STEADY: Modulation = (0.0, 1.0);
+
+/// Blows `order` times a turn, ringing at `ring` (Hz), in noise; modulated with the shaft as a damaged inner race's are, or with the cage as
+/// those of an element.
+fn blows(order: f64, ring: f64, (modulated, by): Modulation, loud: f64, seed: u64) -> Vec<f64> {
     let mut noise = noise(seed);
     let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
     let mut at = 0.01;
     while at < SAMPLES as f64 / RATE {
-        let strength = loud * (1.0 + modulated * (TAU * TURN_HZ * at).cos()) / (1.0 + modulated);
+        let strength = loud * (1.0 + modulated * (TAU * by * TURN_HZ * at).cos()) / (1.0 + modulated);
         let first = (at * RATE).ceil() as usize;
         for (i, x) in signal.iter_mut().enumerate().skip(first).take(200) {
             let t = i as f64 / RATE - at;
@@ -64,11 +69,12 @@ fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
 
 #[test]
 fn each_component_is_identified_by_its_impacts() {
-    let Orders { outer_race, inner_race, ball_spin, .. } = suspect().orders;
+    let Orders { outer_race, inner_race, ball_spin, cage } = suspect().orders;
     let parts = [
-        (FindingKind::OuterRace, outer_race, 0.0),
-        (FindingKind::InnerRace, inner_race, 0.8),
-        (FindingKind::Element, 2.0 * ball_spin, 0.0),
+        (FindingKind::OuterRace, outer_race, STEADY),
+        (FindingKind::InnerRace, inner_race, (0.8, 1.0)),
+        (FindingKind::Element, 2.0 * ball_spin, STEADY),
+        (FindingKind::Element, 2.0 * ball_spin, (0.8, cage)),
     ];
     for (seed, (kind, order, modulated)) in parts.into_iter().enumerate() {
         for (ring, slip) in [(2300.0, -0.01), (4100.0, 0.0), (7700.0, 0.01)] {
@@ -85,9 +91,9 @@ fn each_component_is_identified_by_its_impacts() {
 #[test]
 fn noise_and_the_shaft_are_no_damage() {
     for seed in 0..20 {
-        assert!(found(&blows(1.0, 3000.0, 0.0, 0.0, seed)).is_empty(), "noise {seed}");
-        assert!(found(&blows(1.0, 3000.0, 0.0, 3.0, seed)).is_empty(), "a blow a turn {seed}");
-        assert!(found(&blows(2.0, 5000.0, 0.0, 3.0, seed)).is_empty(), "two blows a turn {seed}");
+        assert!(found(&blows(1.0, 3000.0, STEADY, 0.0, seed)).is_empty(), "noise {seed}");
+        assert!(found(&blows(1.0, 3000.0, STEADY, 3.0, seed)).is_empty(), "a blow a turn {seed}");
+        assert!(found(&blows(2.0, 5000.0, STEADY, 3.0, seed)).is_empty(), "two blows a turn {seed}");
     }
 }
 
@@ -95,7 +101,7 @@ fn noise_and_the_shaft_are_no_damage() {
 #[test]
 fn the_band_that_is_drawn_shows_the_line() {
     let order = suspect().orders.outer_race;
-    let (_, drawn) = judged(&blows(order, 4100.0, 0.0, 3.0, 1));
+    let (_, drawn) = judged(&blows(order, 4100.0, STEADY, 3.0, 1));
     assert_eq!(drawn.len(), 1);
     let envelope = &drawn[0];
     assert_eq!(envelope.reason, "the band on which the finding rests");
@@ -104,7 +110,7 @@ fn the_band_that_is_drawn_shows_the_line() {
     let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);
     assert!(peak == around && peak > 0.25, "{peak} {around}");
     assert!(envelope.lines.iter().any(|line| line.label == "DE outer" && (line.hz - order * TURN_HZ).abs() < 1e-9));
-    let (_, sound) = judged(&blows(1.0, 3000.0, 0.0, 0.0, 1));
+    let (_, sound) = judged(&blows(1.0, 3000.0, STEADY, 0.0, 1));
     assert!(sound.len() == 1 && sound[0].reason.starts_with("the most impulsive band"));
 }
 

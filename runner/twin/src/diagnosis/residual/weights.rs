@@ -9,6 +9,7 @@ use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Sp
 use crate::probes;
 use ballrace::Displacement;
 use nalgebra::{DMatrix, SMatrix, SVector};
+use std::sync::Arc;
 
 /// Lines on each side over which the noise is estimated.
 const NEIGHBOURS: usize = 6;
@@ -67,6 +68,7 @@ impl Evidence<'_> {
         let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
         let spectra = self.spectra(machine)?;
         let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        let of_uncertain = slopes.clone();
         slopes.extend(self.elasticity_slope(&spectra, machine)?);
         let n = slopes.len();
         if n == 0 {
@@ -88,6 +90,7 @@ impl Evidence<'_> {
             Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
         };
         self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > MIN_TOLERANCE).map(direction).collect();
+        self.uncertain_slopes = Arc::new(of_uncertain);
         Ok(())
     }
 

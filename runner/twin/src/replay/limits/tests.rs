@@ -77,12 +77,12 @@ fn restored_monitor_reports_the_remaining_events() {
 #[test]
 fn the_events_of_the_report_are_the_latest() {
     let mut monitor = monitor(0.0);
-    for i in 0..2 * (MOST_EVENTS + 3) {
+    for i in 0..2 * (MAX_EVENTS + 3) {
         let value = if i % 2 == 0 { 3e-6 } else { 0.0 };
         monitor.evaluate(i as f64, i as f64 + 1.0, |_| Some(value));
         monitor.take_events();
     }
     assert!(monitor.note().unwrap().starts_with("3 exceedances"));
     let events = monitor.finish();
-    assert_eq!((events.len(), events[0].start_s), (MOST_EVENTS, 6.0));
+    assert_eq!((events.len(), events[0].start_s), (MAX_EVENTS, 6.0));
 }

@@ -14,6 +14,8 @@ use std::f64::consts::TAU;
 pub struct Kinematics {
     /// Cage speed over shaft speed; 0 where nothing moves.
     pub cage_ratio: f64,
+    /// The same in pure rolling; that of the scene where the geometry is not known.
+    pub rolling_cage_ratio: f64,
     /// Orders per turn of the shaft.
     pub orders: Orders,
     /// True where the ball-spin order is known, which needs the geometry.
@@ -118,7 +120,8 @@ pub fn kinematics_of(
         inner_race: n * (1.0 - cage_ratio),
         ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
     };
-    Ok(Kinematics { cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
+    let rolling_cage_ratio = rolling.map_or(cage_ratio, |o| o.cage + outer * (1.0 - o.cage));
+    Ok(Kinematics { cage_ratio, rolling_cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
 }
 
 pub(super) fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {

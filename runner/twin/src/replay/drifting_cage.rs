@@ -1,0 +1,150 @@
+//! A machine in good order whose cages slip more and more: twin, observer, forces and orders follow them, and no fault is found.
+
+use super::*;
+use crate::motion::ResponseSample;
+use crate::motion::instruments::Instruments;
+use crate::outcome::Outcome;
+use crate::scene::read::read_file;
+use ballrace::Phase;
+use ballrace::rotor::ShaftMotion;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Samples per second, and the noise of the probes.
+const RATE: f64 = 6400.0;
+const NOISE_UM: f64 = 0.005;
+/// Slip of each cage at the start, its change per second, and its angle at the start in revolutions.
+const CAGES: [[f64; 3]; 2] = [[0.005, 0.007 / 60.0, 0.043], [0.009, -0.005 / 60.0, 0.081]];
+
+/// Revolutions of cage `b` beyond those of the scene.
+fn offset(b: usize, rolling: f64, speed: f64, time: f64) -> f64 {
+    let [slip, change, angle] = CAGES[b];
+    angle - rolling * speed / TAU * (slip * time + 0.5 * change * time * time)
+}
+
+/// Writes a recording of `duration` (s) of the machine; returns its scene.
+fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
+    let path = folder.path().join("scene.toml");
+    // A radial load, so that the passing of the elements moves the shaft.
+    let text = include_str!("../../../demo/healthy.toml")
+        .replace("12.8 kHz", &format!("{RATE} Hz"))
+        .replace("\"0 N\", \"60 N\"", "\"-120 N\", \"40 N\"")
+        .replace("0.03 um", &format!("{NOISE_UM} um"));
+    std::fs::write(&path, text).unwrap();
+    let scene = read_file(&path).unwrap();
+    let plant = Plant::try_new(&scene).unwrap();
+    let speed = scene.shaft.speed.nominal();
+    let mut instruments = Instruments::try_new(&scene, &plant, None, 11).unwrap();
+    let names: Vec<&str> = instruments.columns().iter().map(|column| column.name.as_str()).collect();
+    let mut csv = names.join(",");
+    let (settle, period) = (plant.settling_time(), 1.0 / RATE);
+    let turns = |time: f64| time * speed / TAU;
+    let mut twin = plant.start(period, turns(-settle)).unwrap();
+    let mut before = vec![0.0; plant.bearings.len()];
+    let mut cells = vec![];
+    for i in 0..((settle + duration) * RATE) as usize {
+        let time = i as f64 * period - settle;
+        let drive = ShaftMotion { angle: Phase::from_revolutions(turns(time)), speed, acceleration: 0.0 };
+        if time >= 0.0 {
+            let sample = ResponseSample { time, turned: turns(time), drive, twin: &*twin, plant: &plant };
+            instruments.read(&sample, &mut cells);
+            let mut separator = '\n';
+            for cell in &cells {
+                write!(csv, "{separator}{cell:.5}").unwrap();
+                separator = ',';
+            }
+        }
+        for (b, bearing) in plant.bearings.iter().enumerate() {
+            let now = offset(b, bearing.kinematics.rolling_cage_ratio, speed, time);
+            twin.turn_cage(b, Phase::from_revolutions(now - std::mem::replace(&mut before[b], now)));
+        }
+        twin.step(&drive);
+    }
+    std::fs::write(folder.path().join("healthy.csv"), csv).unwrap();
+    path
+}
+
+fn slip_percent(b: usize, time: f64) -> f64 {
+    100.0 * (CAGES[b][0] + CAGES[b][1] * time)
+}
+
+/// The cages slip by 0.5 % and 0.9 % at first, by 1.2 % and 0.4 % at the end; the paths of the two equal bearings cross.
+#[test]
+fn cages_are_followed_through_a_recording() {
+    const DURATION: f64 = 60.0;
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder, DURATION);
+    let scene = read_file(&path).unwrap();
+    let (reader, _) = open(&scene, None).unwrap();
+    let outcome: Outcome = replay(&scene, reader, "healthy.csv", &Options::default()).unwrap();
+    assert!(outcome.findings.is_empty(), "{:?}", outcome.findings);
+    for probe in &outcome.probes {
+        println!("{}: residual {:.4} um, noise {NOISE_UM} um", probe.name, probe.residual_rms_um);
+        assert!(probe.residual_rms_um < 1.15 * NOISE_UM, "{}: {}", probe.name, probe.residual_rms_um);
+        for line in &probe.ball_pass {
+            let difference = (line.measured_um - line.twin_um).abs();
+            assert!(difference < 0.2 * NOISE_UM, "{} {}: {difference}", probe.name, line.bearing);
+        }
+    }
+    // Without the cages the residual is as large as these lines.
+    for bearing in ["DE", "NDE"] {
+        let lines = outcome.probes.iter().flat_map(|probe| &probe.ball_pass).filter(|line| line.bearing == bearing);
+        let largest = lines.map(|line| line.measured_um).fold(0.0, f64::max);
+        println!("{bearing}: ball pass {largest:.3} um");
+        assert!(largest > 1.2 * NOISE_UM, "{bearing}: {largest}");
+    }
+    let observer = outcome.observer.unwrap();
+    println!("{}", observe::sentence(&observer));
+    for (b, cage) in outcome.diagnosis.unwrap().cages.iter().enumerate() {
+        let [low, high] = cage.followed_slip_percent.unwrap();
+        let ends = [slip_percent(b, 0.0), slip_percent(b, DURATION)];
+        println!("{}: slip {low:.3} to {high:.3} %, {ends:?} expected", cage.bearing);
+        assert!((low - ends[0].min(ends[1])).abs() < 0.05 && (high - ends[0].max(ends[1])).abs() < 0.05);
+        // The last block.
+        let last = cage.slip_percent.unwrap().value;
+        assert!((last - slip_percent(b, DURATION - 0.8)).abs() < 0.005, "{last}");
+    }
+}
+
+/// In live operation the first diagnosis finds the cages, and the observer follows them from there.
+#[test]
+fn cages_are_followed_in_live_operation() {
+    const DURATION: f64 = 24.0;
+    /// Times as fast as the machine.
+    const HASTE: f64 = 2.0;
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder, DURATION);
+    let scene = read_file(&path).unwrap();
+    let (mut reader, _) = open(&scene, None).unwrap();
+    let mut replay = Replay::try_new(&scene, RATE, &Options { live: true, ..Options::default() }).unwrap();
+    let begun = Instant::now();
+    let (mut seconds, mut notices) = (vec![], vec![]);
+    loop {
+        let mut row = replay.blank();
+        if !reader.next_row(&mut row).unwrap() {
+            break;
+        }
+        let due = Duration::from_secs_f64(row.time / HASTE);
+        replay.push(row).unwrap();
+        if replay.rows() % 256 == 0 {
+            std::thread::sleep(due.saturating_sub(begun.elapsed()));
+            replay.work(None).unwrap();
+            let update = replay.take_update();
+            seconds.extend(update.seconds);
+            notices.extend(update.notices);
+        }
+    }
+    assert!(notices.iter().all(|notice| !notice.kind.starts_with("fault")), "{notices:?}");
+    assert!(replay.findings().is_empty(), "{:?}", replay.findings());
+    let last: Vec<_> = seconds.iter().rev().take(5).collect();
+    assert!(last.len() == 5 && last[0].time_s > 0.8 * DURATION, "{}", last.len());
+    for second in last {
+        for probe in &second.probes {
+            println!("{} s: {} {:.4} um", second.time_s, probe.name, probe.residual_rms_um);
+            assert!(probe.residual_rms_um < 1.15 * NOISE_UM, "{} s: {}", second.time_s, probe.residual_rms_um);
+        }
+    }
+}
