@@ -203,7 +203,7 @@ const DASH: &str = "\u{2013}";
 
 /// Returns the orders at which a finding is seen, for the marks in the figures.
 fn lines_of(finding: &Finding) -> Vec<f64> {
-    if !(finding.order > 0.0) {
+    if finding.order.is_nan() || finding.order <= 0.0 {
         return vec![];
     }
     let multiples = (1..=MULTIPLES).map(|k| f64::from(k) * finding.order);
