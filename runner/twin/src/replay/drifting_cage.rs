@@ -129,7 +129,7 @@ fn cages_are_followed_in_live_operation() {
         }
         let due = Duration::from_secs_f64(row.time / HASTE);
         replay.push(row).unwrap();
-        if replay.rows() % 256 == 0 {
+        if replay.rows().is_multiple_of(256) {
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
             replay.work(None).unwrap();
             let update = replay.take_update();

@@ -161,7 +161,8 @@ mod tests {
     #[test]
     fn a_short_recording_is_kept_whole() {
         let excerpt = collected(10_000, 5, usize::MAX);
-        let [whole] = &excerpt.stretches[..] else { panic!("{} stretches", excerpt.stretches.len()) };
+        assert_eq!(excerpt.stretches.len(), 1);
+        let whole = &excerpt.stretches[0];
         assert_eq!((whole.samples(), whole.keyphasor.len(), whole.measured[4][9_999]), (10_000, 99, 9_999.0));
     }
 
