@@ -629,8 +629,7 @@ mod tests {
         let found = of(&usual);
         assert!(found.level == Level::Red && found.word == "FAULT FOUND" && found.action.contains("spare bearing"));
         let probes = usual.probes.iter().cloned().map(|probe| ProbeOutcome { noise_um: Some(10.0), ..probe }).collect();
-        let sound =
-            Outcome { findings: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
+        let sound = Outcome { findings: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
         assert_eq!((of(&sound).level, of(&sound).word), (Level::Green, "NO FAULT FOUND"));
         let undiagnosed = Outcome { diagnosis: None, ..sound };
         assert_eq!((of(&undiagnosed).level, of(&undiagnosed).word), (Level::Amber, "NOT DIAGNOSED"));
@@ -642,8 +641,7 @@ mod tests {
     #[test]
     fn evidence_precedes_the_other_figures_and_tables_follow_them() {
         let page = html(&fixture::usual()).unwrap();
-        let headings: Vec<&str> =
-            page.split("<h2>").skip(1).filter_map(|rest| rest.split("</h2>").next()).collect();
+        let headings: Vec<&str> = page.split("<h2>").skip(1).filter_map(|rest| rest.split("</h2>").next()).collect();
         let place = |heading: &str| headings.iter().position(|one| *one == heading).unwrap();
         assert!(place("Diagnosis") < place("Evidence") && place("Evidence") < place("Orbits"));
         assert!(place("Load on the rolling elements") < place("Tabular list"));
