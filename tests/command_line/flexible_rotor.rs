@@ -52,7 +52,7 @@ fn equilibrium_states_rotor_reduction_and_bending() {
         list(&outcome, "effect_significance").iter().filter(|need| need["effect"] == "bending").collect();
     assert_eq!(bending.len(), 2, "one for each bearing");
     assert!(bending.iter().all(|need| need["modelled"] == true && need["change"].as_f64().unwrap() > 0.0));
-    let page = desk.read("page.html");
+    let page = desk.page("page.html");
     for there in ["Mode shapes at 3000 rpm", "centre of mass", "DE, 130.0 mm", "NDE, 570.0 mm", "200 g mm, 30°"] {
         assert!(page.contains(there), "{there}");
     }
@@ -66,7 +66,7 @@ fn equilibrium_states_rotor_reduction_and_bending() {
 fn campbell_draws_diagram_mode_shapes_and_rotor() {
     let desk = desk();
     desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..6000rpm:3", "--report", "page.html"]);
-    let page = desk.read("page.html");
+    let page = desk.page("page.html");
     assert_eq!(page.matches("<svg").count(), 3);
     for there in ["Campbell diagram", "Mode shapes at 3000 rpm", "Station Z, mm"] {
         assert!(page.contains(there), "{there}");
@@ -78,7 +78,7 @@ fn campbell_draws_diagram_mode_shapes_and_rotor() {
 fn a_rigid_rotor_is_a_bar() {
     let desk = Desk::rig();
     desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm,6000rpm", "--report", "page.html"]);
-    let page = desk.read("page.html");
+    let page = desk.page("page.html");
     assert!(page.contains("Not to scale") && !page.contains("Mode shapes"));
     let outcome: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     assert!(outcome.get("rotor").is_none());

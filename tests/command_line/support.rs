@@ -156,6 +156,13 @@ impl Desk {
         self.folder.path().join(name)
     }
 
+    /// A report without its script.
+    pub fn page(&self, name: &str) -> String {
+        let page = self.read(name);
+        assert!(page.contains("</html>"));
+        page.split("<script").next().unwrap().to_owned()
+    }
+
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }

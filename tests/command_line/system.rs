@@ -330,7 +330,7 @@ fn a_recording_of_a_system_is_replayed() {
         let off = rms(&|t| forces[t][place(name)] - truth[t][i]);
         assert!(off < 0.02 * size, "{name}: {off} of {size} N");
     }
-    let page = desk.read("report.html");
+    let page = desk.page("report.html");
     assert!(page.contains("DE_X, 0 deg") && page.contains("that of the [system]") && !page.contains("NaN"));
 }
 

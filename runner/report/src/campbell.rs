@@ -41,7 +41,8 @@ pub fn html(scene: &str, all: &[AtSpeed], drawing: Option<&RotorDrawing>, shapes
     sections.push(PageSection::table("Critical speeds", critical_table(&critical)));
     if let Some(drawing) = drawing {
         let pictures = mode_shapes(shapes, drawing).into_iter().chain([rotor(drawing)]).collect();
-        sections.push(PageSection::figures("Mode shapes and rotor", Shape::Wide, pictures));
+        let heading = if shapes.is_empty() { "Rotor" } else { "Mode shapes and rotor" };
+        sections.push(PageSection::figures(heading, Shape::Wide, pictures));
     }
     sections.push(PageSection::table("Natural frequencies", frequencies(all, &branches)));
     let speeds: Vec<f64> = all.iter().map(|at| at.speed_rpm).collect();

@@ -10,8 +10,9 @@ use super::line::Point;
 use crate::number::shortened;
 use ballrace_twin::fit::{Estimate, Fitted};
 
-/// Height of a parameter's row.
+/// Height of a parameter's row, and least height of all rows.
 const ROW: f64 = 17.0;
+const ROWS: f64 = 90.0;
 /// Longest name of a parameter or probe.
 const LONGEST: usize = 28;
 /// Residuals that differ by more than this are drawn on a logarithmic scale.
@@ -34,7 +35,8 @@ pub(crate) fn changes(found: &Fitted) -> Option<Picture> {
     let mut y = Axis::exact(Some((0.0, shown.len() as f64)), 2, "");
     y.ticks.clear();
     let top = 28.0;
-    let frame = Frame { start: 0.0, left, top, right: WIDE_RIGHT, bottom: top + ROW * shown.len() as f64, x, y };
+    let frame =
+        Frame { start: 0.0, left, top, right: WIDE_RIGHT, bottom: top + (ROW * shown.len() as f64).max(ROWS), x, y };
     let drawing = picture((WIDE, frame.bottom + BELOW), |canvas| {
         let interval = if found.consistent { "fitted, 95 % interval" } else { "fitted" };
         canvas.legend(left, 0.0, &[(Key::Line(INTERVAL), interval)]);

@@ -158,10 +158,10 @@ class Plot {
   // Lets a spectrum be moved as far as its values go.
   widen() {
     for (const curve of this.curves) {
-      const x = curve.packed.x;
-      if (!Array.isArray(x)) continue;
+      const x = column(curve.packed.x);
+      if (!x.length) continue;
       this.x.limits[0] = Math.min(this.x.limits[0], x[0]);
-      this.x.limits[1] = Math.max(this.x.limits[1], x[0] + x[1] * (x[2] - 1));
+      this.x.limits[1] = Math.max(this.x.limits[1], x[x.length - 1]);
     }
   }
 

@@ -10,6 +10,7 @@
 //! The innovations are corrected one after the other, so that no matrix is inverted: fixed cost.
 
 use crate::plant::{MAX_BEARINGS, Plant};
+use crate::scene::Bearing;
 use std::f64::consts::TAU;
 
 /// Difference of the cage angle between the two observers, revolutions.
@@ -101,7 +102,14 @@ impl CageTracker {
         }
     }
 
-    /// Number of losses of the shaft angle: a position from before the last one says nothing.
+    /// Returns true for a bearing whose cage can be followed: one without a spall in the scene, whose force changes within a part of a degree
+    /// of the cage, where the innovations are not linear in its angle.
+    #[must_use]
+    pub fn can_follow(bearing: &Bearing) -> bool {
+        bearing.defect.is_empty()
+    }
+
+    /// Number of losses of the shaft angle: a position from before the last one is void.
     #[must_use]
     pub const fn interruptions(&self) -> u64 {
         self.interruptions

@@ -12,6 +12,8 @@ const UM: f64 = 1e6;
 const MAX_VALUES: usize = 300_000;
 /// Longest piece: a segment of a spectrum.
 const LONGEST: usize = 4096;
+/// Pieces that fit at least, so that they are spread over a long recording.
+const MIN_PIECES: usize = 4;
 /// Shortest piece.
 const SHORTEST: usize = 64;
 
@@ -22,7 +24,7 @@ pub(super) struct ExcerptCollector {
     length: usize,
     /// Pieces that are kept at most.
     most: usize,
-    /// One in so many pieces is kept.
+    /// Interval of the pieces that are kept.
     every: usize,
     /// Number of the piece that is being filled.
     number: usize,
@@ -44,7 +46,7 @@ impl ExcerptCollector {
     /// Creates the collector for a number of probes at a sample rate (Hz).
     pub(super) fn new(probes: usize, rate_hz: f64) -> Self {
         let fitting = MAX_VALUES / (2 * probes.max(1));
-        let length = (1 << fitting.max(SHORTEST).ilog2()).min(LONGEST);
+        let length = (1 << (fitting / MIN_PIECES).max(SHORTEST).ilog2()).min(LONGEST);
         Self {
             rate_hz,
             length,

@@ -51,9 +51,6 @@ pub mod timing;
 
 // The outcome at the end of the recording.
 mod conclusion;
-#[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod drifting_cage;
 mod list;
 mod plausibility;
 #[cfg(test)]
@@ -152,9 +149,10 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     replay.set_calibration(calibration, note);
     replay.add_diagnosis_time(took);
     if let Some(diagnosis) = diagnosed {
-        replay.follow_cages(&diagnosis.cages);
         if ahead.is_whole {
             replay.set_diagnosis(diagnosis);
+        } else {
+            replay.follow_cages(&diagnosis.cages);
         }
     }
     let mut row = replay.blank();

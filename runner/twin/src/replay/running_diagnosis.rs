@@ -130,7 +130,7 @@ impl Running {
             return;
         }
         for (b, (found, before)) in diagnosis.cages.iter().zip(&self.cages).enumerate() {
-            if found.observable {
+            if found.observable && CageTracker::can_follow(&scene.bearings[b]) {
                 let (ratio, azimuth) = found.tangent(self.turns);
                 let position = found_position(ratio, azimuth, scene.bearings[b].first_element_azimuth, self.turns);
                 tracker.take(b, &position, before, [self.turns, turns]);

@@ -10,6 +10,7 @@ use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
 use crate::diagnosis::{CageEstimate, Diagnosis};
 use crate::error::{Error, ReplayError, Result};
+use crate::observer::CageTracker;
 use crate::options::Options;
 use crate::outcome::{Calibration, Event, Finding, Implausibility, Outcome};
 use crate::recording::Row;
@@ -258,9 +259,12 @@ impl<'a> Replay<'a> {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 
-    /// Follows the cages from the angles of the scene, where a diagnosis has found them.
+    /// Follows the cages from the angles of the scene, where a diagnosis has found them: beyond the samples of that diagnosis, whose
+    /// estimate is the better one within them.
     pub(super) fn follow_cages(&mut self, cages: &[CageEstimate]) {
-        for (b, _) in cages.iter().enumerate().filter(|(_, cage)| cage.observable) {
+        let can_be_followed = |b: usize| self.scene.bearings.get(b).is_some_and(CageTracker::can_follow);
+        let observable = cages.iter().enumerate().filter(|(_, cage)| cage.observable);
+        for b in observable.map(|(b, _)| b).filter(|b| can_be_followed(*b)).collect::<Vec<_>>() {
             self.pipeline.cages.follow(b);
         }
     }

@@ -1,5 +1,7 @@
 //! The demonstration as it would come from other wiring: the results are those of the original.
 
+mod drifting_cage;
+
 use super::*;
 use crate::check::check;
 use crate::scene::read::read_file;

@@ -1,6 +1,6 @@
 //! A machine in good order whose cages slip more and more: twin, observer, forces and orders follow them, and no fault is found.
 
-use super::*;
+use super::super::*;
 use crate::motion::ResponseSample;
 use crate::motion::instruments::Instruments;
 use crate::scene::read::read_file;
@@ -28,7 +28,7 @@ fn offset(b: usize, rolling: f64, speed: f64, time: f64) -> f64 {
 fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
     let path = folder.path().join("scene.toml");
     // A radial load, so that the passing of the elements moves the shaft.
-    let text = include_str!("../../../demo/healthy.toml")
+    let text = include_str!("../../../../demo/healthy.toml")
         .replace("12.8 kHz", &format!("{RATE} Hz"))
         .replace("\"0 N\", \"60 N\"", "\"-120 N\", \"40 N\"")
         .replace("0.03 um", &format!("{NOISE_UM} um"));
