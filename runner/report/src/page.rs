@@ -29,7 +29,7 @@ const MAX_SECTIONS: usize = 12;
 pub(super) struct Page {
     /// Name of the machine.
     pub(super) title: String,
-    /// What this report is of.
+    /// Subject of the report.
     pub(super) subtitle: String,
     pub(super) verdict: Option<Verdict>,
     /// Name and value, below the verdict.
@@ -51,7 +51,7 @@ pub(super) struct Verdict {
     pub(super) level: Level,
     pub(super) word: &'static str,
     pub(super) sentence: String,
-    /// What to do; may be empty.
+    /// Recommended action; may be empty.
     pub(super) action: String,
 }
 

@@ -1,6 +1,6 @@
 //! A drawing in pixels of the page, written as SVG: lines, text, frames with axes, legends.
 //!
-//! What lies in a frame is drawn in a group that states how it follows the axes ([`Frame::inside`], [`Frame::along`]), and the
+//! The content of a frame is drawn in a group that states how it follows the axes ([`Frame::inside`], [`Frame::along`]), and the
 //! values of each curve are kept beside the drawing ([`Plot`]), so that the script of a report can zoom and read them.
 
 use super::axis::Axis;
@@ -64,7 +64,7 @@ pub(super) const BODY_DARK: Colour = solid("body-dark", "#bdbdbd");
 pub(super) const SHADE: Colour = solid("shade", "#f6dfcc");
 /// Paper.
 pub(super) const PAPER: Colour = solid("paper", "#ffffff");
-/// Curves that are told apart by their names, in turn.
+/// Curves of different names, in turn.
 pub(super) const SERIES: [Colour; 6] = [
     MEASURED,
     Colour { name: "twin", hex: "#d55e00", dashes: "7 3" },
@@ -88,7 +88,7 @@ pub(super) struct Stroke(pub(super) Colour, pub(super) f64);
 pub(super) const MEASURED_LINE: Stroke = Stroke(MEASURED, 1.3);
 /// A curve of the twin over that of the machine.
 pub(super) const TWIN_LINE: Stroke = Stroke(TWIN, 1.5);
-/// What the twin leaves.
+/// The residual.
 pub(super) const RESIDUAL_LINE: Stroke = Stroke(RESIDUAL, 1.1);
 
 impl fmt::Display for Stroke {

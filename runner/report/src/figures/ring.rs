@@ -178,7 +178,7 @@ pub(super) fn beside(top: f64, y: Axis) -> Frame {
     Frame { start: BESIDE, left: BESIDE + gutter(&[&y]), top: top + 8.0, right: WIDE_RIGHT, bottom, x, y }
 }
 
-/// Azimuth folded into one turn, broken where it starts anew.
+/// Azimuth folded into one turn, broken where it begins again.
 fn passes(points: &[Point]) -> Vec<Point> {
     let mut folded: Vec<Point> = Vec::with_capacity(points.len() + 16);
     for (azimuth, load) in points.iter().filter(|point| point.0.is_finite()) {

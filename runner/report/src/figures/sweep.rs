@@ -67,7 +67,7 @@ pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Picture {
     });
     Picture {
         title: "Response: peak to peak of the steady-state motion".to_owned(),
-        note: "Of the rotor's centre of mass.".to_owned(),
+        note: "Motion of the rotor's centre of mass.".to_owned(),
         drawing,
         ..Picture::default()
     }

@@ -267,7 +267,7 @@ fn dot(a: &[f64; MAX_PROBES], b: &[f64; MAX_PROBES]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Turns the cage of a bearing by so many revolutions.
+/// Turns the cage of a bearing by a number of revolutions.
 fn turn<const D: usize, const N: usize>(state: &mut ObserverState<f64, D, N>, b: usize, revolutions: f64) {
     if let Some(parts) = state.motion.component_angles.get_mut(b) {
         parts.cage = parts.cage.wrapping_add(Phase::from_revolutions(revolutions));
