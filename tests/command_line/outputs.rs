@@ -181,7 +181,7 @@ fn a_pipe_for_events_without_a_reader_does_not_block_the_monitor() {
     assert!(!outcome["events"].as_array().unwrap().is_empty());
 }
 
-/// What a monitor cannot write of the forces or of the report costs neither its run nor its outcome.
+/// A full disk under forces or report costs a monitor neither its run nor its outcome.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_under_forces_or_report_leaves_the_outcome() {
