@@ -8,11 +8,11 @@
 //! bearing whose level is highest over the threshold are named. A change of the 1X amplitude from that of the
 //! machine in good order by more than 25 % names unbalance.
 //!
-//! The thresholds are set with the recordings of the machines in good order, so that none of them has a finding: the best case
+//! The thresholds are set with the recordings of the machines in good order, so that none of them has a diagnosis: the best case
 //! for this method.
 
 use crate::fleet::{Fleet, HEALTHY, Recording};
-use crate::program::Finding;
+use crate::program::Diagnosis;
 use ballrace_twin::recording::{Reader, Row};
 use ballrace_twin::scene::build::kinematics;
 use ballrace_twin::scene::{Direction, Probe, Scene};
@@ -192,8 +192,8 @@ impl Signature {
     }
 }
 
-/// Returns the alternative's findings for each recording.
-pub fn findings(recordings: &[Recording], signatures: &[Option<Signature>]) -> Vec<Vec<Finding>> {
+/// Returns the alternative's diagnoses for each recording.
+pub fn diagnoses(recordings: &[Recording], signatures: &[Option<Signature>]) -> Vec<Vec<Diagnosis>> {
     let known = || recordings.iter().zip(signatures).filter_map(|(recording, s)| Some((recording, s.as_ref()?)));
     let change = |recording: &Recording, signature: &Signature| {
         let reference = known().find(|(r, _)| r.rig == recording.rig && r.recording == HEALTHY);
@@ -207,23 +207,23 @@ pub fn findings(recordings: &[Recording], signatures: &[Option<Signature>]) -> V
         }
         significant = significant.max(change(recording, signature));
     }
-    let finding = |recording: &Recording, signature: &Signature| {
+    let diagnosis = |recording: &Recording, signature: &Signature| {
         let is_unbalanced = change(recording, signature) > significant;
-        let unbalance = || Finding { kind: "unbalance".to_owned(), ..Finding::default() };
+        let unbalance = || Diagnosis { kind: "unbalance".to_owned(), ..Diagnosis::default() };
         if is_unbalanced { Some(unbalance()) } else { name(signature, &thresholds) }
     };
-    let findings = recordings.iter().zip(signatures).map(|(recording, signature)| {
-        signature.as_ref().and_then(|signature| finding(recording, signature)).into_iter().collect()
+    let diagnoses = recordings.iter().zip(signatures).map(|(recording, signature)| {
+        signature.as_ref().and_then(|signature| diagnosis(recording, signature)).into_iter().collect()
     });
-    findings.collect()
+    diagnoses.collect()
 }
 
 /// Names the component and the bearing whose level is highest over its threshold.
-fn name(signature: &Signature, thresholds: &[f64; KINDS.len()]) -> Option<Finding> {
+fn name(signature: &Signature, thresholds: &[f64; KINDS.len()]) -> Option<Diagnosis> {
     let components =
         signature.bearings.iter().flat_map(|b| (0..KINDS.len()).map(move |i| (b.levels[i] - thresholds[i], i, b)));
     let (excess, component, bearing) = components.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let finding =
-        || Finding { kind: KINDS[component].to_owned(), bearing: Some(bearing.name.clone()), ..Finding::default() };
-    (excess > 0.0).then(finding)
+    let diagnosis =
+        || Diagnosis { kind: KINDS[component].to_owned(), bearing: Some(bearing.name.clone()), ..Diagnosis::default() };
+    (excess > 0.0).then(diagnosis)
 }

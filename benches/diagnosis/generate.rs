@@ -289,7 +289,7 @@ impl Surface {
         }
     }
 
-    /// The kind of finding.
+    /// The kind of diagnosis.
     const fn kind(self) -> &'static str {
         match self {
             Self::Outer => "outer-race",

@@ -122,7 +122,7 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
         let baseline = if rough { Baseline::Use(&path) } else { Baseline::None };
         let replay = replay(program, fleet, &recording.rig, &recording.recording, folder.path(), rough, &baseline);
         let (words, seconds) =
-            replay.as_ref().map_or(("no result".to_owned(), 0.0), |r| (tables::named(&r.findings), r.seconds));
+            replay.as_ref().map_or(("no result".to_owned(), 0.0), |r| (tables::named(&r.diagnoses), r.seconds));
         let Score { verdict, .. } = judge(recording, replay.as_ref()).score;
         let number = done.fetch_add(1, Ordering::Relaxed) + 1;
         let (all, Recording { rig, .. }) = (recordings.len(), recording);
@@ -136,7 +136,7 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
             .inspect_err(|error| eprintln!("{} {}: {error}", recording.rig, recording.recording))
             .ok()
     });
-    let of_envelope = envelope::findings(&fleet.recordings, &signatures);
+    let of_envelope = envelope::diagnoses(&fleet.recordings, &signatures);
     let twin: Vec<Judged> =
         recordings.iter().zip(&replays).map(|(recording, replay)| judge(recording, replay.as_ref())).collect();
     let pairs = fleet.recordings.iter().zip(&of_envelope).filter(|(recording, _)| judged(recording));
@@ -161,7 +161,7 @@ fn measure(program: &Program, fleet: &Fleet, rough: bool) -> Result<String, Box<
 
 /// Scores a replay, which may have failed.
 fn judge<'a>(recording: &'a Recording, replay: Option<&'a Replay>) -> Judged<'a> {
-    replay.map_or_else(|| Judged::failed(recording), |replay| Judged::new(recording, &replay.findings))
+    replay.map_or_else(|| Judged::failed(recording), |replay| Judged::new(recording, &replay.diagnoses))
 }
 
 /// Replays one recording; reports a failure on standard error.

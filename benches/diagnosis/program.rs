@@ -1,4 +1,4 @@
-//! The release binary: the findings of a replay.
+//! The release binary: the diagnoses of a replay.
 
 use serde::Deserialize;
 use std::env;
@@ -43,7 +43,7 @@ fn estimate<'de, D: serde::Deserializer<'de>>(source: D) -> Result<Option<Estima
 /// One entry of `findings`.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
-pub struct Finding {
+pub struct Diagnosis {
     pub kind: String,
     pub bearing: Option<String>,
     pub form: Option<String>,
@@ -71,7 +71,7 @@ pub struct Finding {
     pub station_mm: Option<Estimate>,
 }
 
-impl Finding {
+impl Diagnosis {
     /// Returns cause, form and bearing in words.
     pub fn words(&self) -> String {
         [Some(self.kind.as_str()), self.form.as_deref(), self.bearing.as_deref()]
@@ -85,12 +85,13 @@ impl Finding {
 /// The part of a replay's outcome that is measured here.
 #[derive(Debug, Deserialize)]
 struct Outcome {
-    findings: Vec<Finding>,
+    #[serde(rename = "findings")]
+    diagnoses: Vec<Diagnosis>,
 }
 
-/// The findings of a replay and its duration, s.
+/// The diagnoses of a replay and its duration, s.
 pub struct Replay {
-    pub findings: Vec<Finding>,
+    pub diagnoses: Vec<Diagnosis>,
     pub seconds: f64,
 }
 
@@ -144,7 +145,7 @@ impl Program {
             return Err(failed(format!("{}, {}", output.status, String::from_utf8_lossy(&output.stderr).trim())).into());
         }
         let outcome: Outcome = serde_json::from_slice(&output.stdout).map_err(|error| failed(error.to_string()))?;
-        Ok(Replay { findings: outcome.findings, seconds })
+        Ok(Replay { diagnoses: outcome.diagnoses, seconds })
     }
 
     /// Simulates a scene into a CSV file.

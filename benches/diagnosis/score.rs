@@ -1,50 +1,50 @@
-//! Findings against the truth: verdict, errors of place and size, intervals.
+//! Diagnoses against the truth: verdict, errors of place and size, intervals.
 
 use crate::fleet::Fault;
-use crate::program::{Estimate, Finding};
+use crate::program::{Diagnosis, Estimate};
 use std::f64::consts::TAU;
 
-/// The kind of a finding that names no cause.
+/// The kind of a diagnosis that names no cause.
 const UNEXPLAINED: &str = "other";
 
-/// Verdict on the findings of one recording.
+/// Verdict on the diagnoses of one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The first findings are the faults; a machine in good order has no finding.
+    /// The first diagnoses are the faults; a machine in good order has no diagnosis.
     Right,
-    /// The first findings name some of the faults and nothing else.
+    /// The first diagnoses name some of the faults and nothing else.
     Partial,
-    /// One of the first findings names another cause or bearing; on a machine in good order any finding does.
+    /// One of the first diagnoses names another cause or bearing; on a machine in good order any diagnosis does.
     Wrong,
-    /// No finding, or none that names a cause.
+    /// No diagnosis, or none that names a cause.
     NotNamed,
 }
 
-/// Verdict, matches and further findings of one recording.
+/// Verdict, matches and further diagnoses of one recording.
 pub struct Score {
     pub verdict: Verdict,
-    /// Pairs of a fault and the finding that names it, by index.
+    /// Pairs of a fault and the diagnosis that names it, by index.
     pub matches: Vec<(usize, usize)>,
-    /// Findings beyond as many as there are faults.
+    /// Diagnoses beyond as many as there are faults.
     pub further: usize,
 }
 
 impl Score {
-    /// Compares findings, strongest first, with the faults of the machine. As many findings count as there are faults.
-    pub fn new(faults: &[Fault], findings: &[Finding]) -> Self {
-        let considered = &findings[..findings.len().min(faults.len())];
-        let further = findings.len() - considered.len();
+    /// Compares diagnoses, strongest first, with the faults of the machine. As many diagnoses count as there are faults.
+    pub fn new(faults: &[Fault], diagnoses: &[Diagnosis]) -> Self {
+        let considered = &diagnoses[..diagnoses.len().min(faults.len())];
+        let further = diagnoses.len() - considered.len();
         if faults.is_empty() {
-            let verdict = if findings.is_empty() { Verdict::Right } else { Verdict::Wrong };
+            let verdict = if diagnoses.is_empty() { Verdict::Right } else { Verdict::Wrong };
             return Self { verdict, matches: vec![], further: 0 };
         }
         let mut matches: Vec<(usize, usize)> = vec![];
         let mut foreign = 0;
-        for (i, finding) in considered.iter().enumerate() {
+        for (i, diagnosis) in considered.iter().enumerate() {
             let is_new = |f: &usize| matches.iter().all(|(fault, _)| fault != f);
-            match (0..faults.len()).filter(is_new).find(|&f| names(finding, &faults[f])) {
+            match (0..faults.len()).filter(is_new).find(|&f| names(diagnosis, &faults[f])) {
                 Some(fault) => matches.push((fault, i)),
-                None => foreign += usize::from(finding.kind != UNEXPLAINED),
+                None => foreign += usize::from(diagnosis.kind != UNEXPLAINED),
             }
         }
         let verdict = match (foreign, matches.len()) {
@@ -57,9 +57,9 @@ impl Score {
     }
 }
 
-/// Returns true where the finding has the cause and the bearing of the fault.
-fn names(finding: &Finding, fault: &Fault) -> bool {
-    finding.kind == fault.kind && (fault.bearing.is_none() || finding.bearing == fault.bearing)
+/// Returns true where the diagnosis has the cause and the bearing of the fault.
+fn names(diagnosis: &Diagnosis, fault: &Fault) -> bool {
+    diagnosis.kind == fault.kind && (fault.bearing.is_none() || diagnosis.bearing == fault.bearing)
 }
 
 /// How an estimate is compared with the truth.
@@ -67,19 +67,19 @@ fn names(finding: &Finding, fault: &Fault) -> bool {
 pub enum Comparison {
     /// Difference of angles, deg.
     Angle,
-    /// Difference in the unit of the finding.
+    /// Difference in the unit of the diagnosis.
     Difference,
     /// Share of the truth, %.
     Relative,
 }
 
-/// A quantity of a fault: where the truth and the finding state it.
+/// A quantity of a fault: where the truth and the diagnosis state it.
 pub struct Quantity {
     pub name: &'static str,
     pub unit: &'static str,
     pub comparison: Comparison,
     truth: fn(&Fault) -> Option<f64>,
-    found: fn(&Finding) -> Option<Estimate>,
+    found: fn(&Diagnosis) -> Option<Estimate>,
 }
 
 /// Returns the value where the fault is of the kind.
@@ -119,11 +119,11 @@ pub struct QuantityError {
 }
 
 impl Quantity {
-    /// Compares a finding with the fault it names; none where the truth does not state the quantity. A finding that does not
+    /// Compares a diagnosis with the fault it names; none where the truth does not state the quantity. A diagnosis that does not
     /// state it has an infinite error.
-    pub fn error(&self, fault: &Fault, finding: &Finding) -> Option<QuantityError> {
+    pub fn error(&self, fault: &Fault, diagnosis: &Diagnosis) -> Option<QuantityError> {
         let truth = (self.truth)(fault)?;
-        let Some(Estimate { value, low, high }) = (self.found)(finding) else {
+        let Some(Estimate { value, low, high }) = (self.found)(diagnosis) else {
             return Some(QuantityError { error: f64::INFINITY, covered: None });
         };
         // The branch of the angle that is nearest to the estimate.

@@ -1,33 +1,36 @@
 //! The tables in Markdown.
 
 use crate::fleet::{Fault, Recording};
-use crate::program::Finding;
+use crate::program::Diagnosis;
 use crate::score::{Comparison, QUANTITIES, QuantityError, Score, Verdict};
 use std::fmt::Write as _;
 
 const ABSENT: &str = "–";
 
-/// A recording with the findings of a program.
+/// A recording with the diagnoses of a program.
 pub struct Judged<'a> {
     pub recording: &'a Recording,
-    pub findings: &'a [Finding],
+    pub diagnoses: &'a [Diagnosis],
     pub score: Score,
 }
 
 impl<'a> Judged<'a> {
-    pub fn new(recording: &'a Recording, findings: &'a [Finding]) -> Self {
-        Self { recording, findings, score: Score::new(recording.faults(), findings) }
+    pub fn new(recording: &'a Recording, diagnoses: &'a [Diagnosis]) -> Self {
+        Self { recording, diagnoses, score: Score::new(recording.faults(), diagnoses) }
     }
 
     /// Creates the entry of a recording whose replay failed.
     pub fn failed(recording: &'a Recording) -> Self {
         let score = Score { verdict: Verdict::NotNamed, matches: vec![], further: 0 };
-        Self { recording, findings: &[], score }
+        Self { recording, diagnoses: &[], score }
     }
 
-    /// Pairs of a fault and the finding that names it.
-    fn matches(&self) -> impl Iterator<Item = (&Fault, &Finding)> {
-        self.score.matches.iter().map(|&(fault, finding)| (&self.recording.faults()[fault], &self.findings[finding]))
+    /// Pairs of a fault and the diagnosis that names it.
+    fn matches(&self) -> impl Iterator<Item = (&Fault, &Diagnosis)> {
+        self.score
+            .matches
+            .iter()
+            .map(|&(fault, diagnosis)| (&self.recording.faults()[fault], &self.diagnoses[diagnosis]))
     }
 }
 
@@ -37,7 +40,7 @@ struct Counts {
     recordings: usize,
     right: usize,
     partial: usize,
-    /// The first finding has the cause of a fault, on whichever bearing.
+    /// The first diagnosis has the cause of a fault, on whichever bearing.
     cause: usize,
     wrong: usize,
     not_named: usize,
@@ -57,10 +60,11 @@ impl Counts {
                 Verdict::NotNamed => counts.not_named += 1,
             }
             let faults = one.recording.faults();
-            let has_cause = |finding: &Finding| faults.iter().any(|fault| fault.kind == finding.kind);
-            counts.cause += usize::from(one.findings.first().is_some_and(has_cause));
-            let other_form =
-                |(fault, finding): (&Fault, &Finding)| fault.form().is_some_and(|f| finding.form.as_deref() != Some(f));
+            let has_cause = |diagnosis: &Diagnosis| faults.iter().any(|fault| fault.kind == diagnosis.kind);
+            counts.cause += usize::from(one.diagnoses.first().is_some_and(has_cause));
+            let other_form = |(fault, diagnosis): (&Fault, &Diagnosis)| {
+                fault.form().is_some_and(|f| diagnosis.form.as_deref() != Some(f))
+            };
             counts.form += usize::from(one.matches().any(other_form));
             counts.further += usize::from(one.score.further > 0);
         }
@@ -133,14 +137,14 @@ pub fn exceptions(judged: &[Judged]) -> String {
     let mut list = String::new();
     for one in judged.iter().filter(|one| one.score.verdict != Verdict::Right) {
         let Recording { rig, .. } = one.recording;
-        _ = writeln!(list, "- {rig} {}: {}", one.recording.title(), named(one.findings));
+        _ = writeln!(list, "- {rig} {}: {}", one.recording.title(), named(one.diagnoses));
     }
     list
 }
 
-/// The findings in words.
-pub fn named(findings: &[Finding]) -> String {
-    let words: Vec<String> = findings.iter().map(Finding::words).collect();
+/// The diagnoses in words.
+pub fn named(diagnoses: &[Diagnosis]) -> String {
+    let words: Vec<String> = diagnoses.iter().map(Diagnosis::words).collect();
     if words.is_empty() { "no diagnosis".to_owned() } else { words.join("; ") }
 }
 
@@ -164,7 +168,7 @@ pub fn errors(judged: &[Judged]) -> String {
         let rows = QUANTITIES.iter().filter_map(|quantity| {
             let errors: Vec<QuantityError> = of_group()
                 .flat_map(Judged::matches)
-                .filter_map(|(fault, finding)| quantity.error(fault, finding))
+                .filter_map(|(fault, diagnosis)| quantity.error(fault, diagnosis))
                 .collect();
             let mut sorted: Vec<f64> = errors.iter().map(|e| e.error).filter(|e| e.is_finite()).collect();
             sorted.sort_by(f64::total_cmp);

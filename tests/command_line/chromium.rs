@@ -327,14 +327,14 @@ fn harmonics_follow(browser: &mut Browser, outcome: &Value) {
 fn a_diagnosis_is_highlighted(browser: &mut Browser, outcome: &Value) {
     assert!(!outcome["findings"].as_array().unwrap().is_empty());
     assert_eq!(browser.evaluate("document.querySelectorAll('.highlights line').length"), 0);
-    browser.evaluate("document.querySelector('tr[data-finding] button').click()");
+    browser.evaluate("document.querySelector('tr[data-diagnosis] button').click()");
     let every = "[...document.querySelectorAll('figure')].filter((f) => /pectrum|Waterfall|Unexplained/.test(f.querySelector('figcaption').textContent)) \
                  .map((f) => f.querySelectorAll('.highlights line').length)";
     let counts: Vec<u64> = serde_json::from_value(browser.evaluate(every)).unwrap();
     assert!(counts.len() > 8 && counts.iter().all(|count| *count > 1), "{counts:?}");
     let of_bearing = browser.evaluate("document.querySelectorAll('figure.highlighted').length").as_u64().unwrap();
     assert!(of_bearing >= 2, "{of_bearing}");
-    browser.evaluate("document.querySelector('tr[data-finding] button').click()");
+    browser.evaluate("document.querySelector('tr[data-diagnosis] button').click()");
     assert_eq!(browser.evaluate("document.querySelectorAll('.highlights line, .highlighted').length"), 0);
 }
 

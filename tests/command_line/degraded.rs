@@ -50,7 +50,7 @@ fn probes(rows: &mut [[f64; 7]], mut change: impl FnMut(usize, f64) -> f64) {
 
 struct Verdict {
     force: Vec<[f64; 2]>,
-    findings: Vec<String>,
+    diagnoses: Vec<String>,
     flaws: usize,
 }
 
@@ -65,9 +65,9 @@ fn verdict(scene: &str, recording: &str) -> Option<Verdict> {
     let outcome: Value = answer.json();
     let (header, rows) = numbers(&desk.read("f.csv"));
     let [x, y] = ["DE_FX_N", "DE_FY_N"].map(|name| header.iter().position(|h| h == name).unwrap());
-    let findings = outcome["findings"].as_array().unwrap().iter().map(|f| f["kind"].as_str().unwrap().to_owned());
+    let diagnoses = outcome["findings"].as_array().unwrap().iter().map(|f| f["kind"].as_str().unwrap().to_owned());
     let flaws = outcome["flaws"].as_array().map_or(0, Vec::len);
-    Some(Verdict { force: rows.iter().map(|row| [row[x], row[y]]).collect(), findings: findings.collect(), flaws })
+    Some(Verdict { force: rows.iter().map(|row| [row[x], row[y]]).collect(), diagnoses: diagnoses.collect(), flaws })
 }
 
 /// Root mean square of the difference of forces over the mean force.
@@ -82,8 +82,8 @@ fn off(found: &[[f64; 2]], right: &[[f64; 2]]) -> f64 {
 fn flaws_of_a_recording_and_their_effects() {
     let (header, clean) = rows();
     let right = verdict(DEMO_SCENE, &written(&header, &clean)).unwrap();
-    assert!(right.findings.is_empty() && right.flaws == 0);
-    println!("| recording | force off, rms | findings | flaws told |");
+    assert!(right.diagnoses.is_empty() && right.flaws == 0);
+    println!("| recording | force off, rms | diagnoses | flaws told |");
     let mut table = Vec::new();
     let mut judge = |name: &str, scene: &str, rows: &[[f64; 7]], same_samples: bool| {
         let found = verdict(scene, &written(&header, rows));
@@ -91,7 +91,7 @@ fn flaws_of_a_recording_and_their_effects() {
             None => (f64::NAN, "refused".to_owned(), 0),
             Some(v) => {
                 let error = if same_samples { off(&v.force, &right.force) } else { f64::NAN };
-                (error, if v.findings.is_empty() { "none".to_owned() } else { v.findings.join(", ") }, v.flaws)
+                (error, if v.diagnoses.is_empty() { "none".to_owned() } else { v.diagnoses.join(", ") }, v.flaws)
             }
         };
         println!("| {name} | {:.2} % | {} | {} |", row.0 * 100.0, row.1, row.2);

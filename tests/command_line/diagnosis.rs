@@ -3,7 +3,7 @@
 
 use crate::frames_source::signal;
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Desk, changed, list, number, short_recording, swap};
 use serde_json::Value;
 use std::time::Duration;
 
@@ -26,11 +26,11 @@ fn desk(defect: &str, turns: usize) -> Desk {
     desk
 }
 
-/// The findings on 40 turns, and the HTML report.
-fn findings(defect: &str) -> (Vec<Value>, String) {
+/// The diagnoses on 40 turns, and the HTML report.
+fn diagnoses(defect: &str) -> (Vec<Value>, String) {
     let desk = desk(defect, 40);
-    let findings = list(&desk.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
-    (findings, desk.read("report.html"))
+    let diagnoses = list(&desk.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
+    (diagnoses, desk.read("report.html"))
 }
 
 /// A spall on the outer race.
@@ -41,29 +41,29 @@ fn spall() -> String {
 }
 
 #[test]
-fn a_machine_in_good_order_with_slipping_cages_has_no_finding() {
-    let (findings, report) = findings("");
-    assert!(findings.is_empty(), "{findings:#?}");
+fn a_machine_in_good_order_with_slipping_cages_has_no_diagnosis() {
+    let (diagnoses, report) = diagnoses("");
+    assert!(diagnoses.is_empty(), "{diagnoses:#?}");
     assert!(!report.contains("<h2>Diagnosis</h2>"));
 }
 
 #[test]
 fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
-    let (findings, report) = findings(&spall());
-    let [finding] = &findings[..] else { panic!("expected one finding: {findings:#?}") };
+    let (diagnoses, report) = diagnoses(&spall());
+    let [diagnosis] = &diagnoses[..] else { panic!("expected one diagnosis: {diagnoses:#?}") };
     assert_eq!(
-        (&finding["kind"], &finding["bearing"], &finding["form"]),
+        (&diagnosis["kind"], &diagnosis["bearing"], &diagnosis["form"]),
         (&"outer-race".into(), &"A".into(), &"spall".into())
     );
     let error = |azimuth: f64| ((azimuth - AZIMUTH + 180.0).rem_euclid(360.0) - 180.0).abs();
-    let azimuth = number(finding, "/azimuth_deg/value");
-    assert!(error(azimuth) < 3.0, "{azimuth}: {finding:#}");
-    let depth = number(finding, "/depth_um/value");
-    assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {finding:#}");
+    let azimuth = number(diagnosis, "/azimuth_deg/value");
+    assert!(error(azimuth) < 3.0, "{azimuth}: {diagnosis:#}");
+    let depth = number(diagnosis, "/depth_um/value");
+    assert!((depth / DEPTH - 1.0).abs() < 0.25, "{depth}: {diagnosis:#}");
     // The force rose points at the spall.
-    let direction = number(finding, "/force_direction_deg");
-    assert!(error(direction) < 5.0, "{direction}: {finding:#}");
-    assert!(number(finding, "/force_n") > 0.0, "{finding:#}");
+    let direction = number(diagnosis, "/force_direction_deg");
+    assert!(error(direction) < 5.0, "{direction}: {diagnosis:#}");
+    assert!(number(diagnosis, "/force_n") > 0.0, "{diagnosis:#}");
     let place = format!("Bearing A: Spall on the outer race at {azimuth:.0} deg");
     for figure in ["<h2>Diagnosis</h2>", &place, "Unexplained force at A", "with and without the fault"] {
         assert!(report.contains(figure), "{figure} is not in the report");
@@ -80,11 +80,11 @@ fn a_wave_beside_one_of_the_scene_has_its_own_size() {
     let desk = desk(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), 40);
     desk.put("scene.toml", rotor("angular", &format!("waviness = [{}]\n", wave(9, 0.1)), "Z"));
     let outcome = desk.replay("scene.toml", &[]);
-    let [finding] = list(&outcome, "findings") else { panic!("expected one finding: {outcome:#}") };
-    assert_eq!((&finding["form"], &finding["waviness_order"]), (&"waviness".into(), &16.into()), "{finding:#}");
+    let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {outcome:#}") };
+    assert_eq!((&diagnosis["form"], &diagnosis["waviness_order"]), (&"waviness".into(), &16.into()), "{diagnosis:#}");
     // Normal to the race: the free contact angle of 10 um clearance is 9.7 deg.
-    let amplitude = number(finding, "/amplitude_um/value");
-    assert!((amplitude / (0.4 * 0.986) - 1.0).abs() < 0.02, "{finding:#}");
+    let amplitude = number(diagnosis, "/amplitude_um/value");
+    assert!((amplitude / (0.4 * 0.986) - 1.0).abs() < 0.02, "{diagnosis:#}");
 }
 
 /// Deviations of the calibrated parameters in a baseline.
@@ -148,4 +148,33 @@ fn a_short_recording_is_not_diagnosed() {
         note.as_str().unwrap().starts_with("The shaft motion is not diagnosed: 10.0 revolutions in a row")
     };
     assert!(notes.iter().any(said), "{notes:#?}");
+}
+
+/// A force that turns backward at 2.37 times the shaft speed at one end is no fault of a bearing or of the rotor.
+#[test]
+fn an_unexplained_line_has_order_bearing_precession_and_frame() {
+    const ORDER: f64 = 2.37;
+    let recording = changed(20 * TURN, |i, column, value| {
+        let angle = std::f64::consts::TAU * ORDER * i as f64 / TURN as f64;
+        match column {
+            1 => value + 0.5 * angle.cos(),
+            2 => value - 0.5 * angle.sin(),
+            _ => value,
+        }
+    });
+    let desk = Desk::with(DEMO_SCENE, &recording);
+    let outcome = desk.replay("scene.toml", &[]);
+    let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {outcome:#}") };
+    assert_eq!(diagnosis["kind"], "other", "{diagnosis:#}");
+    let lines = list(diagnosis, "lines");
+    assert_eq!(lines.len(), 5, "{diagnosis:#}");
+    let strongest = &lines[0];
+    assert!((number(strongest, "/order") - ORDER).abs() < 0.05, "{diagnosis:#}");
+    assert!((number(strongest, "/line_hz") - 50.0 * ORDER).abs() < 2.5, "{diagnosis:#}");
+    assert_eq!(
+        (&strongest["bearing"], &strongest["precession"], &strongest["frame"]),
+        (&"DE".into(), &"backward".into(), &"fixed".into()),
+        "{diagnosis:#}"
+    );
+    assert!(number(strongest, "/force_n") > 1.0, "{diagnosis:#}");
 }

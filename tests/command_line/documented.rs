@@ -226,19 +226,14 @@ fn unknown_commands_are_found_in_text_and_blocks() {
 #[cfg(unix)]
 #[test]
 fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
-    use std::io::{Read, Write};
     let desk = desk(DEMO_RECORDING);
     for line in documented(Kind::Terminal) {
-        let (pty, terminal) = pty_process::blocking::open().unwrap();
-        pty.resize(pty_process::Size::new(40, 120)).unwrap();
         let command = pty_process::blocking::Command::new("sh").args(["-c", &format!("ulimit -s 1024; exec {line}")]);
-        let command = command.env("PATH", path()).env("TERM", "xterm-256color").env("RUST_MIN_STACK", "1048576");
-        let mut child = command.current_dir(desk.path("")).spawn(terminal).unwrap();
+        let command = command.env("PATH", path()).env("RUST_MIN_STACK", "1048576").current_dir(desk.path(""));
+        let (mut screen, mut child) = crate::terminal::Screen::start(120, 40, command);
         // The demonstration has no end.
-        crate::terminal::read_until(&pty, if line == "ballrace watch" { "ALARM" } else { "ENDED" });
-        { &pty }.write_all(b"q").unwrap();
-        // Its output at the end is read.
-        std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
+        screen.wait_for(if line == "ballrace watch" { "ALARM" } else { "ENDED" });
+        screen.press(b"q");
         let status = child.wait().unwrap();
         assert!(matches!(status.code(), Some(0 | 3)), "{line}: {status:?}");
     }

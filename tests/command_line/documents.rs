@@ -1,4 +1,4 @@
-//! README, the chapters under `docs/src` and the help texts: structure, links, names, and figures that the program prints.
+//! README and the chapters under `docs/src`: structure, links, scenes and keys, and figures that the program prints.
 
 use crate::support::{Desk, program};
 use std::collections::BTreeSet;
@@ -7,129 +7,16 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Once;
 
-/// Terms of no field, and verbs of persons for programs and files.
-const PRIVATE_TERMS: [&str; 36] = [
-    "abreast",
-    "anew",
-    "asks",
-    "believed",
-    "even_places",
-    "findings",
-    "geared",
-    "good enough",
-    "in_cage",
-    "into_cage",
-    "ladder",
-    "nobody",
-    "nobody announced",
-    "promises",
-    "remembers",
-    "rung",
-    "rungs",
-    "said",
-    "says",
-    "seat",
-    "seats",
-    "settles",
-    "so many",
-    "sparing",
-    "tells",
-    "thorough",
-    "to_cage_frame",
-    "told",
-    "touches down",
-    "truest",
-    "wander",
-    "wanders",
-    "wants",
-    "weighed",
-    "what was given is said",
-    "worked off",
-];
-
-/// Further terms that help texts do not have.
-const PRIVATE_TERMS_OF_HELP: [&str; 10] = [
-    "ask",
-    "judge",
-    "left out",
-    "of which",
-    "one way",
-    "promise",
-    "remember",
-    "remembered",
-    "settle time",
-    "warned of",
-];
-
-/// Names that no public item has: another term is the one of the field.
-const PRIVATE_NAMES: [&str; 55] = [
-    "Abreast",
-    "AngularSeat",
-    "Arc",
-    "Arrangement",
-    "Attached",
-    "BallSeat",
-    "Coupling",
-    "Disturbed",
-    "Drive",
-    "Gear",
-    "Geared",
-    "General",
-    "Glance",
-    "Guards",
-    "Heard",
-    "HeldWrench",
-    "InCage",
-    "Made",
-    "Moment",
-    "Need",
-    "Needs",
-    "News",
-    "PartAngles",
-    "Pairs",
-    "Part",
-    "Place",
-    "Places",
-    "Push",
-    "Rung",
-    "SceneFault",
-    "Seat",
-    "Seen",
-    "Settled",
-    "Shape",
-    "SideBySide",
-    "Spots",
-    "TableSeat",
-    "Told",
-    "Touch",
-    "Tuned",
-    "Turn",
-    "Uneven",
-    "Watch",
-    "Way",
-    "Whole",
-    "Wholes",
-    "WideRegisters",
-    "Zero",
-    "even_places",
-    "into_cage",
-    "needs",
-    "rung",
-    "settle",
-    "wander",
-    "wide",
-];
-
 /// Set to rewrite tables and figures from what the program prints.
 fn rewrites() -> bool {
     std::env::var_os("BALLRACE_WRITE").is_some()
 }
 
-fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-fn read(path: impl AsRef<Path>) -> String {
+pub fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -144,7 +31,7 @@ fn chapters() -> Vec<String> {
 }
 
 /// README, contributing guides and chapters, from the root of the repository.
-fn documents() -> Vec<String> {
+pub fn documents() -> Vec<String> {
     let mut all: Vec<String> =
         ["README.md", "CONTRIBUTING.md", "benches/README.md", "kernel/README.md"].map(str::to_owned).into();
     all.extend(chapters().into_iter().map(|name| format!("docs/src/{name}")));
@@ -152,7 +39,7 @@ fn documents() -> Vec<String> {
 }
 
 /// A document's lines with the fenced blocks left out.
-fn prose(text: &str) -> impl Iterator<Item = &str> {
+pub fn prose(text: &str) -> impl Iterator<Item = &str> {
     let mut fenced = false;
     text.lines().filter(move |line| {
         let fence = line.trim_start().starts_with("```");
@@ -173,7 +60,7 @@ fn spans(line: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A line without its code spans.
-fn without_code(line: &str) -> String {
+pub fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join(" ")
 }
 
@@ -232,7 +119,7 @@ fn every_relative_link_has_its_file_and_heading() {
 }
 
 /// Source files below `folder`.
-fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
+pub fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
@@ -272,123 +159,6 @@ fn every_section_that_code_cites_is_there() {
 fn the_readme_has_ten_to_twelve_kilobytes() {
     let size = read("README.md").len();
     assert!((10_000..=12_288).contains(&size), "{size} bytes");
-}
-
-/// Lowercase words of a text, single spaces between them.
-fn words(text: &str) -> String {
-    let plain: String =
-        text.chars().map(|c| if c.is_alphanumeric() || c == '_' { c.to_ascii_lowercase() } else { ' ' }).collect();
-    format!(" {} ", plain.split_whitespace().collect::<Vec<_>>().join(" "))
-}
-
-#[test]
-fn documents_use_the_terms_of_the_field() {
-    for document in documents() {
-        let text = read(&document);
-        let plain: String = prose(&text).map(|line| without_code(line) + " ").collect();
-        let plain = words(&plain);
-        for term in PRIVATE_TERMS {
-            assert!(!plain.contains(&format!(" {term} ")), "{document}: {term:?}");
-        }
-    }
-}
-
-#[test]
-fn no_sentence_of_a_document_begins_with_what() {
-    for document in documents().into_iter().filter(|name| name.starts_with("docs") || name == "README.md") {
-        let text = read(&document);
-        for line in prose(&text) {
-            let starts = [line.trim_start_matches(['#', '-', '|', '*', ' ']), ""];
-            let begins = starts.iter().any(|start| start.starts_with("What "))
-                || [". What ", ": What ", "| What "].iter().any(|inside| line.contains(inside));
-            // A question is no subject.
-            assert!(!begins || line.ends_with('?'), "{document}: {line}");
-        }
-    }
-}
-
-/// Comments and sentences of a source file: text after `//`, and string literals with a space.
-fn comments_and_sentences(source: &str) -> String {
-    let mut all = String::new();
-    for line in source.lines() {
-        match line.split_once("//") {
-            Some((code, comment)) if !code.contains('"') => all += comment,
-            _ => all.extend(line.split('"').skip(1).step_by(2).filter(|text| text.contains(' '))),
-        }
-        all.push('\n');
-    }
-    all
-}
-
-/// Rust files of the kernel and of the packages under `runner`.
-fn package_sources(packages: &[&str]) -> Vec<PathBuf> {
-    let mut files = vec![];
-    for package in packages {
-        sources(&root().join(package).join("src"), &mut files);
-    }
-    let is_test =
-        |file: &Path| file.strip_prefix(root()).unwrap().iter().any(|name| name == "tests" || name == "tests.rs");
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "rs") && !is_test(file));
-    files
-}
-
-#[test]
-fn comments_and_messages_use_the_terms_of_the_field() {
-    let files = package_sources(&["kernel", "kernel/c", "runner/twin", "runner/report", "runner", "runner/python"]);
-    assert!(files.len() > 300, "{} files", files.len());
-    for file in files {
-        let text = comments_and_sentences(&fs::read_to_string(&file).unwrap());
-        let plain: String = text.lines().map(|line| without_code(line) + " ").collect();
-        let plain = words(&plain);
-        // The outcome has a key `findings`.
-        for term in PRIVATE_TERMS.iter().filter(|term| **term != "findings") {
-            assert!(!plain.contains(&format!(" {term} ")), "{}: {term:?}", file.display());
-        }
-        for line in text.lines() {
-            let sentence = line.trim_start_matches(['/', '!', '-', ' ']);
-            let begins = ["What ", "Of ", "Who ", "Whose "].iter().any(|start| sentence.starts_with(start));
-            assert!(!begins, "{}: a sentence without a subject: {line}", file.display());
-        }
-    }
-}
-
-#[test]
-fn public_names_are_the_terms_of_the_field() {
-    let mut count = 0;
-    for file in package_sources(&["kernel", "runner/twin", "runner/report", "runner"]) {
-        let text = fs::read_to_string(&file).unwrap();
-        for line in text.lines().map(str::trim_start).filter(|line| line.starts_with("pub ")) {
-            let mut names = line.split(|c: char| !c.is_alphanumeric() && c != '_');
-            let is_item = |word: &&str| ["struct", "enum", "trait", "type", "mod", "fn"].contains(word);
-            let Some(name) = names.find(is_item).and_then(|_| names.next()) else { continue };
-            assert!(!PRIVATE_NAMES.contains(&name), "{}: {line}", file.display());
-            count += 1;
-        }
-    }
-    assert!(count > 1200, "{count} items");
-}
-
-#[test]
-fn help_texts_use_the_terms_of_the_field() {
-    let help = |arguments: &[&str]| {
-        let output = Command::new(program()).args(arguments).output().unwrap();
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let general = help(&["--help"]);
-    let list = general.split_once("Commands:").expect("a list of commands").1.split_once("Options:").unwrap().0;
-    let commands: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert!(commands.len() > 10, "{commands:?}");
-    let mut texts = vec![general.clone()];
-    texts.extend(commands.iter().filter(|name| **name != "help").map(|name| help(&[name, "--help"])));
-    for text in texts {
-        let plain = words(&text);
-        for term in PRIVATE_TERMS.iter().chain(&PRIVATE_TERMS_OF_HELP) {
-            assert!(!plain.contains(&format!(" {term} ")), "{term:?} in: {text}");
-        }
-        let starts =
-            |line: &str| ["What ", "Of ", "Where ", "Whose "].iter().any(|start| line.contains(&format!("  {start}")));
-        assert!(!text.lines().any(starts), "a line that begins as no description does: {text}");
-    }
 }
 
 /// Tables of a text: header line and rows.

@@ -75,7 +75,7 @@ fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     let expected = [
         ("fan/1", "normal"),
         ("fan 1", "normal"),
-        ("mill", "finding"),
+        ("mill", "fault"),
         ("saw", "limit"),
         ("lost", "error"),
         ("typo", "error"),

@@ -59,14 +59,14 @@ fn forces_are_closer(recording: &str, outcome: &Value, forces: &[Vec<f64>]) {
     }
 }
 
-fn findings(outcome: &Value) -> Vec<(&str, Option<&str>)> {
+fn diagnoses(outcome: &Value) -> Vec<(&str, Option<&str>)> {
     list(outcome, "findings").iter().map(|f| (f["kind"].as_str().unwrap(), f["bearing"].as_str())).collect()
 }
 
 #[test]
 fn the_twin_of_a_flexible_rotor_in_good_order() {
     let (outcome, forces) = replayed("healthy");
-    assert!(findings(&outcome).is_empty(), "{}", outcome["findings"]);
+    assert!(diagnoses(&outcome).is_empty(), "{}", outcome["findings"]);
     for probe in list(&outcome, "probes") {
         let residual = probe["residual_rms_um"].as_f64().unwrap();
         assert!(residual < 1.5 * NOISE, "{}: {residual} um", probe["name"]);
@@ -82,19 +82,19 @@ fn the_twin_of_a_flexible_rotor_in_good_order() {
 #[test]
 fn unbalance_of_a_flexible_rotor() {
     let (outcome, forces) = replayed("unbalance");
-    assert_eq!(findings(&outcome), [("unbalance", None)]);
-    let finding = &list(&outcome, "findings")[0];
-    let value = |key: &str| finding[key]["value"].as_f64().unwrap();
+    assert_eq!(diagnoses(&outcome), [("unbalance", None)]);
+    let diagnosis = &list(&outcome, "findings")[0];
+    let value = |key: &str| diagnosis[key]["value"].as_f64().unwrap();
     // 3 x 102.0 g mm at -97.1 deg and 109.9 g mm at 52.1 deg.
-    assert!((value("moment_g_mm") / 219.0 - 1.0).abs() < 0.05, "{finding}");
-    assert!((value("angle_deg") - 277.8).abs() < 3.0, "{finding}");
+    assert!((value("moment_g_mm") / 219.0 - 1.0).abs() < 0.05, "{diagnosis}");
+    assert!((value("angle_deg") - 277.8).abs() < 3.0, "{diagnosis}");
     forces_are_closer("unbalance", &outcome, &forces);
 }
 
 #[test]
 fn inner_race_spall_of_a_flexible_rotor() {
     let (outcome, forces) = replayed("inner-spall");
-    assert_eq!(findings(&outcome), [("inner-race", Some("NDE"))]);
+    assert_eq!(diagnoses(&outcome), [("inner-race", Some("NDE"))]);
     let azimuth = &list(&outcome, "findings")[0]["azimuth_deg"];
     let (low, high) = (azimuth["low"].as_f64().unwrap(), azimuth["high"].as_f64().unwrap());
     let expected = 0.5_f64.to_degrees();
@@ -164,7 +164,7 @@ fn supports_are_observed() {
     desk.put("recording.csv", crate::observer::recording(&motion, crate::observer::TURN));
     let outcome = desk.done(&["replay", "scene.toml", "--report", "r.html", "--format", "json"]);
     let outcome: Value = serde_json::from_str(&outcome.out).unwrap();
-    assert!(findings(&outcome).is_empty(), "{}", outcome["findings"]);
+    assert!(diagnoses(&outcome).is_empty(), "{}", outcome["findings"]);
     for probe in list(&outcome, "probes") {
         let residual = probe["residual_rms_um"].as_f64().unwrap();
         assert!(residual < 1.5 * 0.03, "{}: {residual} um", probe["name"]);

@@ -71,8 +71,17 @@ pub fn source(outcome: &Value, count: &str) -> f64 {
 
 /// The kinds of the events in a log, in order.
 pub fn kinds(desk: &Desk, log: &str) -> Vec<String> {
-    let told = |line: &str| serde_json::from_str::<Value>(line).unwrap()["kind"].as_str().unwrap().to_owned();
-    desk.read(log).lines().map(told).collect()
+    desk.read(log).lines().map(kind).collect()
+}
+
+/// The kinds of the complete events in the log of a monitor that runs. It listens before it creates the log.
+pub fn kinds_so_far(desk: &Desk, log: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(desk.path(log)).unwrap_or_default();
+    text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(kind).collect()
+}
+
+fn kind(event: &str) -> String {
+    serde_json::from_str::<Value>(event).unwrap()["kind"].as_str().unwrap().to_owned()
 }
 
 #[test]

@@ -109,7 +109,11 @@ fn an_estimated_clearance_is_no_load() {
     desk.put("pump.toml", filled(&desk.read("pump.toml")));
     desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
     let sound = desk.replay("pump.toml", &[]);
-    assert!(list(&sound, "findings").iter().all(|finding| finding["kind"] != "load" && finding["kind"] != "clearance"));
+    assert!(
+        list(&sound, "findings")
+            .iter()
+            .all(|diagnosis| diagnosis["kind"] != "load" && diagnosis["kind"] != "clearance")
+    );
     let notes = list(&sound, "notes");
     let is_explained =
         |note: &Value| note.as_str().unwrap().contains("the clearance of DE and NDE is that of the catalogue");

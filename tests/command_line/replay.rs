@@ -50,12 +50,12 @@ fn demonstration_in_an_empty_folder() {
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(!verdict.is_empty() && unbroken(&text).contains(verdict), "{text}");
     assert!(report.contains(verdict));
-    let findings = list(&outcome, "findings");
-    assert_eq!(findings.len(), 1, "{outcome:#}");
-    assert_eq!((findings[0]["kind"].as_str(), findings[0]["bearing"].as_str()), (Some("outer-race"), Some("DE")));
+    let diagnoses = list(&outcome, "findings");
+    assert_eq!(diagnoses.len(), 1, "{outcome:#}");
+    assert_eq!((diagnoses[0]["kind"].as_str(), diagnoses[0]["bearing"].as_str()), (Some("outer-race"), Some("DE")));
     // The truth of the recording: 270 deg, 3 um.
-    assert!((number(&findings[0], "/azimuth_deg/value") - 270.0).abs() < 3.0, "{outcome:#}");
-    assert!((number(&findings[0], "/depth_um/value") - 3.0).abs() < 0.75, "{outcome:#}");
+    assert!((number(&diagnoses[0], "/azimuth_deg/value") - 270.0).abs() < 3.0, "{outcome:#}");
+    assert!((number(&diagnoses[0], "/depth_um/value") - 3.0).abs() < 0.75, "{outcome:#}");
     assert_eq!(list(&outcome, "flaws").len(), 0, "{outcome:#}");
 }
 
@@ -152,33 +152,33 @@ fn sound_scene_on(recording: &str) -> Value {
     Desk::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
 }
 
-/// Each finding as (kind, bearing).
-fn findings(outcome: &Value) -> Vec<(&str, Option<&str>)> {
+/// Each diagnosis as (kind, bearing).
+fn diagnoses(outcome: &Value) -> Vec<(&str, Option<&str>)> {
     list(outcome, "findings").iter().map(|f| (f["kind"].as_str().unwrap(), f["bearing"].as_str())).collect()
 }
 
-/// The finding is put in figures and in words.
+/// The diagnosis is put in figures and in words.
 fn assert_told(outcome: &Value, order: f64) {
-    let finding = &list(outcome, "findings")[0];
-    assert!((number(finding, "/order") - order).abs() < 0.01, "{finding:#}");
-    assert!((number(finding, "/line_hz") - 50.0 * order).abs() < 0.5, "{finding:#}");
-    assert!(number(finding, "/level_db") > 12.0, "{finding:#}");
-    assert!((0.5..=1.0).contains(&number(finding, "/confidence")), "{finding:#}");
-    let sentence = finding["sentence"].as_str().unwrap();
+    let diagnosis = &list(outcome, "findings")[0];
+    assert!((number(diagnosis, "/order") - order).abs() < 0.01, "{diagnosis:#}");
+    assert!((number(diagnosis, "/line_hz") - 50.0 * order).abs() < 0.5, "{diagnosis:#}");
+    assert!(number(diagnosis, "/level_db") > 12.0, "{diagnosis:#}");
+    assert!((0.5..=1.0).contains(&number(diagnosis, "/confidence")), "{diagnosis:#}");
+    let sentence = diagnosis["sentence"].as_str().unwrap();
     assert!(outcome["verdict"].as_str().unwrap().contains(sentence), "{outcome:#}");
 }
 
 #[test]
 fn sound_scene_finds_the_unbalance() {
     let outcome = sound_scene_on("unbalanced.csv");
-    assert_eq!(findings(&outcome), [("unbalance", None)], "{outcome:#}");
+    assert_eq!(diagnoses(&outcome), [("unbalance", None)], "{outcome:#}");
     assert_told(&outcome, 1.0);
 }
 
 #[test]
 fn sound_scene_finds_the_spall() {
     let outcome = sound_scene_on("outer-spall.csv");
-    assert_eq!(findings(&outcome), [("outer-race", Some("DE"))], "{outcome:#}");
+    assert_eq!(diagnoses(&outcome), [("outer-race", Some("DE"))], "{outcome:#}");
     assert_told(&outcome, 3.599);
 }
 
@@ -186,7 +186,7 @@ fn sound_scene_finds_the_spall() {
 fn sound_scene_finds_nothing_in_sound_recordings() {
     for recording in ["../../runner/demo/healthy.csv", "run-up.csv"] {
         let outcome = sound_scene_on(recording);
-        assert_eq!(findings(&outcome), [], "{recording}: {outcome:#}");
+        assert_eq!(diagnoses(&outcome), [], "{recording}: {outcome:#}");
         assert_eq!(list(&outcome, "flaws").len(), 0);
     }
 }
@@ -195,7 +195,7 @@ fn sound_scene_finds_nothing_in_sound_recordings() {
 fn each_recording_is_explained_by_its_own_scene() {
     for name in ["healthy", "unbalanced", "outer-spall", "run-up"] {
         let outcome = Desk::empty().replay(&recorded(&format!("{name}.toml")), &[]);
-        assert_eq!(findings(&outcome), [], "{name}: {outcome:#}");
+        assert_eq!(diagnoses(&outcome), [], "{name}: {outcome:#}");
     }
 }
 
@@ -260,7 +260,7 @@ fn recording_is_compared_with_a_learned_baseline() {
     run("outer-spall.csv", "--learn", "spalled.json");
     assert!(desk.read("spalled.json").contains("\"ballrace_baseline\": 1"));
     let again = run("outer-spall.csv", "--baseline", "spalled.json");
-    assert_eq!(findings(&again), [], "nothing new since the baseline");
+    assert_eq!(diagnoses(&again), [], "nothing new since the baseline");
     let other = run("unbalanced.csv", "--baseline", "spalled.json");
-    assert_eq!(findings(&other)[0], ("unbalance", None));
+    assert_eq!(diagnoses(&other)[0], ("unbalance", None));
 }

@@ -6,44 +6,77 @@ use crate::live_start::{ended, terminate, wait_for_event};
 use crate::support::{DEMO_SCENE, Desk, program, short_recording};
 use pty_process::blocking::{Command, Pty, open};
 use std::io::{Read, Write};
+use std::num::NonZeroU16;
 use std::process::Child;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Longest time from the end of the terminal to the end of the program.
 const WITHIN: Duration = Duration::from_secs(1);
 
-/// A monitor in a pseudo-terminal, followed until it shows a source, and its state and events.
-fn watched(desk: &Desk, port: u16) -> (Pty, Child) {
-    let (pty, terminal) = open().unwrap();
-    pty.resize(pty_process::Size::new(24, 80)).unwrap();
-    let source_at = format!("tcp:{port}");
-    let args = ["watch", "scene.toml", "--source", &source_at, "--encoding", "frames"];
-    let outputs = ["--state", "state", "--events", "events.jsonl", "--report", "report.html"];
-    let command = Command::new(program()).args(args).args(outputs).env("TERM", "xterm").current_dir(desk.path(""));
-    (pty, command.spawn(terminal).unwrap())
+/// Longest time in which a text appears.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A pseudo-terminal and what is shown in it.
+pub struct Screen {
+    pty: Pty,
+    parser: vt100::Parser,
 }
 
-/// Reads what the program shows until it has shown `text`.
-pub fn read_until(pty: &Pty, text: &str) {
-    let (mut shown, mut buffer) = (Vec::new(), [0; 4096]);
-    while !String::from_utf8_lossy(&shown).contains(text) {
-        let read = { pty }.read(&mut buffer).unwrap();
-        shown.extend_from_slice(&buffer[..read]);
+impl Screen {
+    /// Starts `command` in a terminal of `columns` and `rows`.
+    pub fn start(columns: u16, rows: u16, command: Command) -> (Self, Child) {
+        let (pty, terminal) = open().unwrap();
+        pty.resize(pty_process::Size::new(rows, columns)).unwrap();
+        let child = command.env("TERM", "xterm-256color").spawn(terminal).unwrap();
+        // A terminal of any size is looked at in part.
+        let [rows, columns] = [rows.min(200), columns.min(500)].map(|size| NonZeroU16::new(size).unwrap());
+        let parser = vt100::Parser::new(rows, columns, 0);
+        (Self { pty, parser }, child)
+    }
+
+    /// Reads what the program shows until `text` is on the screen.
+    pub fn wait_for(&mut self, text: &str) {
+        let (since, mut buffer) = (Instant::now(), [0; 4096]);
+        while !self.parser.screen().contents().contains(text) {
+            let shown = || self.parser.screen().contents();
+            assert!(since.elapsed() < PATIENCE, "no {text} within {PATIENCE:?}:\n{}", shown());
+            let read = { &self.pty }.read(&mut buffer).unwrap_or_else(|error| panic!("{error}:\n{}", shown()));
+            self.parser.process(&buffer[..read]);
+        }
+    }
+
+    /// Presses a key, and reads on so that the program can write its last.
+    pub fn press(mut self, key: &[u8]) {
+        self.pty.write_all(key).unwrap();
+        self.ignore();
+    }
+
+    /// Reads what is still shown.
+    pub fn ignore(mut self) {
+        std::thread::spawn(move || self.pty.read_to_end(&mut vec![]));
     }
 }
 
+/// A monitor in a pseudo-terminal, followed until it shows a source, and its state and events.
+fn watched(desk: &Desk, port: u16) -> (Screen, Child) {
+    let source_at = format!("tcp:{port}");
+    let args = ["watch", "scene.toml", "--source", &source_at, "--encoding", "frames"];
+    let outputs = ["--state", "state", "--events", "events.jsonl", "--report", "report.html"];
+    Screen::start(80, 24, Command::new(program()).args(args).args(outputs).current_dir(desk.path("")))
+}
+
 /// Shows a monitor that has read samples, and ends it by `end`.
-fn ends(end: impl FnOnce(Pty, u32)) -> Desk {
+fn ends(end: impl FnOnce(Screen, u32)) -> Desk {
     let (desk, port) = (Desk::with(DEMO_SCENE, &short_recording(12_800)), port());
-    let (pty, child) = watched(&desk, port);
-    read_until(&pty, "NO DATA");
+    let (mut screen, child) = watched(&desk, port);
+    screen.wait_for("NO DATA");
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
     (0..9_600).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
     wait_for_event(&desk, "events.jsonl", "source-silent");
     let id = child.id();
-    end(pty, id);
+    end(screen, id);
     let output = ended(child, WITHIN);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert_eq!(kinds(&desk, "events.jsonl"), ["source-connected", "source-silent"]);
@@ -54,52 +87,54 @@ fn ends(end: impl FnOnce(Pty, u32)) -> Desk {
 
 #[test]
 fn a_terminal_that_goes_away_ends_the_monitor() {
-    ends(|pty, _| drop(pty));
+    ends(|screen, _| drop(screen));
 }
 
 #[test]
 fn a_signal_ends_the_view() {
-    ends(|pty, id| {
+    ends(|screen, id| {
         terminate(id);
-        // Its output at the end is read.
-        std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
+        screen.ignore();
     });
 }
 
 #[test]
 fn a_key_ends_the_view() {
-    ends(|pty, _| {
-        { &pty }.write_all(b"q").unwrap();
-        std::thread::spawn(move || { &pty }.read_to_end(&mut vec![]));
-    });
+    ends(|screen, _| screen.press(b"q"));
 }
 
 /// The display of the demonstration, without a scene.
-fn demonstration(columns: u16, rows: u16) -> (Pty, Child) {
-    let (pty, terminal) = open().unwrap();
-    pty.resize(pty_process::Size::new(rows, columns)).unwrap();
-    let child = Command::new(program()).arg("watch").env("TERM", "xterm").spawn(terminal).unwrap();
-    (pty, child)
+fn demonstration(columns: u16, rows: u16) -> (Screen, Child) {
+    Screen::start(columns, rows, Command::new(program()).arg("watch"))
 }
 
 /// The demonstration goes on after its recording of one second would have ended, and finds its fault.
 #[test]
 fn the_demonstration_has_no_end() {
-    let (pty, mut child) = demonstration(120, 36);
-    // Only changed cells are sent, so that a space between two words may be missing.
-    for text in ["STARTING", "ALARM", "Spall"] {
-        read_until(&pty, text);
+    let (mut screen, mut child) = demonstration(120, 36);
+    for text in ["STARTING", "ALARM", "Spall on the outer race"] {
+        screen.wait_for(text);
     }
     assert!(child.try_wait().unwrap().is_none());
-    drop(pty);
+    drop(screen);
+    let output = ended(child, WITHIN);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+/// The memory of the display does not grow with the size that a terminal states.
+#[test]
+fn the_largest_terminal_is_drawn_in_part() {
+    let (mut screen, child) = demonstration(u16::MAX, u16::MAX);
+    screen.wait_for("STARTING");
+    drop(screen);
     let output = ended(child, WITHIN);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
 #[test]
 fn a_small_terminal_shows_the_least_size() {
-    let (pty, child) = demonstration(40, 10);
-    read_until(&pty, "22");
-    drop(pty);
+    let (mut screen, child) = demonstration(40, 10);
+    screen.wait_for("60 x 22");
+    drop(screen);
     ended(child, WITHIN);
 }

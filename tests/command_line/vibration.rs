@@ -16,7 +16,7 @@ pub fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str
     )
 }
 
-fn findings(desk: &Desk) -> Vec<(String, f64)> {
+fn diagnoses(desk: &Desk) -> Vec<(String, f64)> {
     let outcome = desk.replay("scene.toml", &[]);
     let all = outcome.pointer("/findings").and_then(Value::as_array).unwrap();
     all.iter().map(|f| (f["kind"].as_str().unwrap().to_owned(), f["line_hz"].as_f64().unwrap())).collect()
@@ -29,7 +29,7 @@ fn the_miniature_bearing_has_a_bad_inner_race() {
     let desk = Desk::empty();
     let file = recorded("real/support_force_306rpm_6400Hz.csv");
     desk.put("scene.toml", scene(306.0, [7.0, 2.770, 10.514], &file, "6400 Hz", "force_N", "N"));
-    let found = findings(&desk);
+    let found = diagnoses(&desk);
     assert!(matches!(&found[..], [(kind, hz)] if kind == "inner-race" && (hz - 22.4).abs() < 0.3), "{found:?}");
 }
 
@@ -52,7 +52,7 @@ fn bearings_of_type_6205_are_distinguished() {
             let desk = Desk::empty();
             let column = format!("{of}_{sensor}_time");
             desk.put("scene.toml", scene(rpm, [9.0, 7.94, 39.04], &file, rate, &column, "g"));
-            let found = findings(&desk);
+            let found = diagnoses(&desk);
             println!("{column}: {found:?}");
             match (expected, &found[..]) {
                 (None, []) => {}
@@ -153,7 +153,7 @@ fn scene_of_both() -> String {
     )
 }
 
-fn all_findings(outcome: &Value) -> Vec<Value> {
+fn all_diagnoses(outcome: &Value) -> Vec<Value> {
     outcome["findings"].as_array().unwrap().clone()
 }
 
@@ -164,19 +164,19 @@ const OUTER: f64 = 4.5 * (1.0 - 7.94 / 39.04);
 fn an_accelerometer_beside_the_probes() {
     let desk = Desk::empty();
     desk.put("scene.toml", scene_of_both());
-    // The probes show the spall too: one finding.
+    // The probes show the spall too: one diagnosis.
     desk.put("healthy.csv", with_accelerometer("outer-spall.csv", OUTER));
     let outcome = desk.replay("scene.toml", &[]);
-    let found = all_findings(&outcome);
+    let found = all_diagnoses(&outcome);
     let same: Vec<&Value> = found.iter().filter(|f| f["kind"] == "outer-race" && f["bearing"] == "DE").collect();
     assert_eq!(same.len(), 1, "{found:?}");
     assert_eq!(same[0]["evidence"], serde_json::json!(["shaft-motion", "vibration"]));
     assert_eq!(same[0]["vibration"]["sensor"], "DE_acc_g");
     assert!(same[0]["depth_um"]["value"].as_f64().unwrap() > 0.1);
-    // The probes show a sound machine: the finding is that of the accelerometer.
+    // The probes show a sound machine: the diagnosis is that of the accelerometer.
     desk.put("healthy.csv", with_accelerometer("healthy.csv", OUTER));
     let outcome = desk.replay("scene.toml", &[]);
-    let found = all_findings(&outcome);
+    let found = all_diagnoses(&outcome);
     assert!(
         matches!(&found[..], [f] if f["kind"] == "outer-race" && f["evidence"] == serde_json::json!(["vibration"])),
         "{found:?}"
@@ -187,10 +187,10 @@ fn an_accelerometer_beside_the_probes() {
     );
     desk.done(&["replay", "scene.toml", "--report", "r.html"]);
     assert!(desk.read("r.html").contains("Envelope spectrum of"));
-    // Noise: no finding, and the probes are replayed as without the sensor.
+    // Noise: no diagnosis, and the probes are replayed as without the sensor.
     desk.put("healthy.csv", with_accelerometer("healthy.csv", 0.0));
     let with = desk.replay("scene.toml", &[]);
-    assert_eq!(all_findings(&with), [] as [Value; 0]);
+    assert_eq!(all_diagnoses(&with), [] as [Value; 0]);
     assert!(with["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().starts_with("DE_acc_g: ")));
     desk.put("scene.toml", DEMO_SCENE);
     let without = desk.replay("scene.toml", &[]);
@@ -207,7 +207,7 @@ fn sensors_at_a_measured_speed() {
         + "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }\n";
     desk.put("scene.toml", &keyed);
     let outcome = desk.replay("scene.toml", &[]);
-    let found = all_findings(&outcome);
+    let found = all_diagnoses(&outcome);
     assert!(matches!(&found[..], [f] if f["kind"] == "outer-race"), "{found:?}");
     assert!(outcome["record"]["angle_source"].as_str().unwrap().starts_with("keyphasor in column keyphasor"));
     assert!((outcome["record"]["mean_speed_rpm"].as_f64().unwrap() - 3000.0).abs() < 1.0);
@@ -237,7 +237,7 @@ fn an_accelerometer_in_a_stream() {
     }
     let outcome = outcome(child);
     assert_eq!(outcome.pointer("/timing/source/malformed_frames"), Some(&serde_json::json!(0)));
-    assert_eq!(all_findings(&outcome), [] as [Value; 0]);
+    assert_eq!(all_diagnoses(&outcome), [] as [Value; 0]);
     let table = std::fs::read(desk.path("indicators/indicators-0001.parquet")).unwrap();
     for column in ["DE_acc_g_rms", "DE_acc_g_peak", "DE_acc_g_crest_factor", "DE_acc_g_kurtosis"] {
         assert!(table.windows(column.len()).any(|bytes| bytes == column.as_bytes()), "{column}");

@@ -54,14 +54,14 @@ const _: () = {
 };
 
 impl KinematicState {
-    /// Returns the state of the kernel.
+    /// Returns this state as the type of the kernel.
     #[inline(always)]
     pub fn of_kernel(&self) -> &BearingKinematicState<f32> {
         // SAFETY: both types have the same layout.
         unsafe { &*core::ptr::from_ref(self).cast() }
     }
 
-    /// Returns the state of C.
+    /// Returns a state of the kernel as the type of the C interface.
     #[inline(always)]
     pub fn from_kernel(state: &BearingKinematicState<f32>) -> &Self {
         // SAFETY: both types have the same layout.

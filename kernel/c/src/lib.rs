@@ -2,7 +2,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 // The functions take pointers from C.
 #![allow(unsafe_code)]
-// A header of C needs names of C.
+// The statics have the names of the C header.
 #![allow(non_upper_case_globals)]
 
 mod angular;

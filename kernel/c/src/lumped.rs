@@ -54,11 +54,11 @@ pub struct LumpedRadialAxial {
     pub radius: f32,
 }
 
-/// Constants with the law of a model.
+/// Constants of a bearing with the load-deflection law of its model.
 #[repr(transparent)]
 struct WithLaw<S, L>(S, core::marker::PhantomData<L>);
 
-/// Law from stiffness and exponent.
+/// Load-deflection law that is created from a stiffness and an exponent.
 trait Law: LoadDeflectionLaw<f32, Exact> {
     fn new(stiffness: f32, exponent: f32) -> Self;
 }

@@ -23,7 +23,7 @@ pub unsafe trait Constants: 'static {
     /// The pointers in the struct are valid.
     unsafe fn bearing(&self) -> Self::Bearing<'_>;
 
-    /// Computes the force, inlined: two functions of a model use it.
+    /// Computes the reaction, inlined into the functions of a model that call it.
     fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32>;
 }
 
@@ -74,7 +74,7 @@ unsafe fn bearing_of<'a, C: Constants>(bearing: *const Bearing) -> C::Bearing<'a
     unsafe { (*bearing.cast::<C>()).bearing() }
 }
 
-/// Computes and writes the force; returns its reaction.
+/// Computes and returns the reaction, and writes its wrench.
 ///
 /// # Safety
 /// As `ballrace_force`, with the head of a `C`.
@@ -107,7 +107,7 @@ unsafe extern "C" fn force<C: Constants>(
             let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
             return force_at::<C>(bearing, displacement, &raw const state, wrench);
         }
-        // Without the sum of the loads, which only the flag of lost contact needs.
+        // The sum of the loads is not read: only the lost-contact flag needs it.
         u32::from(evaluate::<C>(bearing, displacement, &Phase(cage_phase).into(), wrench).status.bits())
     }
 }
@@ -193,7 +193,7 @@ unsafe fn write_stiffness(entries: *mut f32, k: &Stiffness<f32>) {
     }
 }
 
-/// Reads a stiffness row by row.
+/// Returns the stiffness matrix whose entries `rows` contains row by row.
 #[inline(always)]
 pub fn stiffness_of(rows: &[f32; 25]) -> Stiffness<f32> {
     Stiffness::from_row_slice(rows)

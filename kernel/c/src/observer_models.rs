@@ -1,4 +1,4 @@
-//! The observers by numbers of bearings and probes: an image links only those whose constants it names.
+//! Observers for each number of bearings and probes. An image links only those whose constants it references.
 
 use crate::observer::ObserverModel;
 

@@ -37,7 +37,7 @@ pub struct OrderTracker {
     pub words: [u64; 10],
 }
 
-/// Tracker with the memory of the caller.
+/// Order tracker whose lines, sums and amplitudes are in memory of the caller.
 struct Tracker {
     lines: *const OrderLine,
     sums: *mut OrderSums<f32>,

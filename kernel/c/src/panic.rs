@@ -11,7 +11,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     ballrace_a_panic_can_be_reached()
 }
 
-/// Control of the proof: a function that can panic. An image that names it does not link.
+/// Function that can panic, the control of the proof that no call panics. An image that references it does not link.
 ///
 /// cbindgen:ignore
 #[cfg(feature = "panic-never")]

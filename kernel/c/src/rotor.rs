@@ -138,7 +138,7 @@ pub struct RotorModel {
     pub motion: unsafe extern "C" fn(state: *const Motion, displacement: *mut f32, velocity: *mut f32) -> u32,
 }
 
-/// A bearing of C as one of the kernel.
+/// A bearing of the C interface that implements the `Bearing` trait of the kernel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BearingOfC(*const Bearing);
 
@@ -248,7 +248,7 @@ pub(crate) unsafe fn system<const N: usize>(
     Ok(RotorBearingSystem { rotor, bearings })
 }
 
-/// Returns the state at rest.
+/// Returns the state at `displacement` with zero velocity.
 ///
 /// # Safety
 /// `displacement` points to five floats, `cage_angles` to `N` angles.

@@ -11,7 +11,7 @@ pub trait Stored {
     const MAGIC: u32 = 0xba00_0000 | Self::KIND << 8 | ABI_VERSION;
 }
 
-/// A value after its first word.
+/// A value, preceded by the word that identifies its type and version.
 #[repr(C)]
 struct Versioned<V> {
     magic: u32,
@@ -37,7 +37,7 @@ pub unsafe fn write<V: Stored, S>(state: *mut S, value: V) {
 /// Stores a value in memory of the caller.
 ///
 /// # Safety
-/// The memory is large enough for a [`fits`] value.
+/// `state` points to memory that is aligned to 8 bytes and large enough for the value with its first word.
 #[inline(always)]
 pub unsafe fn write_to<V: Stored>(state: *mut u64, value: V) {
     // SAFETY: by the contract of the function; no value has an alignment above that of `u64`.

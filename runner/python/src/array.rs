@@ -1,4 +1,4 @@
-//! Checks of NumPy arrays, whose errors say what is expected.
+//! Checks of NumPy arrays. Each error message contains the array found and the array expected.
 
 use crate::error::wrong_argument;
 use numpy::{
@@ -7,10 +7,10 @@ use numpy::{
 use numpy::{dtype, ndarray};
 use pyo3::prelude::*;
 
-/// Returns an array of one type, stored in rows, with the dimension `D`.
+/// Returns `given` as an array of type `T` and dimension `D`, stored in rows (C order).
 ///
 /// # Errors
-/// `InputError` for anything else, with what was found.
+/// `InputError` for any other object; the message contains its type and shape.
 pub fn checked<'py, T: Element, D: ndarray::Dimension>(
     name: &str,
     given: &Bound<'py, PyAny>,

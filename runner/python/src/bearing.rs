@@ -17,14 +17,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Model, precision and math of a force.
 type Choice = (Model, Precision, MathBackend);
 
-/// A bearing of a scene; models are built at their first use and kept.
+/// A bearing of a scene. Each model is built at its first use and stored.
 #[pyclass(frozen, module = "ballrace")]
 pub struct Bearing {
     scene: Arc<scene::Scene>,
     bearing: scene::Bearing,
     forces: Mutex<Vec<(Choice, Arc<BearingForce>)>>,
     models: Mutex<Vec<(Model, AnyBearing<f64>)>>,
-    /// Rotation at time 0.
+    /// Kinematic state at time 0.
     at_start: BearingKinematicState<f64>,
 }
 
@@ -52,8 +52,8 @@ impl Bearing {
     }
 }
 
-/// Returns what is kept under `key`, or builds it without the interpreter. The lock is not held meanwhile: a thread that waits for it
-/// holds the interpreter, which the building thread needs at its end.
+/// Returns the stored value of `key`, or builds it with the interpreter detached. The lock is not held during the build: a thread that
+/// waits for the lock holds the interpreter, which the building thread needs at its end.
 fn kept<K: Copy + PartialEq + Send, V: Clone + Send>(
     py: Python<'_>,
     all: &Mutex<Vec<(K, V)>>,
@@ -77,7 +77,7 @@ enum PerSample<'py> {
     Each(PyReadonlyArray1<'py, f64>),
 }
 
-/// The same without the interpreter.
+/// Borrowed values of a [`PerSample`], for use while the interpreter is detached.
 #[derive(Clone, Copy)]
 enum Values<'a> {
     None,
@@ -126,7 +126,7 @@ impl Values<'_> {
     }
 }
 
-/// Displacements from Python as rows of five, and whether one row was given without its dimension.
+/// Displacements from Python as rows of five numbers; `is_single` is true for one row of shape (5,).
 struct Rows<'py> {
     array: Bound<'py, PyArray2<f64>>,
     is_single: bool,
@@ -295,7 +295,7 @@ type Arguments<'a, 'py> =
 
 impl Bearing {
     fn rotation(&self, cage_angle: Option<f64>, time: Option<f64>) -> BearingKinematicState<f64> {
-        // The geometry was checked at the start.
+        // `new` has checked the geometry, so that an error is not expected.
         let at = time.and_then(|time| rotation_at(&self.scene, &self.bearing, time).ok()).unwrap_or(self.at_start);
         BearingKinematicState { cage: cage_angle.map_or(at.cage, Phase::from_radians), ..at }
     }

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 /// Fields of an exception: name and value.
 type Fields<'py> = Bound<'py, PyDict>;
 
-/// Returns the exception of an error.
+/// Returns the Python exception of an error.
 pub fn exception(py: Python<'_>, error: impl Into<Error>) -> PyErr {
     let error = error.into();
     let message = with_causes(&error);
@@ -45,7 +45,7 @@ pub fn wrong_argument(py: Python<'_>, message: &str) -> PyErr {
     named(py, "InputError", message, &PyDict::new(py)).unwrap_or_else(|error| error)
 }
 
-/// Returns the error inside those that add a file or a point.
+/// Returns the innermost error, below those that add the set-up, a file or a point.
 fn cause(error: &Error) -> &Error {
     match error {
         Error::Setup(inner) | Error::File { source: inner, .. } | Error::Point { source: inner, .. } => cause(inner),

@@ -1,4 +1,4 @@
-//! Fleets: machines and rows pass as JSON, so that they travel between processes.
+//! Fleets. Machines and rows are passed as JSON, so that processes can exchange them.
 
 use crate::error::{exception, wrong_argument};
 use ballrace_report::fleet::{Folder, page_of};
@@ -24,7 +24,7 @@ fn all_json<T: Serialize>(py: Python<'_>, values: &[T]) -> PyResult<Vec<String>>
     values.iter().map(|value| json(py, value)).collect()
 }
 
-/// Reads a table of machines: each as JSON.
+/// Reads a table of machines; returns each machine as JSON.
 #[pyfunction]
 pub fn read_machines(py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
     let machines = py.detach(|| fleet::read_table(&path)).map_err(|e| exception(py, e))?;
@@ -39,7 +39,7 @@ pub fn machines(py: Python<'_>, file: PathBuf, columns: Vec<String>, rows: Vec<V
     all_json(py, &machines)
 }
 
-/// Evaluates a machine: its row as JSON, and its report where asked for.
+/// Evaluates a machine; returns its row as JSON and, with `with_report`, its report.
 #[pyfunction]
 #[pyo3(signature = (machine, with_report, force_error=None))]
 pub fn evaluate(
@@ -64,7 +64,7 @@ pub fn failed(py: Python<'_>, machine: &str, error: String) -> PyResult<String> 
     json(py, &fleet::failed(&machine, error))
 }
 
-/// Returns the trends of rows: JSON.
+/// Returns the trends of rows as JSON.
 #[pyfunction]
 pub fn trends(py: Python<'_>, rows: Vec<String>) -> PyResult<String> {
     let rows = rows.iter().map(|row| parsed(py, row)).collect::<PyResult<Vec<Row>>>()?;
@@ -87,7 +87,7 @@ pub struct Fleet {
     machines: Vec<Machine>,
     folder: Folder,
     store: Mutex<Store>,
-    /// None after [`Fleet::close`].
+    /// `None` after [`Fleet::close`].
     lock: Mutex<Option<FolderLock>>,
 }
 
@@ -117,7 +117,7 @@ impl Fleet {
         Ok(Self { name, machines, folder, store, lock })
     }
 
-    /// Numbers of the machines that are not evaluated yet, or whose files have changed.
+    /// Returns the indices of the machines that are not evaluated yet, or whose files have changed.
     fn missing(&self, py: Python<'_>, with_report: bool) -> Vec<usize> {
         py.detach(|| {
             let store = self.store();
@@ -138,7 +138,7 @@ impl Fleet {
         py.detach(add).map_err(|e| exception(py, e))
     }
 
-    /// Writes all rows that wait, and unlocks the folder.
+    /// Writes all pending rows and unlocks the folder.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let flush = || {
             let flushed = self.store().flush();

@@ -1,4 +1,4 @@
-//! Long work that Ctrl-C stops.
+//! Long computations that Ctrl-C interrupts.
 
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -8,14 +8,14 @@ use std::time::Duration;
 
 /// Interval at which the interpreter's signals are handled.
 const INTERVAL: Duration = Duration::from_millis(20);
-/// Stack of the thread that works, bytes.
+/// Stack size of the computing thread, bytes.
 const STACK: usize = 8 << 20;
 
-/// Whether the work is to stop.
+/// Flag that requests the end of the work.
 #[derive(Default)]
 pub struct Interrupt(AtomicBool);
 
-/// Payload of an unwinding that ends interrupted work.
+/// Payload of the unwinding that ends interrupted work.
 struct Interrupted;
 
 impl Interrupt {
@@ -31,13 +31,14 @@ impl Interrupt {
 /// Runs `work` on a thread of its own without the interpreter; this thread handles signals in the meantime.
 ///
 /// # Errors
-/// The exception of a signal handler, such as `KeyboardInterrupt`; the work has ended then.
+/// Returns the exception of a signal handler, such as `KeyboardInterrupt`, after the work has ended, or an error if no thread can be
+/// started.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Interrupt) -> T + Send) -> PyResult<T> {
     let interrupt = Interrupt::default();
     let (sender, receiver) = sync_channel::<()>(1);
     let mut raised = None;
     let outcome = py.detach(|| {
-        // Moved here, because it cannot be shared.
+        // A receiver is not `Sync`: the closure has to own it.
         let receiver = receiver;
         std::thread::scope(|scope| {
             let run = || {

@@ -1,7 +1,7 @@
 //! The extension module `ballrace._native`: the twin library for the Python package `ballrace`.
 //!
-//! Numbers of a bearing pass as NumPy arrays without a copy; results of the studies pass as JSON, which the Python side turns into
-//! objects. Every computation releases the interpreter.
+//! Displacements and forces of a bearing are passed as NumPy arrays without a copy; results of the studies are passed as JSON, which the
+//! Python package converts to objects. Every computation releases the interpreter.
 
 mod array;
 mod bearing;

@@ -14,16 +14,16 @@ use std::path::{Path, PathBuf};
 /// Name of a recording in memory.
 const IN_MEMORY: &str = "in memory";
 
-/// A recording: none for the scene's own file.
+/// A recording from Python.
 pub enum Source<'py> {
-    /// A file.
+    /// A file; `None` for the scene's own.
     File(Option<PathBuf>),
-    /// Columns: those that the scene names hold values.
+    /// Columns. Only those that the scene names have values.
     Columns(Vec<(String, PyReadonlyArray1<'py, f64>)>),
 }
 
 impl<'py> Source<'py> {
-    /// Takes a path, nothing, or pairs of name and array.
+    /// Converts a path, `None`, or pairs of name and array.
     ///
     /// # Errors
     /// `InputError` for other objects.
@@ -43,7 +43,7 @@ impl<'py> Source<'py> {
         Ok(Self::Columns(columns))
     }
 
-    /// Returns what the reader is opened from, without the interpreter.
+    /// Returns the input of the reader, which can be opened with the interpreter detached.
     ///
     /// # Errors
     /// `InputError` for a scene without a recording.
@@ -63,14 +63,14 @@ impl<'py> Source<'py> {
 
 /// A file, or borrowed columns.
 pub enum Opening<'a> {
-    /// A file; none for the scene's own.
+    /// A file, or the scene's own without a path.
     File(Option<PathBuf>),
     /// Columns.
     Columns(Vec<(String, &'a [f64])>),
 }
 
 impl<'a> Opening<'a> {
-    /// Opens the reader; returns the name of the recording as well.
+    /// Opens the reader; returns it with the name of the recording.
     ///
     /// # Errors
     /// As [`Reader::open`].

@@ -43,7 +43,7 @@ pub struct Outcome(outcome::Outcome);
 #[pyclass(frozen, module = "ballrace._native")]
 pub struct Trade {
     result: trade::Trade,
-    /// The scene with the chosen model.
+    /// Text of the scene with the chosen model; `None` if no model is chosen.
     chosen: Option<String>,
 }
 
@@ -111,7 +111,7 @@ impl Scene {
         self.content.bearings.iter().map(|b| b.name.as_str()).collect()
     }
 
-    /// Columns of a recording that the scene names; none without a recording.
+    /// Columns of a recording that the scene names; `None` without a recording.
     #[getter]
     fn columns(&self) -> Option<Vec<&str>> {
         let recording = self.content.recording.as_ref()?;
@@ -150,7 +150,7 @@ impl Scene {
         Bearing::new(py, self.content.clone(), found.clone())
     }
 
-    /// Static equilibrium: JSON and HTML.
+    /// Computes the static equilibrium; returns JSON and HTML.
     #[pyo3(signature = (bearing=None, load=None))]
     fn equilibrium(&self, py: Python<'_>, bearing: Option<&str>, load: Option<[f64; 5]>) -> PyResult<(String, String)> {
         let settled =
@@ -158,7 +158,7 @@ impl Scene {
         Ok((json_of(py, &settled)?, page(py, report::equilibrium::html(&settled))?))
     }
 
-    /// Natural frequencies over the speed, `speeds` as on the command line or in rad/s: JSON.
+    /// Computes the natural frequencies over the speed, with `speeds` as on the command line or in rad/s; returns JSON.
     fn campbell(&self, py: Python<'_>, speeds: &Bound<'_, PyAny>) -> PyResult<String> {
         let speeds: Vec<f64> = match speeds.extract::<String>() {
             Ok(text) => {
@@ -177,7 +177,8 @@ impl Scene {
         json_of(py, &diagram)
     }
 
-    /// Motion from equilibrium: names of the columns and their values, an array of shape (samples, columns).
+    /// Simulates the motion from equilibrium; returns the names of the columns, their values in an array of shape (samples, columns),
+    /// and the number of integration steps that overflowed.
     #[pyo3(signature = (duration, rate, settle=None))]
     fn simulate<'py>(
         &self,
@@ -220,7 +221,7 @@ impl Scene {
         Ok((columns, values.into_pyarray(py).reshape(shape)?.into_any(), held))
     }
 
-    /// Response over ranges of keys, `KEY=VALUES` as on the command line: JSON of the rows, HTML.
+    /// Computes the response over ranges of keys, `KEY=VALUES` as on the command line; returns JSON of the rows and HTML.
     #[pyo3(signature = (over, settle=None, periods=96, by_shaft=false, follow="none", lyapunov=false, jobs=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn sweep(
@@ -272,7 +273,7 @@ impl Scene {
         Ok((rows, page(py, html)?))
     }
 
-    /// Error and cost of every model.
+    /// Computes error and cost of every model.
     #[pyo3(signature = (error=None, deadline=None, clock=None, on="cortex-m4f", forces_only=false))]
     fn trade(
         &self,
@@ -310,7 +311,7 @@ impl Scene {
         run.map_err(|e| exception(py, e))
     }
 
-    /// Parameters from a recording: JSON and the text of the fitted scene.
+    /// Estimates parameters from a recording; returns JSON and the text of the fitted scene.
     #[pyo3(signature = (recording, only=None, turns=64.0))]
     fn fit<'py>(
         &self,
@@ -403,7 +404,7 @@ impl Outcome {
         report::text(&self.0)
     }
 
-    /// The baseline that was learned: JSON.
+    /// Returns the learned baseline as JSON.
     fn baseline(&self, py: Python<'_>) -> PyResult<String> {
         json_of(py, &self.0.learned)
     }

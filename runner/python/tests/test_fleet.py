@@ -61,7 +61,7 @@ def _rows(result: ballrace.fleet.Result) -> list[str]:
 def test_states_and_errors_are_values(single: ballrace.fleet.Result) -> None:
     states = {row.machine: row.state for row in single.rows}
     assert len(single.rows) == COUNT == single.evaluated
-    assert states["pump 0"] == "normal" and states["pump 1"] == "finding"
+    assert states["pump 0"] == "normal" and states["pump 1"] == "fault"
     assert states["pump 7"] == states["pump 8"] == "error"
     errors = {row.machine: row.error for row in single.rows if row.error}
     assert "missing.parquet" in errors["pump 7"] and "shaft.speed" in errors["pump 8"]

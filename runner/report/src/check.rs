@@ -1,4 +1,4 @@
-//! Result of `check`: the machine as a drawing of characters, the recording, and each implausibility.
+//! Result of `check`: a drawing of the machine in text characters, the recording, and each implausibility.
 
 use super::figures::rotor;
 use super::number::{alone, count, fixed};
@@ -107,13 +107,13 @@ pub fn unknown(file: &str, values: &[UnknownValue]) -> String {
     out
 }
 
-/// Returns the drawing of the rotor as SVG; none without a rotor.
+/// Returns the drawing of the rotor as SVG; `None` without a rotor.
 #[must_use]
 pub fn svg(checked: &Checked) -> Option<String> {
     checked.drawing.as_ref().map(|drawing| rotor(drawing).drawing.file())
 }
 
-/// Returns the rotor from the side in characters: probes above, bearings on the shaft, the scale below.
+/// Returns the side view of the rotor in text characters: probes above, bearings on the shaft, names and legend below.
 fn sketch(drawing: &RotorDrawing) -> String {
     let probes: Vec<&DrawnProbe> = drawing.probes.iter().filter(|probe| probe.angle_deg.is_some()).collect();
     let sections = drawing.sections.iter().flat_map(|section| section.ends_mm);

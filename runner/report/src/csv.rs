@@ -9,7 +9,7 @@ type Row = Vec<(String, String)>;
 
 /// Returns the comparison as CSV: a header and one row per probe, in the scene's order.
 ///
-/// Bearings with moving elements add five columns each, named after the bearing.
+/// Each bearing with ball-pass lines adds five columns, named after the bearing. For snapshots, the rows are those of the trend.
 #[must_use]
 pub fn csv(outcome: &Outcome) -> String {
     if !outcome.snapshots.is_empty() {
@@ -56,7 +56,7 @@ fn snapshots(outcome: &Outcome) -> String {
     text
 }
 
-/// Returns every bearing of which a probe has a line, once.
+/// Returns the names of all bearings with a ball-pass line at a probe, each once.
 fn bearings(outcome: &Outcome) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for line in outcome.probes.iter().flat_map(|probe| &probe.ball_pass) {

@@ -12,9 +12,9 @@ use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
 use std::fmt::Write;
 
-/// Number of characters of a bar.
+/// Length of the bar of the largest load, characters.
 const BAR: usize = 24;
-/// Width at which the description of the rotor is broken.
+/// Largest line length of the description of the rotor, characters.
 const WIDTH: usize = 80;
 
 /// Returns the equilibrium as text for the terminal, 100 columns wide.
@@ -84,7 +84,7 @@ fn line(out: &mut String, text: &str) {
     out.push('\n');
 }
 
-/// Prints the contact angle used for cage speed and orders, and the mean angle under load.
+/// Writes the contact angle used for cage speed and orders, and the mean angle under load.
 fn kinematics(out: &mut String, b: &BearingEquilibrium) {
     let per_turn = |o: &BearingOrders| {
         format!("cage {:.3}, outer race {:.3}, inner race {:.3} per turn", o.cage, o.outer_race, o.inner_race)

@@ -49,7 +49,7 @@ pub(super) use canvas::{Curve as CurveValues, CurveKind, Drawing, Plot};
 use ballrace_twin::replay::outcome::{Outcome, Pictures};
 use line::Thinning;
 
-/// Figures of the replay's report in its order: findings, rotor, shape, time, frequency, force.
+/// Figures of the replay's report in its order: diagnoses, rotor, shape, time, frequency, force.
 const REGISTRY: &[&dyn Figure] = &[
     &diagnosis::Diagnoses,
     &rotor::Rotor,
@@ -74,12 +74,12 @@ trait Figure: Sync {
     /// Returns the heading of its section.
     fn heading(&self) -> &'static str;
 
-    /// Returns how its pictures are laid out on the page.
+    /// Returns the layout of its pictures on the page.
     fn shape(&self) -> Shape {
         Shape::Wide
     }
 
-    /// Returns the number of long lines that it draws, by which [`PointBudget`] is shared.
+    /// Returns the number of long lines that it draws. [`PointBudget`] divides the points among all long lines.
     fn lines(&self, _data: &Pictures) -> usize {
         0
     }
@@ -106,9 +106,9 @@ pub(super) struct Picture {
     pub(super) note: String,
     /// The `svg` element and the values of its curves.
     pub(super) drawing: Drawing,
-    /// Readings from which the script can compute it again.
+    /// Readings from which the script can compute the figure for another time range.
     pub(super) source: Option<Source>,
-    /// Whether it is on paper too.
+    /// The figure is printed.
     pub(super) is_printed: bool,
 }
 
@@ -142,7 +142,7 @@ struct Context<'a> {
     budget: PointBudget,
     /// Sense of rotation: +1 from +X towards +Y.
     forward: f64,
-    /// Whether the speed changes during the recording.
+    /// The speed changes during the recording.
     over_speed: bool,
 }
 
@@ -154,9 +154,9 @@ impl Context<'_> {
     }
 }
 
-/// Points of all drawn lines of a report together, of about ten bytes each.
+/// Number of points of all drawn lines of a report; each point takes about ten bytes.
 pub(super) const POINTS: usize = 70_000;
-/// Values that are kept for the script for each drawn point, and the largest number for one curve.
+/// Number of values that are stored for the script per drawn point, and the largest number for one curve.
 const KEPT: usize = 3;
 const MAX_KEPT: usize = 4200;
 

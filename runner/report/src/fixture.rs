@@ -1,4 +1,4 @@
-//! Outcomes for the tests: a usual one, an empty one, one with too much of everything; `broken` has everything wrong.
+//! Outcomes for the tests: a usual one, an empty one, and one with many long names; `broken` has invalid numbers.
 
 mod broken;
 mod snapshots;
@@ -28,7 +28,7 @@ impl Noise {
     }
 }
 
-/// Position at one probe, um, without noise; the twin is slightly off.
+/// Returns the position at one probe without noise, um; gain and phase of the twin differ slightly.
 fn position(time: f64, angle: f64, size: f64, twin: bool) -> f64 {
     let (gain, lag) = if twin { (1.04, 0.05) } else { (1.0, 0.0) };
     let turn = TAU * SPEED_HZ * time;
@@ -102,7 +102,7 @@ fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcom
     }
 }
 
-/// One block after the other; the shaft's speed grows where it does.
+/// Returns successive blocks; `rpm` returns the speed at a share of their duration.
 pub(crate) fn blocks(probes: usize, rpm: impl Fn(f64) -> f64) -> Vec<Block> {
     let figures = |probe: usize, share: f64| {
         let (sin, cos) = (0.4 + probe as f64 + 2.6 * share).sin_cos();
@@ -150,7 +150,7 @@ fn envelope_spectrum(name: &str) -> EnvelopeSpectrum {
     EnvelopeSpectrum {
         name: name.to_owned(),
         band_hz: [2000.0, 3200.0],
-        reason: "the band on which the finding rests".to_owned(),
+        reason: "the band on which the diagnosis rests".to_owned(),
         bin_hz: 1.5625,
         modulation: (0..700).map(at).collect(),
         lines: lines(),
@@ -158,7 +158,7 @@ fn envelope_spectrum(name: &str) -> EnvelopeSpectrum {
     }
 }
 
-/// [`usual`] of a machine that runs up, with limits and an event.
+/// Returns [`usual`] for a run-up, with limits and an event.
 pub(crate) fn run_up() -> Outcome {
     let mut outcome = usual();
     outcome.record.min_speed_rpm = 600.0;
@@ -239,7 +239,7 @@ fn orbit(x: (&str, f64), y: (&str, f64), station: f64, size: f64) -> Orbit {
     }
 }
 
-/// Peaks of a windowed sine on a noise floor.
+/// Returns the amplitude of windowed sines on a noise floor at a frequency.
 fn amplitude(hz: f64, peaks: &[(f64, f64)], floor: f64, noise: &mut Noise) -> f64 {
     let peak = |(at, size): &(f64, f64)| {
         let bins = (hz - at).abs() / 1.5625;
@@ -471,7 +471,7 @@ fn spall() -> FaultParameters {
     }
 }
 
-/// Figures of a finding of these data, which may be anything.
+/// Returns figures of a diagnosis with these values, which may be any numbers.
 fn fault_figures(values: &[f64]) -> FaultFigures {
     let pairs: Vec<(f64, f64)> = values.iter().enumerate().map(|(i, x)| (i as f64 - 2.0, *x)).collect();
     let spectrum = |frame, is_of_component| ForceSpectrum {
@@ -523,8 +523,8 @@ pub(crate) fn usual() -> Outcome {
         load: [0.0, 0.0, 60.0, 0.0, 0.0],
         spectra: SpectraSettings { lines: 2048, bin_hz: 3.125, averages: 24 },
     };
-    let finding = Finding {
-        kind: FindingKind::OuterRace,
+    let diagnosis = Diagnosis {
+        kind: FaultKind::OuterRace,
         parameters: spall(),
         figures: fault_figures(&[0.0, 2.0, -1.0, 0.5, 3.0]),
         bearing: Some("DE".to_owned()),
@@ -584,7 +584,7 @@ pub(crate) fn usual() -> Outcome {
         timing: timing(),
         observer: Some(observer()),
         events: vec![],
-        findings: vec![finding],
+        diagnoses: vec![diagnosis],
         diagnosis: None,
         flaws: flaws(),
         notes: vec![
@@ -596,7 +596,7 @@ pub(crate) fn usual() -> Outcome {
     }
 }
 
-/// Nothing in it at all.
+/// Returns an empty outcome.
 pub(crate) fn bare() -> Outcome {
     Outcome {
         snapshots: vec![],
@@ -616,7 +616,7 @@ pub(crate) fn bare() -> Outcome {
         timing: Timing::default(),
         observer: None,
         events: vec![],
-        findings: Vec::new(),
+        diagnoses: Vec::new(),
         diagnosis: None,
         flaws: Vec::new(),
         notes: Vec::new(),
@@ -625,7 +625,7 @@ pub(crate) fn bare() -> Outcome {
     }
 }
 
-/// Many probes with long names, and names that are mark-up.
+/// Returns an outcome with many probes that have long names, some with HTML markup.
 pub(crate) fn crowded() -> Outcome {
     let mut outcome = usual();
     outcome.scene =

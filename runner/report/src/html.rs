@@ -6,7 +6,7 @@ use super::page::{self, Cell, Column, Fact, Level, Page, PageSection, Row, Table
 use super::words;
 use anyhow::Result;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, Finding, FindingKind, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
+    BearingOutcome, Diagnosis, FaultKind, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
 };
 use ballrace_twin::verdict;
 use serde_json::json;
@@ -18,7 +18,7 @@ const COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("
 /// Multiples of a fault's line that a click on it marks.
 const MULTIPLES: u32 = 5;
 
-/// Returns the outcome as one HTML file without external references: verdict, the figures that prove it, figures, tables.
+/// Returns the outcome as one HTML file without external references: verdict, evidence, figures, tables.
 ///
 /// # Errors
 /// Returns an error if the page cannot be rendered.
@@ -64,7 +64,7 @@ pub fn html(outcome: &Outcome) -> Result<String> {
 
 /// Returns colour and word of the verdict.
 fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
-    let (level, word) = if !outcome.findings.is_empty() {
+    let (level, word) = if !outcome.diagnoses.is_empty() {
         (Level::Red, "FAULT FOUND")
     } else if !outcome.implausible.is_empty() {
         (Level::Amber, "NOT PLAUSIBLE")
@@ -81,8 +81,8 @@ fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
     } else {
         (Level::Neutral, "NO VERDICT")
     };
-    let action = match outcome.findings.first() {
-        Some(finding) => words::action(finding.kind).to_owned(),
+    let action = match outcome.diagnoses.first() {
+        Some(diagnosis) => words::action(diagnosis.kind).to_owned(),
         None if !outcome.events.is_empty() => words::EVENT_ACTION.to_owned(),
         None => words::no_action(outcome).to_owned(),
     };
@@ -90,18 +90,18 @@ fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
     Verdict { level, word, sentence, action }
 }
 
-/// Returns the names of probes and bearings that the verdict is about: those of the findings and events, and the probe with the largest
+/// Returns the names of probes and bearings that the verdict refers to: those of the diagnoses and events, and the probe with the largest
 /// residual for its noise.
 fn relevant(outcome: &Outcome) -> Vec<String> {
-    let motions = outcome.findings.iter().filter_map(|f| f.figures.motion.as_ref()).map(|motion| motion.probe.clone());
-    let bearings = outcome.findings.iter().filter_map(|finding| finding.bearing.clone());
+    let motions = outcome.diagnoses.iter().filter_map(|f| f.figures.motion.as_ref()).map(|motion| motion.probe.clone());
+    let bearings = outcome.diagnoses.iter().filter_map(|diagnosis| diagnosis.bearing.clone());
     let events = outcome.events.iter().map(|event| event.probe.clone());
     let mut names: Vec<String> = motions.chain(bearings).chain(events).collect();
     names.extend(worst_probe(outcome).map(|probe| probe.name.clone()));
     names
 }
 
-/// Returns the probe with the largest residual, over its noise where that is known.
+/// Returns the probe with the largest ratio of residual to noise; for a probe of unknown noise, the residual itself is compared.
 fn worst_probe(outcome: &Outcome) -> Option<&ProbeOutcome> {
     let size =
         |probe: &ProbeOutcome| probe.residual_rms_um / probe.noise_um.filter(|noise| *noise > 0.0).unwrap_or(1.0);
@@ -109,7 +109,7 @@ fn worst_probe(outcome: &Outcome) -> Option<&ProbeOutcome> {
     compared.max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
-/// Divides the figures into those that prove the verdict and the others.
+/// Divides the figures into the evidence of the verdict and the others.
 fn evidence(outcome: &Outcome, mut sections: Vec<Section>) -> (Option<PageSection>, Vec<Section>) {
     let worst = worst_probe(outcome).map(|probe| probe.name.as_str());
     let mut proof = vec![];
@@ -122,12 +122,12 @@ fn evidence(outcome: &Outcome, mut sections: Vec<Section>) -> (Option<PageSectio
         }
     };
     take(&mut sections, "Diagnosis", None);
-    let is_of_vibration = |finding: &Finding| finding.vibration.is_some();
-    if outcome.findings.iter().any(is_of_vibration) {
+    let is_of_vibration = |diagnosis: &Diagnosis| diagnosis.vibration.is_some();
+    if outcome.diagnoses.iter().any(is_of_vibration) {
         take(&mut sections, "Envelope spectra", None);
     }
     let first_event = outcome.events.first().map(|event| event.probe.as_str());
-    if outcome.findings.is_empty()
+    if outcome.diagnoses.is_empty()
         && let Some(probe) = first_event.or(worst)
     {
         if first_event.is_some() {
@@ -141,9 +141,9 @@ fn evidence(outcome: &Outcome, mut sections: Vec<Section>) -> (Option<PageSectio
     (proof, sections)
 }
 
-/// Returns the findings and events, or what is not plausible; none where there is nothing to state.
+/// Returns the section of diagnoses and events, or of implausibilities; `None` without any of them.
 fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
-    if outcome.findings.is_empty() && outcome.events.is_empty() {
+    if outcome.diagnoses.is_empty() && outcome.events.is_empty() {
         let row = |one: &ballrace_twin::outcome::Implausibility| {
             [&one.subject, &one.found, &one.cause, &one.remedy].map(Clone::clone)
         };
@@ -161,7 +161,7 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
                 against the next cause.";
     let mut table = Table {
         columns: vec![
-            Column::name("Finding"),
+            Column::name("Diagnosis"),
             Column::name("Bearing"),
             Column::name("Severity"),
             Column::number("Line", "Hz"),
@@ -171,25 +171,25 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             Column::words("Evidence"),
             Column::words("Action"),
         ],
-        note: if outcome.findings.is_empty() { String::new() } else { note.to_owned() },
+        note: if outcome.diagnoses.is_empty() { String::new() } else { note.to_owned() },
         ..Table::default()
     };
-    for (i, finding) in outcome.findings.iter().enumerate() {
+    for (i, diagnosis) in outcome.diagnoses.iter().enumerate() {
         let line = |value: f64, decimals: usize| {
-            if finding.order == 0.0 { DASH.to_owned() } else { typeset(&fixed(value, decimals)) }
+            if diagnosis.order == 0.0 { DASH.to_owned() } else { typeset(&fixed(value, decimals)) }
         };
         let cells = [
-            words::kind(finding.kind).to_owned(),
-            finding.bearing.clone().unwrap_or_else(|| DASH.to_owned()),
-            words::severity(finding).to_owned(),
-            line(finding.line_hz, 1),
-            line(finding.order, 3),
-            typeset(&fixed(finding.level_db, 1)),
-            typeset(&fixed(100.0 * finding.confidence, 0)),
-            finding.sentence.clone(),
-            words::action(finding.kind).to_owned(),
+            words::kind(diagnosis.kind).to_owned(),
+            diagnosis.bearing.clone().unwrap_or_else(|| DASH.to_owned()),
+            words::severity(diagnosis).to_owned(),
+            line(diagnosis.line_hz, 1),
+            line(diagnosis.order, 3),
+            typeset(&fixed(diagnosis.level_db, 1)),
+            typeset(&fixed(100.0 * diagnosis.confidence, 0)),
+            diagnosis.sentence.clone(),
+            words::action(diagnosis.kind).to_owned(),
         ];
-        table.push(Row { finding: Some(i), ..Row::new(cells) });
+        table.push(Row { diagnosis: Some(i), ..Row::new(cells) });
     }
     for event in &outcome.events {
         let cells = ["limit", DASH, DASH, DASH, DASH, DASH, DASH, &event.sentence, words::EVENT_ACTION];
@@ -201,28 +201,28 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
 /// Text of an absent value.
 const DASH: &str = "\u{2013}";
 
-/// Returns the orders at which a finding is seen, for the marks in the figures.
-fn lines_of(finding: &Finding) -> Vec<f64> {
-    if finding.order.is_nan() || finding.order <= 0.0 {
+/// Returns the orders of the lines of a diagnosis, for the marks in the figures.
+fn lines_of(diagnosis: &Diagnosis) -> Vec<f64> {
+    if diagnosis.order.is_nan() || diagnosis.order <= 0.0 {
         return vec![];
     }
-    let multiples = (1..=MULTIPLES).map(|k| f64::from(k) * finding.order);
-    match finding.kind {
-        FindingKind::OuterRace | FindingKind::Cage | FindingKind::Element => multiples.collect(),
-        // The load on a place of the inner ring changes once a revolution.
-        FindingKind::InnerRace => multiples.flat_map(|order| [order - 1.0, order, order + 1.0]).collect(),
-        _ => vec![finding.order],
+    let multiples = (1..=MULTIPLES).map(|k| f64::from(k) * diagnosis.order);
+    match diagnosis.kind {
+        FaultKind::OuterRace | FaultKind::Cage | FaultKind::Element => multiples.collect(),
+        // The load at a position on the inner ring changes once per revolution, which causes side bands.
+        FaultKind::InnerRace => multiples.flat_map(|order| [order - 1.0, order, order + 1.0]).collect(),
+        _ => vec![diagnosis.order],
     }
 }
 
-/// Returns the values that the script reads beside those of the figures.
+/// Returns the values that the script reads in addition to those of the figures.
 fn data(outcome: &Outcome) -> serde_json::Map<String, serde_json::Value> {
     let pictures = &outcome.pictures;
-    let finding = |finding: &Finding| {
+    let diagnosis = |diagnosis: &Diagnosis| {
         json!({
-            "orders": lines_of(finding),
-            "names": finding.bearing.iter().collect::<Vec<_>>(),
-            "sentence": finding.sentence,
+            "orders": lines_of(diagnosis),
+            "names": diagnosis.bearing.iter().collect::<Vec<_>>(),
+            "sentence": diagnosis.sentence,
         })
     };
     let plane = |orbit: &ballrace_twin::replay::outcome::Orbit| {
@@ -242,7 +242,7 @@ fn data(outcome: &Outcome) -> serde_json::Map<String, serde_json::Value> {
     let value = json!({
         "speed_hz": outcome.record.mean_speed_rpm.abs() / 60.0,
         "forward": if outcome.record.mean_speed_rpm < 0.0 { -1 } else { 1 },
-        "findings": outcome.findings.iter().map(finding).collect::<Vec<_>>(),
+        "diagnoses": outcome.diagnoses.iter().map(diagnosis).collect::<Vec<_>>(),
         "excerpt": {
             "rate_hz": pictures.excerpt.rate_hz,
             "segment": 2 * outcome.record.spectra.lines,
@@ -256,7 +256,7 @@ fn data(outcome: &Outcome) -> serde_json::Map<String, serde_json::Value> {
     }
 }
 
-/// Formats a number for the page: with a minus sign, a dash where it is missing.
+/// Formats the text of a number for the page: with a minus sign, or a dash for a missing number.
 pub(super) fn typeset(text: &str) -> String {
     if text == NONE { DASH.to_owned() } else { text.replace('-', "\u{2212}") }
 }
@@ -364,7 +364,7 @@ fn planes(outcome: &Outcome) -> Table {
     Table::of(heads, rows(planes.iter().map(|plane| plane.name.clone()), &columns), note)
 }
 
-/// Returns the comparison: two rows for each probe, of the machine and of its twin.
+/// Returns the comparison: two rows per probe, measured and twin.
 fn comparison(probes: &[ProbeOutcome]) -> Table {
     let both =
         |of: fn(&Motion) -> f64| column(probes.iter().flat_map(move |probe| [of(&probe.measured), of(&probe.twin)]));
@@ -417,10 +417,10 @@ fn comparison(probes: &[ProbeOutcome]) -> Table {
         ];
         first.extend(motion.iter().map(|column| of(&column[2 * i])));
         first.extend(difference.iter().map(|column| spanning(column[i].clone())));
-        table.push(Row { cells: first, class: "measured", finding: None });
+        table.push(Row { cells: first, class: "measured", diagnosis: None });
         let twin = [Cell { class: "name of", ..Cell::from("twin") }];
         let twin = twin.into_iter().chain(motion.iter().map(|column| of(&column[2 * i + 1])));
-        table.push(Row { cells: twin.collect(), class: "twin", finding: None });
+        table.push(Row { cells: twin.collect(), class: "twin", diagnosis: None });
     }
     table
 }
@@ -600,7 +600,7 @@ mod tests {
         page.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()).collect()
     }
 
-    /// The page without its script and data.
+    /// Returns the page without its script and data.
     fn still(page: &str) -> &str {
         page.split("<script").next().unwrap()
     }
@@ -611,7 +611,7 @@ mod tests {
             let page = html(&outcome).unwrap();
             assert!(outcome.probes.iter().all(|probe| page.contains(&escaped(&probe.name))));
             assert!(outcome.bearings.iter().all(|bearing| page.contains(&escaped(&bearing.name))));
-            assert!(outcome.findings.iter().all(|finding| page.contains(&escaped(&finding.sentence))));
+            assert!(outcome.diagnoses.iter().all(|diagnosis| page.contains(&escaped(&diagnosis.sentence))));
             for outside in ["http://", "https://", "<link", "<img", "url(", "@import", "<b>proximity"] {
                 assert!(!still(&page).contains(outside), "{outside}");
             }
@@ -629,7 +629,7 @@ mod tests {
         let found = of(&usual);
         assert!(found.level == Level::Red && found.word == "FAULT FOUND" && found.action.contains("spare bearing"));
         let probes = usual.probes.iter().cloned().map(|probe| ProbeOutcome { noise_um: Some(10.0), ..probe }).collect();
-        let sound = Outcome { findings: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
+        let sound = Outcome { diagnoses: vec![], events: vec![], probes, diagnosis: Some(Default::default()), ..usual };
         assert_eq!((of(&sound).level, of(&sound).word), (Level::Green, "NO FAULT FOUND"));
         let undiagnosed = Outcome { diagnosis: None, ..sound };
         assert_eq!((of(&undiagnosed).level, of(&undiagnosed).word), (Level::Amber, "NOT DIAGNOSED"));
@@ -653,7 +653,7 @@ mod tests {
     fn pictures_are_all_there() {
         let page = html(&fixture::usual()).unwrap();
         // Rotor, deflected line. Traces, trends, half spectra; orbits direct and 1X, centrelines, full spectra, waterfalls, forces, loads; an envelope; three
-        // of the finding.
+        // of the diagnosis.
         assert_eq!(page.matches("<svg").count(), 2 + 3 * 5 + 7 * 2 + 1 + 3);
         let run_up = html(&fixture::run_up()).unwrap();
         assert_eq!(run_up.matches("<svg").count() - page.matches("<svg").count(), 2 * 4);

@@ -17,7 +17,7 @@ pub(super) fn decimals(values: impl IntoIterator<Item = f64>) -> usize {
     }
 }
 
-/// Formats a number with the given decimals; a very large one in powers of ten, `NONE` where it is not finite.
+/// Formats a number with this number of decimals; from 1e7 in scientific notation, and as `-` where it is not finite.
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
@@ -56,7 +56,7 @@ pub fn with_sign(value: f64, decimals: usize) -> String {
     if value > 0.0 && text.chars().any(|c| ('1'..='9').contains(&c)) { format!("+{text}") } else { text }
 }
 
-/// Formats a count with separated thousands.
+/// Formats a count with a space between groups of three digits.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
@@ -69,13 +69,13 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// "1 sample", "2 samples".
+/// Formats a count with its noun, such as "1 sample" or "2 samples".
 pub fn counted(value: u64, noun: &str) -> String {
     let plural = if value == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(value))
 }
 
-/// Formats nanoseconds as microseconds.
+/// Converts nanoseconds to microseconds.
 pub(super) fn microseconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1000.0
 }

@@ -17,11 +17,11 @@ const TEMPLATE: &str = include_str!("page/report.html");
 const STYLE: &str = include_str!("page/report.css");
 const SCRIPT: &str = include_str!("page/report.js");
 
-/// Figures of a report of which all are printed.
+/// Largest number of figures of a report whose figures are all printed.
 const PRINTED: usize = 8;
-/// Figures of one section that are printed of a larger report: enough to prove the verdict, few enough for six pages.
+/// Number of figures that are printed per section of a larger report, so that it has about six pages.
 const PRINTED_OF_SECTION: usize = 2;
-/// Sections of figures beyond which one figure of each is printed.
+/// Largest number of sections with this number of printed figures; with more sections, one figure of each is printed.
 const MAX_SECTIONS: usize = 12;
 
 /// One report.
@@ -117,7 +117,7 @@ pub(super) struct Table {
     pub(super) rows: Vec<Row>,
     /// Explanation below; may be empty.
     pub(super) note: String,
-    /// Whether rows have sentences; on a narrow screen each is a list.
+    /// A column has sentences: on a narrow screen each row becomes a list.
     pub(super) is_wordy: bool,
 }
 
@@ -131,17 +131,17 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// A column of numbers.
+    /// Creates a column of numbers.
     pub(super) fn number(name: impl Into<Cow<'static, str>>, unit: &'static str) -> Self {
         Self { name: name.into(), unit, class: "number" }
     }
 
-    /// A column of short names.
+    /// Creates a column of short names.
     pub(super) fn name(name: &'static str) -> Self {
         Self { name: name.into(), unit: "", class: "name" }
     }
 
-    /// A column of sentences.
+    /// Creates a column of sentences.
     pub(super) fn words(name: &'static str) -> Self {
         Self { name: name.into(), unit: "", class: "words" }
     }
@@ -151,8 +151,8 @@ impl Column {
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Row {
     pub(super) cells: Vec<Cell>,
-    /// Number of the finding that a click highlights.
-    pub(super) finding: Option<usize>,
+    /// Number of the diagnosis that a click highlights.
+    pub(super) diagnosis: Option<usize>,
     /// Class of the row; may be empty.
     pub(super) class: &'static str,
 }
@@ -167,11 +167,11 @@ impl Row {
 #[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct Cell {
     pub(super) text: String,
-    /// Rows that it spans, 0 for one.
+    /// Number of rows that it spans; 0 for one row.
     pub(super) rows: usize,
-    /// Class; that of its column where a row has a cell for every column.
+    /// Class; if empty, that of its column where a row has a cell for every column.
     pub(super) class: &'static str,
-    /// Names the row.
+    /// The cell is the heading of its row.
     pub(super) is_head: bool,
 }
 
@@ -182,7 +182,7 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Table {
-    /// Adds a row; of one with a cell for every column the first cell names it.
+    /// Adds a row. In a row with a cell for every column, the first cell becomes the heading.
     pub(super) fn push(&mut self, mut row: Row) {
         self.is_wordy = self.columns.iter().any(|column| column.class == "words");
         if row.cells.len() == self.columns.len() {
@@ -257,10 +257,10 @@ fn pictures<S: Serializer>(pictures: &[Picture], serializer: S) -> Result<S::Ok,
     serializer.collect_seq(pictures.iter().map(view))
 }
 
-/// Returns the page.
+/// Renders the page as HTML.
 ///
 /// # Errors
-/// Returns an error if the template fails.
+/// Returns an error if the template cannot be read or rendered.
 pub(super) fn render(mut page: Page) -> Result<String> {
     let counts: Vec<usize> = page.sections.iter().filter_map(PageSection::pictures).map(<[Picture]>::len).collect();
     let most = match counts.iter().sum::<usize>() {
@@ -291,7 +291,7 @@ pub(super) fn render(mut page: Page) -> Result<String> {
     template.render(context).context("writing the report")
 }
 
-/// Marks the figures of a section that are printed, those of relevant names first; returns the number of the others.
+/// Marks at most `most` figures of a section as printed, those with relevant names first; returns the number of the others.
 fn choose_printed(figures: &mut [Picture], most: usize, relevant: &[String]) -> usize {
     let is_relevant = |picture: &Picture| relevant.iter().any(|name| picture.title.contains(name.as_str()));
     let mut order: Vec<usize> = (0..figures.len()).collect();
@@ -307,7 +307,7 @@ pub(super) fn script_hash() -> String {
     format!("sha256-{}", base64(&Sha256::digest(SCRIPT.as_bytes())))
 }
 
-/// Returns what the script reads: the frames of each figure in the order of the page, with the values of their curves.
+/// Returns the data of the script: the frames of each figure in the order of the page, with the values of their curves.
 fn data(page: &Page) -> serde_json::Value {
     let figures = page.sections.iter().filter_map(PageSection::pictures);
     let figure = |picture: &Picture| {
@@ -358,7 +358,7 @@ fn curve(curve: &CurveValues) -> serde_json::Value {
     json!({ "name": curve.name, "kind": kind, "along": along, "x": column(&x), "y": singles(&y) })
 }
 
-/// Evenly spaced values as start, step and number; other values as [`singles`].
+/// Returns evenly spaced values as start, step and number, other values as [`singles`].
 fn column(values: &[f64]) -> serde_json::Value {
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return json!("") };
     let step = (last - first) / (values.len() - 1).max(1) as f64;
@@ -370,12 +370,12 @@ fn column(values: &[f64]) -> serde_json::Value {
     }
 }
 
-/// Values as base64 of little-endian `f32`.
+/// Returns values as base64 of little-endian `f32`.
 pub(super) fn singles(values: &[f64]) -> serde_json::Value {
     json!(base64(&values.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect::<Vec<u8>>()))
 }
 
-/// Values as base64 of little-endian `i16` with offset and step; the smallest number stands for a missing value.
+/// Returns values as base64 of little-endian `i16` with offset and step; `i16::MIN` is a missing value.
 pub(super) fn steps(values: &[f32]) -> serde_json::Value {
     const MISSING: i16 = i16::MIN;
     let finite = values.iter().copied().filter(|x| x.is_finite()).map(f64::from);

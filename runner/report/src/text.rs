@@ -11,12 +11,12 @@ const NAME: usize = 16;
 /// Components of a force with their units.
 const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
 
-/// Returns the outcome as text: verdict, recording, results of every probe and bearing, findings, flaws, timing.
+/// Returns the outcome as text: verdict, recording, results of every probe and bearing, diagnoses, flaws, timing.
 #[must_use]
 pub fn text(outcome: &Outcome) -> String {
     let mut page = Page::default();
     page.sentence("", if outcome.verdict.is_empty() { "No verdict." } else { &outcome.verdict });
-    findings(&mut page, outcome);
+    diagnoses(&mut page, outcome);
     page.title("RECORDING");
     for (name, value) in words::facts(outcome) {
         page.sentence(&format!("  {:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
@@ -86,7 +86,7 @@ fn set(cell: &str, width: usize, left: bool) -> String {
     if left { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
 }
 
-/// Returns lines of at most `width` characters. A longer word is divided.
+/// Breaks a sentence into lines of at most `width` characters. A longer word is divided.
 pub(super) fn broken(sentence: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
@@ -157,7 +157,7 @@ fn motion(page: &mut Page, outcome: &Outcome) {
     page.table(2, &heads, &rows(&columns));
 }
 
-/// The 1X phase lag; none where the amplitude is rounding of the integration or nothing.
+/// Formats the 1X phase lag; `-` where the amplitude is below [`SMALLEST_ONE_X`], within the rounding of the integration.
 fn phase_lag(motion: &Motion) -> String {
     if motion.one_x_um < SMALLEST_ONE_X { "-".to_owned() } else { fixed(motion.one_x_phase_lag_deg, 1) }
 }
@@ -281,8 +281,8 @@ fn orders(page: &mut Page, bearings: &[BearingOutcome]) {
     page.table(1, &heads, &known.iter().map(row).collect::<Vec<_>>());
 }
 
-fn findings(page: &mut Page, outcome: &Outcome) {
-    page.title("FINDINGS");
+fn diagnoses(page: &mut Page, outcome: &Outcome) {
+    page.title("DIAGNOSES");
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         page.line("  not judged");
         for one in &outcome.implausible {
@@ -290,23 +290,23 @@ fn findings(page: &mut Page, outcome: &Outcome) {
             page.sentence("    Probable cause: ", &one.cause);
             page.sentence("    Remedy: ", &one.remedy);
         }
-    } else if outcome.findings.is_empty() {
+    } else if outcome.diagnoses.is_empty() {
         page.line("  none");
     }
-    for finding in &outcome.findings {
-        // The verdict is the sentence of the first finding.
-        let is_said = outcome.verdict.contains(&finding.sentence);
-        let [cause, _] = words::finding(finding);
-        page.sentence("  * ", if is_said { &cause } else { &finding.sentence });
-        let line = if finding.order == 0.0 {
+    for diagnosis in &outcome.diagnoses {
+        // The verdict is the sentence of the first diagnosis.
+        let is_said = outcome.verdict.contains(&diagnosis.sentence);
+        let [cause, _] = words::diagnosis(diagnosis);
+        page.sentence("  * ", if is_said { &cause } else { &diagnosis.sentence });
+        let line = if diagnosis.order == 0.0 {
             String::new()
         } else {
-            format!("line {} Hz, order {}, ", fixed(finding.line_hz, 1), fixed(finding.order, 3))
+            format!("line {} Hz, order {}, ", fixed(diagnosis.line_hz, 1), fixed(diagnosis.order, 3))
         };
-        let (level, confidence) = (fixed(finding.level_db, 1), fixed(100.0 * finding.confidence, 0));
-        let evidence = format!("{}: {line}{level} dB, confidence {confidence} %", words::severity(finding));
+        let (level, confidence) = (fixed(diagnosis.level_db, 1), fixed(100.0 * diagnosis.confidence, 0));
+        let evidence = format!("{}: {line}{level} dB, confidence {confidence} %", words::severity(diagnosis));
         page.sentence("    ", &evidence);
-        page.sentence("    Action: ", words::action(finding.kind));
+        page.sentence("    Action: ", words::action(diagnosis.kind));
     }
 }
 
@@ -387,19 +387,19 @@ mod tests {
         let text = text(&outcome);
         assert!(outcome.probes.iter().all(|probe| text.contains(&probe.name)));
         assert!(outcome.bearings.iter().all(|bearing| text.contains(&bearing.model)));
-        assert!(outcome.findings.iter().all(|finding| text.contains(&finding.sentence[..20])));
+        assert!(outcome.diagnoses.iter().all(|diagnosis| text.contains(&diagnosis.sentence[..20])));
     }
 
     #[test]
-    fn a_finding_of_the_verdict_is_not_repeated_and_has_its_action() {
+    fn a_diagnosis_of_the_verdict_is_not_repeated_and_has_its_action() {
         let mut outcome = fixture::usual();
-        outcome.findings.truncate(1);
-        let finding = outcome.findings.first().unwrap();
-        outcome.verdict = format!("The machine departs from its twin. {}", finding.sentence);
+        outcome.diagnoses.truncate(1);
+        let diagnosis = outcome.diagnoses.first().unwrap();
+        outcome.verdict = format!("The machine departs from its twin. {}", diagnosis.sentence);
         let text = text(&outcome).split_whitespace().collect::<Vec<_>>().join(" ");
-        let said = finding.sentence.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = diagnosis.sentence.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(text.matches(&said).count(), 1, "{text}");
-        assert!(text.contains(words::action(finding.kind)) && text.contains(words::severity(finding)), "{text}");
+        assert!(text.contains(words::action(diagnosis.kind)) && text.contains(words::severity(diagnosis)), "{text}");
         assert!(text.contains("diagnosis 2.5 s"), "{text}");
     }
 

@@ -2,7 +2,7 @@
 
 use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    Estimate, FaultForm, Finding, FindingKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
+    Diagnosis, Estimate, FaultForm, FaultKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
     SourceFigures, Standing, Timing,
 };
 use ballrace_twin::verdict;
@@ -10,30 +10,30 @@ use ballrace_twin::verdict;
 /// Condition number above which the arrangement of the probes is poor.
 const BADLY_PLACED: f64 = 100.0;
 
-/// Name of a kind of fault.
-pub(super) fn kind(kind: FindingKind) -> &'static str {
+/// Returns the name of a kind of fault.
+pub(super) fn kind(kind: FaultKind) -> &'static str {
     match kind {
-        FindingKind::OuterRace => "outer race",
-        FindingKind::InnerRace => "inner race",
-        FindingKind::Element => "rolling element",
-        FindingKind::Cage => "cage",
-        FindingKind::Unbalance => "unbalance",
-        FindingKind::Misalignment => "misalignment",
-        FindingKind::Clearance => "clearance",
-        FindingKind::Load => "load",
-        FindingKind::Other => "other",
+        FaultKind::OuterRace => "outer race",
+        FaultKind::InnerRace => "inner race",
+        FaultKind::Element => "rolling element",
+        FaultKind::Cage => "cage",
+        FaultKind::Unbalance => "unbalance",
+        FaultKind::Misalignment => "misalignment",
+        FaultKind::Clearance => "clearance",
+        FaultKind::Load => "load",
+        FaultKind::Other => "other",
     }
 }
 
-/// Names the cause of a finding, without its place and size: "Spall on the outer race", "Unbalance".
-pub(super) fn cause(finding: &Finding) -> String {
-    let surface = match finding.kind {
-        FindingKind::OuterRace => "the outer race",
-        FindingKind::InnerRace => "the inner race",
-        FindingKind::Element => "a rolling element",
+/// Returns the cause of a diagnosis without location and size, such as "Spall on the outer race" or "Unbalance".
+pub(super) fn cause(diagnosis: &Diagnosis) -> String {
+    let surface = match diagnosis.kind {
+        FaultKind::OuterRace => "the outer race",
+        FaultKind::InnerRace => "the inner race",
+        FaultKind::Element => "a rolling element",
         other => return capitalised(kind(other)),
     };
-    match (finding.parameters.form, finding.parameters.waviness_order) {
+    match (diagnosis.parameters.form, diagnosis.parameters.waviness_order) {
         (Some(FaultForm::Waviness), Some(order)) => format!("Waviness of order {order} on {surface}"),
         (Some(FaultForm::Waviness), None) => format!("Waviness on {surface}"),
         (Some(FaultForm::Spall), _) => format!("Spall on {surface}"),
@@ -41,25 +41,25 @@ pub(super) fn cause(finding: &Finding) -> String {
     }
 }
 
-/// Names the cause of a finding with its place: "Spall on the outer race at 290 deg".
-pub(super) fn place(finding: &Finding) -> String {
-    let parameters = &finding.parameters;
+/// Returns the cause of a diagnosis with its location, such as "Spall on the outer race at 290 deg".
+pub(super) fn place(diagnosis: &Diagnosis) -> String {
+    let parameters = &diagnosis.parameters;
     match (parameters.azimuth_deg, parameters.element) {
-        (Some(azimuth), _) => format!("{} at {} deg", cause(finding), fixed(azimuth.value, 0)),
+        (Some(azimuth), _) => format!("{} at {} deg", cause(diagnosis), fixed(azimuth.value, 0)),
         (None, Some(element)) => format!("Spall on element {element}"),
-        _ => cause(finding),
+        _ => cause(diagnosis),
     }
 }
 
-/// Returns a finding for a terminal: its cause with the bearing, then place, size with 95 % interval, and odds.
-pub fn finding(finding: &Finding) -> [String; 2] {
-    let p = &finding.parameters;
-    let head = match &finding.bearing {
-        Some(bearing) => format!("{}, bearing {bearing}", cause(finding)),
-        None => cause(finding),
+/// Returns a diagnosis for a terminal: its cause with the bearing, then location, size with 95 % interval, odds and confidence.
+pub fn diagnosis(diagnosis: &Diagnosis) -> [String; 2] {
+    let p = &diagnosis.parameters;
+    let head = match &diagnosis.bearing {
+        Some(bearing) => format!("{}, bearing {bearing}", cause(diagnosis)),
+        None => cause(diagnosis),
     };
-    let azimuth = match finding.kind {
-        FindingKind::InnerRace => "deg from the keyphasor mark",
+    let azimuth = match diagnosis.kind {
+        FaultKind::InnerRace => "deg from the keyphasor mark",
         _ => "deg from +X",
     };
     let sizes = [
@@ -90,7 +90,7 @@ pub fn finding(finding: &Finding) -> [String; 2] {
         .chain(sizes.into_iter().filter_map(interval))
         .chain(load.map(|load| format!("{load} N along X, Y, Z")))
         .chain(odds)
-        .chain([format!("confidence {} %", fixed(100.0 * finding.confidence, 0))])
+        .chain([format!("confidence {} %", fixed(100.0 * diagnosis.confidence, 0))])
         .collect();
     [head, facts.join("; ")]
 }
@@ -102,8 +102,8 @@ fn capitalised(text: &str) -> String {
 
 /// Recommended action after a limit was crossed.
 pub const EVENT_ACTION: &str =
-    "Compare with the operating state at that time; where it recurs without a cause in operation, look for a finding.";
-/// Returns the recommended action where there is no finding.
+    "Compare with the operating state at that time; where it recurs without a cause in operation, look for a fault.";
+/// Returns the recommended action where there is no diagnosis.
 pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         return "remove the cause that the verdict states, then replay or measure again.";
@@ -121,33 +121,33 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
 pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column states; phase in \
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
 
-/// Returns the recommended action for a kind of finding.
+/// Returns the recommended action for a kind of diagnosis.
 #[must_use]
-pub const fn action(kind: FindingKind) -> &'static str {
+pub const fn action(kind: FaultKind) -> &'static str {
     match kind {
-        FindingKind::OuterRace | FindingKind::InnerRace | FindingKind::Element => {
+        FaultKind::OuterRace | FaultKind::InnerRace | FaultKind::Element => {
             "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."
         }
-        FindingKind::Cage => "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
-        FindingKind::Unbalance => {
+        FaultKind::Cage => "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
+        FaultKind::Unbalance => {
             "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene."
         }
-        FindingKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
-        FindingKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene again.",
-        FindingKind::Load => {
+        FaultKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
+        FaultKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene again.",
+        FaultKind::Load => {
             "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
              thrust loads and what the machine drives."
         }
-        FindingKind::Other => {
+        FaultKind::Other => {
             "If the scene is not fitted to this machine, run ballrace fit on a recording of the machine in good order; else look at the \
              residual's spectrum and orbit, and check mounting and probes."
         }
     }
 }
 
-/// Returns the severity of a finding as a word; it is a level, not a rate of damage.
-pub(super) fn severity(finding: &Finding) -> &'static str {
-    match finding.level_db {
+/// Returns the severity of a diagnosis as a word; it is a level, not a rate of damage.
+pub(super) fn severity(diagnosis: &Diagnosis) -> &'static str {
+    match diagnosis.level_db {
         db if db >= 30.0 => "strong",
         db if db >= 20.0 => "clear",
         _ => "slight",
@@ -251,7 +251,7 @@ pub(super) fn rotor(rotor: &RotorOutcome) -> [(&'static str, String); 2] {
     [("Rotor", body), ("Reduced model", model)]
 }
 
-/// Returns name, station and angle.
+/// Returns name, station and angle of a probe.
 fn probe(probe: &ProbeOutcome) -> String {
     let looks = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| format!("{} deg", fixed(angle, 0)));
     format!("{}{}, {looks}", probe.name, at_station(probe.station_mm, 1))
@@ -334,11 +334,11 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     remarks
 }
 
-/// Remark where a simpler model leaves less than the twin.
+/// Remark where a simpler model has a smaller residual than the twin.
 pub(super) const BEATEN: &str =
     "WORSE: a simpler model leaves less than the twin; the machine may have a fault or differ from the scene.";
 
-/// Compares the twin with the best simpler model.
+/// Returns the word for the standing of the twin against a simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {
     match standing {
         Standing::Better => "better",
@@ -370,7 +370,7 @@ pub fn pacing(timing: &Timing) -> Vec<String> {
     kept.into_iter().chain(timing.source.as_ref().map(source)).chain(timing.outputs.and_then(not_written)).collect()
 }
 
-/// Events and seconds that the outputs could not write, as a sentence; none where all are written.
+/// Returns a sentence with the numbers of events, seconds and messages that the outputs could not write; `None` where all are written.
 fn not_written(outputs: OutputFigures) -> Option<String> {
     (outputs != OutputFigures::default()).then(|| {
         format!(

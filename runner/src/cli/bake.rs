@@ -60,7 +60,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     }
 }
 
-/// Returns the files to write: of C, header and source.
+/// Returns the paths of the files to write: for C, header and source.
 fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
     let output = &args.output;
     if args.language == Language::Rust {
@@ -72,7 +72,7 @@ fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
     if !output.extension().is_some_and(|extension| extension == "h" || extension == "c") {
         bail!(invalid("a name that ends in .h"));
     }
-    // The name stands in an include directive.
+    // The name is part of an include directive.
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if !output.file_stem().and_then(|stem| stem.to_str()).is_some_and(|stem| stem.chars().all(is_plain)) {
         bail!(invalid("letters, digits, '_', '-' and '.'"));

@@ -115,11 +115,11 @@ fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -
     Ok(effect_significance::of_bearing(scene, &without_preload, &Displacement::from_array(row.u), &at)?)
 }
 
-/// A displacement of the inner ring against the outer ring, and how the bearing is turned with it.
+/// A displacement of the inner ring relative to the outer ring, with the kinematic state of the bearing.
 struct Pose {
     /// u, v, w (m), thu, thv (rad).
     u: [f64; 5],
-    /// Angles and speeds of the bearing's parts.
+    /// Angles and speeds of the components of the bearing.
     at: BearingKinematicState<f64>,
 }
 

@@ -94,14 +94,17 @@ fn list(format: Format) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// Returns a path as a scene in `folder` names it.
+/// Returns a path relative to `folder`, or an absolute path without a common folder.
+///
+/// # Errors
+/// Returns an error if a path does not exist or is not UTF-8 text.
 fn path_from(folder: &Path, path: &Path) -> Result<String> {
     let real = |path: &Path| {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         path.canonicalize().with_context(|| path.display().to_string())
     };
     let (folder, file) = (real(folder)?, real(path)?);
-    // Two files without a common folder have a path from the root alone.
+    // The root folder does not count as common.
     let common = folder.ancestors().find(|common| common.parent().is_some() && file.starts_with(common));
     let relative = common.map_or_else(
         || file.clone(),

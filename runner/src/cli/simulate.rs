@@ -108,7 +108,7 @@ fn parse_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
     Ok(value)
 }
 
-/// Returns the sampling rate. That of a recording is the scene's, which its replay expects.
+/// Returns the sampling rate, Hz. With `--as-recording` it is the rate in the scene, which a replay expects.
 fn rate(args: &Args, scene: &Scene) -> Result<f64> {
     let given = args.rate.as_ref().map(|text| parse_option("--rate", text, Dimension::Frequency)).transpose()?;
     let of_scene = match scene.recording.as_ref().map(|recording| &recording.clock) {

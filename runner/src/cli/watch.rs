@@ -47,7 +47,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
     }
     let scene = live::read_scene(args.scene.as_deref())?;
     let view = SharedView::default();
-    // The display of the demonstration has no end.
+    // Without a scene, the endless simulation is shown instead of the built-in recording.
     let source = args.live.source(&scene, None, args.scene.is_none().then_some(Address::Demonstration))?;
     let name = source.to_string();
     let baseline = args.baseline.as_deref();
@@ -63,7 +63,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
                 Ok(outcome) => view.update(|view| {
                     view.set_state(MonitorState::Ended);
                     view.conclusion =
-                        Some(Conclusion { verdict: outcome.verdict.clone(), findings: outcome.findings.clone() });
+                        Some(Conclusion { verdict: outcome.verdict.clone(), diagnoses: outcome.diagnoses.clone() });
                 }),
                 Err(_) => failed.store(true, Ordering::Relaxed),
             }

@@ -1,7 +1,7 @@
-//! Live display in the terminal: state and diagnosis, orbits, spectrum, trends, loads, events, findings, values and counters.
+//! Live display in the terminal: state and diagnosis, orbits, spectrum, trends, loads, events, diagnoses, values and counters.
 
 mod counters;
-mod findings;
+mod diagnoses;
 mod input;
 mod loads;
 mod orbit;
@@ -16,11 +16,13 @@ use ballrace_twin::printable;
 use ballrace_twin::scene::{Limit, Scene};
 use input::Input;
 use ratatui::crossterm::event::{KeyCode, KeyModifiers};
+use ratatui::crossterm::execute;
+use ratatui::crossterm::terminal::{EnterAlternateScreen, size};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Wrap};
-use ratatui::{DefaultTerminal, Frame};
+use ratatui::{DefaultTerminal, Frame, TerminalOptions, Viewport};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
@@ -29,6 +31,8 @@ use std::time::Duration;
 const REFRESH: Duration = Duration::from_millis(250);
 /// Minimum size of the terminal: columns, rows.
 const MIN_SIZE: (u16, u16) = (60, 22);
+/// Largest part of the terminal that is drawn on: columns, rows. It bounds the memory of the cells; a terminal can state 65535 x 65535.
+const MAX_SIZE: (u16, u16) = (500, 200);
 
 const MEASURED: Color = Color::Cyan;
 const TWIN: Color = Color::Yellow;
@@ -53,7 +57,7 @@ enum Panel {
     Trend,
     Loads,
     Events,
-    Findings,
+    Diagnoses,
     Values,
 }
 
@@ -72,7 +76,9 @@ struct RunInfo<'a> {
 pub fn show(scene: &Scene, source: &str, view: &SharedView, stop: &AtomicBool, failed: &AtomicBool) -> Result<()> {
     let probes = scene.recording.iter().flat_map(|r| &r.probes).map(|p| p.column.clone()).collect();
     let info = RunInfo { name: &scene.name, source, probes, limits: &scene.limits };
-    let mut terminal = ratatui::try_init()?;
+    let visible = visible_area(size()?);
+    let mut terminal = ratatui::try_init_with_options(TerminalOptions { viewport: Viewport::Fixed(visible) })?;
+    execute!(std::io::stdout(), EnterAlternateScreen)?;
     run(&mut terminal, &info, view, [stop, failed]);
     // If the terminal is closed, the destructor fails as well and would print an error.
     if terminal.show_cursor().is_err() {
@@ -90,7 +96,9 @@ fn run(terminal: &mut DefaultTerminal, info: &RunInfo, view: &SharedView, end_fl
         if !settings.is_paused {
             shown = view.get();
         }
-        if terminal.draw(|frame| draw(frame, info, &shown, settings)).is_err() {
+        let drawn =
+            resize(terminal).and_then(|()| terminal.draw(|frame| draw(frame, info, &shown, settings)).map(|_| ()));
+        if drawn.is_err() {
             return;
         }
         match inputs.recv_timeout(REFRESH) {
@@ -105,6 +113,17 @@ fn run(terminal: &mut DefaultTerminal, info: &RunInfo, view: &SharedView, end_fl
             Err(RecvTimeoutError::Disconnected) => return,
         }
     }
+}
+
+/// Returns the part of a terminal of `columns` and `rows` that is drawn on.
+fn visible_area((columns, rows): (u16, u16)) -> Rect {
+    Rect::new(0, 0, columns.min(MAX_SIZE.0), rows.min(MAX_SIZE.1))
+}
+
+/// Adapts the display to the present size of the terminal.
+fn resize(terminal: &mut DefaultTerminal) -> std::io::Result<()> {
+    let visible = visible_area(size()?);
+    if terminal.get_frame().area() == visible { Ok(()) } else { terminal.resize(visible) }
 }
 
 impl DisplaySettings {
@@ -122,7 +141,7 @@ impl DisplaySettings {
             KeyCode::Char('3') => panel(Panel::Trend),
             KeyCode::Char('4') => panel(Panel::Loads),
             KeyCode::Char('5') => panel(Panel::Events),
-            KeyCode::Char('6') => panel(Panel::Findings),
+            KeyCode::Char('6') => panel(Panel::Diagnoses),
             KeyCode::Char('7') => panel(Panel::Values),
             _ => self,
         }
@@ -157,9 +176,9 @@ fn draw_overview(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, set
     let (upper, middle, last) = (halves(rows[0]), halves(rows[1]), halves(rows[2]));
     let mut panels = vec![(Panel::Orbits, upper[0]), (Panel::Spectrum, upper[1]), (Panel::Events, last[1])];
     if view.conclusion.is_some() {
-        panels.push((Panel::Findings, rows[1]));
+        panels.push((Panel::Diagnoses, rows[1]));
     } else {
-        let second = if view.findings.is_empty() { Panel::Loads } else { Panel::Findings };
+        let second = if view.diagnoses.is_empty() { Panel::Loads } else { Panel::Diagnoses };
         panels.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
     }
     // Values against limits where the scene has limits, else the counters, which are below the values in their panel.
@@ -176,7 +195,7 @@ fn draw_panel(frame: &mut Frame, area: Rect, panel: Panel, info: &RunInfo, view:
         Panel::Trend => trend::draw(frame, area, info, view, settings),
         Panel::Loads => loads::draw(frame, area, view, settings.bearing),
         Panel::Events => counters::draw_events(frame, area, view),
-        Panel::Findings => findings::draw(frame, area, view),
+        Panel::Diagnoses => diagnoses::draw(frame, area, view),
         Panel::Values => values::draw(frame, area, view),
     }
 }
@@ -215,7 +234,7 @@ fn state(view: &View) -> Paragraph<'static> {
     };
     let word = Style::new().bg(colour).fg(Color::Black).add_modifier(Modifier::BOLD);
     let since = status.since.get(11..19).map_or_else(String::new, |clock| format!(" since {clock} UTC. "));
-    // The panel of the findings has the sentence of an alarm.
+    // The panel of the diagnoses has the sentence of an alarm.
     let sentence = match status.title.as_str() {
         "" => format!("{since}{} {}", status.sentence, status.action),
         title => format!("{since}{title}. {}", status.action),
@@ -261,7 +280,7 @@ mod tests {
     use ballrace_twin::record::{EventMessage, EventRecord};
     use ballrace_twin::replay::Snapshot;
     use ballrace_twin::replay::outcome::{
-        Estimate, FaultFigures, FaultForm, FaultParameters, Finding, FindingKind, MarkedLine,
+        Diagnosis, Estimate, FaultFigures, FaultForm, FaultKind, FaultParameters, MarkedLine,
     };
     use ballrace_twin::replay::second::{ProbeSecond, Second};
     use ballrace_twin::replay::snapshot::SnapshotSample;
@@ -369,12 +388,12 @@ mod tests {
     }
 
     #[test]
-    fn findings_are_shown_with_location_size_and_odds_during_and_after_the_run() {
+    fn diagnoses_are_shown_with_location_size_and_odds_during_and_after_the_run() {
         let scene = read_str(DEMO, Path::new("demo")).unwrap();
         let interval =
             |value: f64, half_width: f64| Some(Estimate { value, low: value - half_width, high: value + half_width });
-        let finding = Finding {
-            kind: FindingKind::OuterRace,
+        let diagnosis = Diagnosis {
+            kind: FaultKind::OuterRace,
             bearing: Some("DE".to_owned()),
             line_hz: 179.2,
             order: 3.58,
@@ -390,13 +409,14 @@ mod tests {
                 ..FaultParameters::default()
             },
             sentence: String::new(),
+            lines: vec![],
             figures: FaultFigures::default(),
         };
         let mut view = running(&scene);
-        view.findings.push(finding.clone());
-        view.alarms.update_faults(&view.findings);
+        view.diagnoses.push(diagnosis.clone());
+        view.alarms.update_faults(&view.diagnoses);
         assert!(screen(120, 24, &view, &[]).contains("Spall on the outer race, bearing DE"));
-        let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), findings: vec![finding] };
+        let conclusion = Conclusion { verdict: "DE: damage of the outer race.".to_owned(), diagnoses: vec![diagnosis] };
         let view = View { conclusion: Some(conclusion), ..running(&scene) };
         for keys in [&[][..], &[KeyCode::Char('6')]] {
             let shown = screen(120, 24, &view, keys);

@@ -2,7 +2,7 @@
 //! (IEC 62682).
 
 use ballrace_report as report;
-use ballrace_twin::outcome::{Event, Finding};
+use ballrace_twin::outcome::{Diagnosis, Event};
 use ballrace_twin::record::now;
 use ballrace_twin::replay::limits::LimitStatus;
 use serde::{Deserialize, Serialize};
@@ -84,11 +84,11 @@ impl AlarmList {
     }
 
     /// Raises the alarms of the present faults and ends those of faults that are no longer found.
-    pub fn update_faults(&mut self, findings: &[Finding]) {
-        let ids: Vec<String> = findings.iter().map(fault_id).collect();
-        for (finding, id) in findings.iter().zip(&ids) {
-            let [title, _] = report::finding(finding);
-            self.raise(id.clone(), &title, &finding.sentence, report::action(finding.kind));
+    pub fn update_faults(&mut self, diagnoses: &[Diagnosis]) {
+        let ids: Vec<String> = diagnoses.iter().map(fault_id).collect();
+        for (diagnosis, id) in diagnoses.iter().zip(&ids) {
+            let [title, _] = report::diagnosis(diagnosis);
+            self.raise(id.clone(), &title, &diagnosis.sentence, report::action(diagnosis.kind));
         }
         self.end(|alarm| alarm.id.starts_with(FAULT) && !ids.contains(&alarm.id));
     }
@@ -138,14 +138,14 @@ fn limit_title(id: &str) -> String {
 }
 
 /// Returns the identifier of a fault, whatever its size.
-fn fault_id(finding: &Finding) -> String {
+fn fault_id(diagnosis: &Diagnosis) -> String {
     let name = |value: Result<serde_json::Value, _>| match value {
         Ok(serde_json::Value::String(name)) => Some(name),
         _ => None,
     };
-    let form = finding.parameters.form.and_then(|form| name(serde_json::to_value(form)));
-    let kind = name(serde_json::to_value(finding.kind));
-    let parts = [Some(FAULT.to_owned()), form, kind, finding.bearing.as_ref().map(|bearing| format!("of {bearing}"))];
+    let form = diagnosis.parameters.form.and_then(|form| name(serde_json::to_value(form)));
+    let kind = name(serde_json::to_value(diagnosis.kind));
+    let parts = [Some(FAULT.to_owned()), form, kind, diagnosis.bearing.as_ref().map(|bearing| format!("of {bearing}"))];
     parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 

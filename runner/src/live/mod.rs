@@ -127,7 +127,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     }
     replay.restore_faults(&previous.faults);
     display.view.alarms.restore_limits(&replay.limit_status());
-    display.view.alarms.update_faults(&replay.findings());
+    display.view.alarms.update_faults(&replay.diagnoses());
     if is_resumed {
         let sentence = format!("The monitor resumed at sample {} ({:.3} s).", resume.index, start_time);
         outputs.add_event(&EventRecord::new(EventMessage { kind: "monitor-resumed", sentence }, start_time))?;
@@ -422,7 +422,7 @@ impl Monitor<'_, '_> {
             self.record_event(&record)?;
         }
         if !update.notices.is_empty() {
-            self.display.view.alarms.update_faults(&self.replay.findings());
+            self.display.view.alarms.update_faults(&self.replay.diagnoses());
         }
         for notice in update.notices {
             let message = EventMessage { kind: notice.kind, sentence: notice.sentence };
@@ -588,7 +588,7 @@ impl Monitor<'_, '_> {
             _ => MonitorState::Running,
         });
         view.time_s = self.time;
-        (view.findings, view.diagnosis) = (self.replay.findings(), self.replay.diagnosis_state());
+        (view.diagnoses, view.diagnosis) = (self.replay.diagnoses(), self.replay.diagnosis_state());
         view.limits = self.replay.limit_status();
         (view.lateness, view.compute, view.starting_s) = (pacing.lateness, pacing.compute, pacing.starting_s);
         (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);

@@ -48,7 +48,7 @@ impl Status {
             since: view.state_since.clone(),
         };
         if let Some(conclusion) = &view.conclusion {
-            let level = if conclusion.findings.is_empty() { Level::Unknown } else { Level::Alarm };
+            let level = if conclusion.diagnoses.is_empty() { Level::Unknown } else { Level::Alarm };
             return status("ENDED", level, &conclusion.verdict, "");
         }
         if let Some(status) = Self::of_alarms(view) {

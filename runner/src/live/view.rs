@@ -4,7 +4,7 @@ use super::alarms::AlarmList;
 use super::feed::lock;
 use ballrace_twin::record::{EventRecord, now};
 use ballrace_twin::replay::limits::LimitStatus;
-use ballrace_twin::replay::outcome::{Finding, Quantiles, SourceFigures};
+use ballrace_twin::replay::outcome::{Diagnosis, Quantiles, SourceFigures};
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::replay::{DiagnosisState, Snapshot};
 use serde::Serialize;
@@ -48,7 +48,7 @@ pub struct View {
     /// Latest samples and loads.
     pub snapshot: Arc<Snapshot>,
     /// Faults that the last diagnoses found.
-    pub findings: Vec<Finding>,
+    pub diagnoses: Vec<Diagnosis>,
     /// State of the diagnosis.
     pub diagnosis: DiagnosisState,
     /// Present values of limited indicators.
@@ -69,17 +69,17 @@ pub struct View {
     pub idle_percent: Option<f64>,
     /// Counts of samples received and lost.
     pub source: SourceFigures,
-    /// Verdict and findings at the end of the run.
+    /// Verdict and diagnoses at the end of the run.
     pub conclusion: Option<Conclusion>,
 }
 
-/// Verdict and findings of a run.
+/// Verdict and diagnoses of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Conclusion {
     /// Verdict as a sentence.
     pub verdict: String,
-    /// Findings, strongest first.
-    pub findings: Vec<Finding>,
+    /// Diagnoses, strongest first.
+    pub diagnoses: Vec<Diagnosis>,
 }
 
 /// Latest view, which the monitor loop replaces and displays read. Neither waits for the other: the lock is held for the

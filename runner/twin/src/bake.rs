@@ -1,5 +1,7 @@
-//! A scene as constants for firmware, with a certificate: its bearings (element positions, table and surfaces, without
-//! arithmetic at start), in Rust also its rotor and its observer.
+//! Writes the constants of a scene as source code for firmware, with a certificate.
+//!
+//! The source has the bearings (element positions, table and surface deviations, without arithmetic at start-up), the observer of a
+//! scene with `[observer]` and, in Rust, the matrices of a flexible or supported rotor.
 
 mod accuracy;
 mod c;
@@ -75,9 +77,9 @@ pub struct BakeOptions<'a> {
     pub bearing: Option<&'a str>,
     /// Language of the constants.
     pub language: Language,
-    /// Core whose cost the certificate has.
+    /// Core whose cost the certificate states.
     pub core: Core,
-    /// Source of the poses at which errors are taken; the first that the scene allows when absent.
+    /// Source of the poses at which errors are computed; the first source that the scene allows if `None`.
     pub poses: Option<PoseSource>,
     /// Name of the files without extension, for the include directives of C.
     pub name: &'a str,
@@ -86,7 +88,7 @@ pub struct BakeOptions<'a> {
 /// Constants of a scene.
 #[derive(Debug, Clone)]
 pub struct BakedScene {
-    /// Files of the source, that with the certificate first.
+    /// Files of the source; the file with the certificate is first.
     pub files: Vec<BakedFile>,
     /// Bearings in the order of the source.
     pub bearings: Vec<Baked>,
@@ -95,7 +97,7 @@ pub struct BakedScene {
 /// One file of the source.
 #[derive(Debug, Clone)]
 pub struct BakedFile {
-    /// Extension of its name; none where any is allowed.
+    /// Extension of the file name; `None` if any extension is allowed.
     pub extension: Option<&'static str>,
     /// Content.
     pub source: String,
@@ -108,12 +110,13 @@ struct Part<'a> {
     certificate: BearingCertificate,
 }
 
-/// Returns the source with the constants of one bearing, or of every bearing, a flexible or supported rotor and the observer; `text`
-/// is the text of the scene.
+/// Returns the source with the constants of one bearing, or of every bearing, the flexible or supported rotor and the observer.
+///
+/// `text` is the text of the scene.
 ///
 /// # Errors
-/// A model or an effect without constants, a table with states without equilibrium, a rotor or an observer without constants, a
-/// source of poses that cannot be read.
+/// Returns an error if a model, an effect, the rotor or the observer has no constants, if a state of the table has no equilibrium, or
+/// if the source of the poses cannot be read.
 pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<BakedScene> {
     let chosen: Vec<&Bearing> = match options.bearing {
         Some(_) => vec![build::pick(scene, options.bearing)?],
@@ -182,7 +185,7 @@ fn check_model(scene: &Scene, of: &Bearing) -> Result<(), BakeError> {
     Err(BakeError::Model { file: scene.path.clone(), bearing: of.name.clone(), found: of.model.name() })
 }
 
-/// Checks that no two bearings have one module.
+/// Checks that no two bearings have the same module name.
 fn check_names(scene: &Scene, chosen: &[&Bearing]) -> Result<(), BakeError> {
     for (i, of) in chosen.iter().enumerate() {
         let same = |other: &&&Bearing| identifier(&other.name) == identifier(&of.name);
@@ -213,12 +216,12 @@ pub struct Baked {
     pub certificate: BearingCertificate,
 }
 
-/// Returns the model that the constants of a model have.
+/// Returns the model of the written constants: a table for the quasi-static model, else `model` itself.
 fn baked_model(model: Model) -> Model {
     if model == Model::QuasiStatic { Model::Tabulated } else { model }
 }
 
-/// Returns the displacement by preload that constants have; that of springs is in their force.
+/// Returns the displacement by preload in the constants; zero for springs, whose force includes the preload.
 fn preload_offset(scene: &Scene, of: &Bearing) -> Result<Displacement<f64>> {
     let model = match of.model {
         Model::Linear => return Ok(Displacement::default()),
@@ -254,7 +257,7 @@ impl ConstantBytes {
     }
 }
 
-/// Returns the bytes of the constants of a bearing beside its table.
+/// Returns the size of a bearing's constants without its table, bytes.
 fn constant_bytes(of: &Bearing) -> usize {
     let features = of.waviness.len() + of.defect.len();
     let elements = of.elements * ELEMENT_BYTES + features * size_of::<Feature<f32>>() + OFFSET_BYTES;

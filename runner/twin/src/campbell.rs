@@ -71,7 +71,7 @@ const ROUND: f64 = 1e-3;
 /// Computes the modes at each speed (rad/s).
 ///
 /// # Errors
-/// A scene without a rotor, a parameter that the kernel rejects.
+/// Returns an error if the scene has no rotor, the kernel rejects a parameter or eigenvalues cannot be computed.
 pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     let at_speed = |scene: &Scene, speed: f64| {
         let mut turning = scene.clone();
@@ -81,7 +81,7 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     let mut scene = scene.clone();
     let highest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
     if scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some()) {
-        // The coordinates that the highest speed requires, at every speed: curves must not jump.
+        // Every speed uses the coordinates that the highest speed requires, so that the curves do not jump.
         let elastic = Plant::try_new(&at_speed(&scene, highest))?.layout.flexible().map(ReducedRotor::elastic);
         let drawn = scene.rotor.as_mut().and_then(|rotor| rotor.flexible.as_mut());
         if let (Some(drawn), Some(elastic)) = (drawn, elastic) {
@@ -96,7 +96,9 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     speeds.iter().map(at).collect()
 }
 
-/// Computes the modes of `M q'' + (B + w G) q' + K q = 0`, with or without `B`, lowest frequency first.
+/// Computes the modes of `M q'' + (B + w G) q' + K q = 0`, lowest frequency first.
+///
+/// `w` is the shaft speed `speed`, rad/s. The damping matrix `B` is zero unless `damped`.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter or eigenvalues cannot be computed.
@@ -143,7 +145,7 @@ fn modes_of(system: &DMatrix<f64>, plant: &Plant) -> Result<Vec<(Mode, Complex<f
     Ok(values.iter().enumerate().map(mode).collect())
 }
 
-/// Returns the eigenvector of an eigenvalue by inverse iteration; none where the equations cannot be solved.
+/// Computes the eigenvector of an eigenvalue by inverse iteration; `None` if the shifted matrix is singular.
 fn eigenvector(system: &DMatrix<f64>, value: Complex<f64>) -> Option<DVector<Complex<f64>>> {
     let size = system.nrows();
     let shift = value * Complex::new(1.0 + 1e-8, 1e-9);
@@ -170,7 +172,7 @@ fn whirl(system: &DMatrix<f64>, value: Complex<f64>, plant: &Plant) -> Whirl {
     let [along, tilting] = [turning(at(0), at(1)), turning(at(4), -at(3))];
     let share = |(turn, all): (f64, f64)| if all > 0.0 { 2.0 * turn / all } else { 0.0 };
     let larger = if along.1 > tilting.1 * LEVER * LEVER { along } else { tilting };
-    // A mode along the axis has no whirl of its own.
+    // An axial mode has no whirl.
     let round = if at(2).norm_sqr() > along.1.max(tilting.1 * LEVER * LEVER) { 0.0 } else { share(larger) };
     match round {
         turn if turn > ROUND => Whirl::Forward,

@@ -10,7 +10,7 @@ pub const UNKNOWN: &str = "?";
 /// Column at which comments begin.
 const COMMENT: usize = 38;
 
-/// Number of single numbers of a recording that a comment lists.
+/// Largest number of scalars of a recording that a comment lists.
 const NUMBERS_SHOWN: usize = 20;
 
 /// Content of a draft.
@@ -111,7 +111,7 @@ impl Page {
     }
 }
 
-/// Returns a text as TOML writes it.
+/// Returns a text as a quoted TOML string.
 fn quoted(text: &str) -> String {
     Value::from(text).to_string().trim().to_owned()
 }
@@ -197,7 +197,7 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
         }
         (None, None) => page.text("rate", None, "samples per second, such as \"12.8 kHz\": settings of the recorder"),
     }
-    // A speed is a number of the file too.
+    // The scalars of the file include the speed, which is no sampling rate.
     let is_speed = |name: &str| name.to_ascii_lowercase().contains("rpm");
     let rates = || preview.numbers.iter().filter(|name| !is_speed(name));
     if preview.rate.is_none() && rates().next().is_some() {

@@ -27,7 +27,7 @@ use std::f64::consts::PI;
 pub struct EffectSignificance {
     /// The scene's name of the bearing.
     pub bearing: String,
-    /// `centrifugal`, `gyroscopic`, `film`, `contact-angle`, `moving-balls` or `bending`.
+    /// Name of the effect: `centrifugal`, `gyroscopic`, `film`, `contact-angle`, `moving-balls` or `bending`.
     pub effect: &'static str,
     /// Change of force without the effect, over the force.
     pub change: f64,
@@ -40,7 +40,7 @@ pub struct EffectSignificance {
     pub at: Option<String>,
 }
 
-/// Default of the acceptable error of force.
+/// Default of the tolerated relative error of the force.
 pub const DEFAULT_FORCE_ERROR: f64 = 0.01;
 /// Number of cage angles over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
@@ -238,7 +238,7 @@ fn share(x: f64) -> String {
 /// One ball under its static load, in its plane: radial outward and axial.
 struct Ball {
     azimuth: f64,
-    /// N
+    /// Static load, N.
     load: f64,
     /// Contact angle, and free contact angle, rad.
     angle: f64,
@@ -307,8 +307,8 @@ impl Balls {
         sum
     }
 
-    /// Returns the contact angle of a model with a fixed one, rad: the free angle of an angular contact bearing; of a
-    /// deep-groove bearing, which has none before it is loaded, the mean under this load, weighted by the loads.
+    /// Returns the contact angle of a model with a fixed one, rad: the free angle of an angular-contact bearing; for a deep-groove
+    /// bearing, which has none without load, the mean angle under this load, weighted by the loads.
     fn fixed_angle(&self, facing: Facing) -> f64 {
         match facing {
             Facing::PlusZ | Facing::MinusZ => self.0.first().map_or(0.0, |ball| ball.free_angle),
@@ -408,17 +408,17 @@ impl Inertia {
         self.diameter / self.pitch * ball.angle.cos()
     }
 
-    /// rad/s
+    /// Returns the orbital speed of a ball, rad/s.
     fn orbit(&self, ball: &Ball) -> f64 {
         rolling_speed(self.gamma(ball), self.inner_speed, self.outer_speed)
     }
 
-    /// N
+    /// Returns the centrifugal force of a ball, N.
     fn centrifugal(&self, ball: &Ball) -> f64 {
         0.5 * self.mass * self.pitch * self.orbit(ball).powi(2)
     }
 
-    /// N m, in size, rolling without spin on the outer race.
+    /// Returns the magnitude of the gyroscopic moment of a ball, N m, for rolling without spin on the outer race.
     fn moment(&self, ball: &Ball) -> f64 {
         let ratio = self.diameter / self.pitch;
         let spin = (self.inner_speed - self.outer_speed) * (1.0 - self.gamma(ball).powi(2)) / (2.0 * ratio);

@@ -6,12 +6,12 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 /// Double-shift QR iterations per row of the matrix and per attempt, as many as LAPACK's `dhseqr` allows; a few are usual.
 const ITERATIONS_PER_ROW: usize = 30;
 
-/// Attempts in this order: multiple of the identity that is added to a matrix whose largest entry is 1, and whether its
-/// basis is reflected. Of 40 000 random systems with free directions and equal masses the first failed on 100, the first
-/// four on 8, all of them on none.
+/// Attempts in their order: multiple of the identity that is added to a matrix whose largest entry is 1, and whether its
+/// basis is reflected. On 40 000 random systems with free directions and equal masses, the first attempt failed for 100, the
+/// first four for 8, all of them for none.
 const ATTEMPTS: [(f64, bool); 6] = [(0.0, false), (0.0, true), (1.0, false), (1.0, true), (1e-3, false), (1e-3, true)];
 
-/// Why a matrix has no computed eigenvalues.
+/// Error returned when the eigenvalues of a matrix cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum EigenvalueError {
     /// An entry is NaN or infinite.
@@ -20,11 +20,11 @@ pub enum EigenvalueError {
          , expected masses, inertias and stiffnesses within the range of numbers"
     )]
     NotFinite {
-        /// Rows of the matrix.
+        /// Number of rows of the matrix.
         order: usize,
-        /// From 1.
+        /// Row, from 1.
         row: usize,
-        /// From 1.
+        /// Column, from 1.
         column: usize,
         /// The entry.
         value: f64,
@@ -35,14 +35,14 @@ pub enum EigenvalueError {
          , expected masses, inertias and stiffnesses of more similar scale"
     )]
     NotConverged {
-        /// Rows of the matrix.
+        /// Number of rows of the matrix.
         order: usize,
-        /// Counters of all attempts together.
+        /// Limit of the iterations, summed over all attempts.
         iterations: usize,
     },
 }
 
-/// Returns the eigenvalues of `matrix`, in no order.
+/// Computes the eigenvalues of `matrix`, in no particular order.
 ///
 /// The matrix is scaled to entries of at most 1, balanced by powers of two (Parlett and Reinsch 1969; James, Langou and
 /// Lowery 2014) and reduced by the double-shift QR iteration. The iteration compares its remainders with the diagonal,
@@ -50,10 +50,10 @@ pub enum EigenvalueError {
 /// it is repeated in another basis and with a shifted diagonal.
 ///
 /// The absolute error is a few machine epsilons times the norm of the balanced matrix; eigenvalues that coincide are as far
-/// off as the square root of that (see [`resolution`]). Cost: of order 25 n^3 operations an attempt, mostly one.
+/// off as the square root of that (see [`resolution`]). Cost: about 25 n^3 operations per attempt; usually one attempt.
 ///
 /// # Errors
-/// An entry that is not finite; an iteration that does not converge in any attempt.
+/// Returns an error if an entry is not finite or if the iteration converges in no attempt.
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, EigenvalueError> {
     let order = matrix.nrows();
     if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
@@ -143,7 +143,7 @@ mod tests {
         assert!((damped[1] - Complex::new(-10.0, expected)).norm() < 1e-9, "{damped:?}");
     }
 
-    /// Systems with equal masses and directions that nothing holds: more than the first attempt is needed.
+    /// Systems with equal masses and unsupported directions, which need more than the first attempt.
     #[test]
     fn mechanical_systems() {
         let mut state = 11_u64;
@@ -191,7 +191,7 @@ mod tests {
         }
     }
 
-    /// The cyclic permutation, on which a double-shift iteration without exceptional shifts goes in circles.
+    /// The cyclic permutation, on which a double-shift iteration without exceptional shifts does not converge.
     #[test]
     fn cyclic_permutations() {
         for n in 3..9 {

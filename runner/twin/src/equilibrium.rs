@@ -31,7 +31,7 @@ pub struct StaticEquilibrium {
     pub stiffness: [[f64; 5]; 5],
     /// Elements of all bearings.
     pub elements: Vec<Element>,
-    /// Flexible rotor; none of a rigid one or of a bearing alone.
+    /// Flexible rotor; `None` for a rigid rotor or a single bearing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotor: Option<RotorOutcome>,
     /// Drawing of the rotor, not part of the JSON; none for a bearing alone.
@@ -56,7 +56,7 @@ pub struct StaticEquilibrium {
 }
 
 impl StaticEquilibrium {
-    /// Returns whether the load is balanced, to [`LARGEST_RESIDUAL`] of it.
+    /// Returns true if the residual over the load is at most [`LARGEST_RESIDUAL`].
     #[must_use]
     pub fn is_in_equilibrium(&self) -> bool {
         self.residual <= LARGEST_RESIDUAL
@@ -107,23 +107,23 @@ pub struct Element {
     pub number: usize,
     /// Azimuth from +X towards +Y, rad.
     pub azimuth: f64,
-    /// N.
+    /// Load of the inner-race contact, N.
     pub inner_load: f64,
-    /// N.
+    /// Load of the outer-race contact, N.
     pub outer_load: f64,
-    /// Contact angle, rad; none for an element without contact angles.
+    /// Contact angle at the inner race, rad; `None` without load or contact angle.
     pub inner_angle: Option<f64>,
-    /// rad.
+    /// Contact angle at the outer race, rad; `None` without load or contact angle.
     pub outer_angle: Option<f64>,
-    /// Peak pressure, Pa.
+    /// Maximum Hertzian pressure at the inner race, Pa; `None` without a geometry.
     pub inner_pressure: Option<f64>,
-    /// Peak pressure, Pa.
+    /// Maximum Hertzian pressure at the outer race, Pa; `None` without a geometry.
     pub outer_pressure: Option<f64>,
-    /// Central film, m.
+    /// Central film thickness at the inner race, m.
     pub inner_film: f64,
-    /// Central film, m.
+    /// Central film thickness at the outer race, m.
     pub outer_film: f64,
-    /// Smaller film-to-roughness ratio (lambda) of both contacts; where the scene defines the roughness.
+    /// Smaller ratio of minimum film thickness to roughness (lambda) of both contacts; `None` without a roughness in the scene.
     pub film_ratio: Option<f64>,
     /// Centrifugal force, N.
     pub centrifugal: f64,
@@ -134,7 +134,7 @@ pub struct Element {
 /// Change of the equilibrium when one effect is switched off.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectShare {
-    /// `centrifugal`, `gyroscopic` or `film`.
+    /// Name of the effect: `centrifugal`, `gyroscopic` or `film`.
     pub effect: String,
     /// Change of displacement, m and rad.
     pub displacement: [f64; 5],
@@ -163,7 +163,7 @@ pub fn static_equilibrium(scene: &Scene, bearing: Option<&str>, load: Option<[f6
     Ok(settled)
 }
 
-/// Switches an effect off; returns true where it was on.
+/// Function that switches an effect off and returns true if it was on.
 type Switch = fn(&mut Effects) -> bool;
 
 const EFFECTS: [(&str, Switch); 3] = [
@@ -221,7 +221,7 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     })
 }
 
-/// Returns the sum of the given load and the preload; none without both.
+/// Returns the sum of the load and the preload force; `None` if neither is given.
 fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload: Option<Preload>) -> Option<[f64; 5]> {
     let sign = if of.facing == crate::scene::Facing::MinusZ { -1.0 } else { 1.0 };
     match (load, preload) {
@@ -350,7 +350,7 @@ fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f6
     (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
 }
 
-/// Returns the model with elements: of a linearised bearing its source.
+/// Returns the model with elements: for a linearised bearing, the model that is linearised.
 fn model_with_elements(of: &BearingScene) -> Model {
     match &of.linear {
         Some(crate::scene::Linear::Of(source)) => *source,

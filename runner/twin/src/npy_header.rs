@@ -6,9 +6,9 @@ use std::io::{Error, ErrorKind, Read, Result};
 
 /// First bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
-/// Longest dictionary, bytes; one of a thousand fields takes a tenth.
+/// Maximum length of the dictionary, bytes; a dictionary of a thousand fields has a tenth of it.
 const LONGEST: u64 = 1 << 18;
-/// Brackets within each other: the dictionary, the list of a structure, one of its fields, the field's shape.
+/// Maximum nesting depth of brackets: the dictionary, the list of a structure, one of its fields, the field's shape.
 const DEEPEST: usize = 4;
 /// Longest description of a number, such as `<f8`.
 const LONGEST_TYPE: usize = 32;
@@ -125,7 +125,7 @@ fn field(value: Value) -> Result<Field> {
     }
 }
 
-/// A tuple of numbers, or one number.
+/// Returns the numbers of a tuple, or a single number as a list.
 fn numbers(value: Value) -> Result<Vec<u64>> {
     let one = |value| if let Value::Number(number) = value { Ok(number) } else { Err(malformed()) };
     match value {
@@ -147,7 +147,7 @@ fn plain_type(text: String) -> Result<PlainType> {
         "" => None,
         digits => Some(digits.parse::<u64>().map_err(|_| unknown())?),
     };
-    // Texts of Unicode count characters.
+    // The size of a Unicode text is a number of characters of 4 bytes.
     let bytes = size.and_then(|size| size.checked_mul(if kind == 'U' { 4 } else { 1 }));
     let is_big_endian = order == '>' || (order == '=' && cfg!(target_endian = "big"));
     Ok(PlainType { text, kind, bytes, is_big_endian })
@@ -189,7 +189,7 @@ impl Parser<'_> {
         if self.take(":") { Ok((key, self.value()?)) } else { Err(malformed()) }
     }
 
-    /// Items up to `end`, separated by commas; the last may have one too.
+    /// Parses items up to `end`, separated by commas; a trailing comma is allowed.
     fn list<X>(&mut self, end: char, mut item: impl FnMut(&mut Self) -> Result<X>) -> Result<Vec<X>> {
         self.rest = self.rest.get(1..).unwrap_or_default();
         self.depth += 1;
@@ -215,7 +215,7 @@ impl Parser<'_> {
     fn number(&mut self) -> Result<u64> {
         let end = self.rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(self.rest.len());
         let (digits, rest) = self.rest.split_at(end);
-        // Python 2 marks long numbers.
+        // Python 2 writes a long integer with the suffix `L`.
         self.rest = rest.strip_prefix('L').unwrap_or(rest);
         digits.parse().map_err(|_| malformed())
     }

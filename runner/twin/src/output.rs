@@ -41,7 +41,7 @@ pub enum OutputError {
 /// An output file in progress. Dropped before [`AtomicFile::finish`], it leaves nothing behind.
 pub struct AtomicFile {
     writer: BufWriter<Destination>,
-    /// Its path, links followed.
+    /// Path of the destination, with links resolved.
     path: PathBuf,
     /// Permissions of the file that it replaces.
     permissions: Option<Permissions>,
@@ -50,14 +50,14 @@ pub struct AtomicFile {
 enum Destination {
     /// A new or a regular file: replaced as a whole.
     Replacement(Temporary),
-    /// A pipe or a device, which has no whole to replace.
+    /// A pipe or a device, which cannot be replaced.
     Direct(File),
 }
 
 impl Write for Destination {
     fn write(&mut self, buffer: &[u8]) -> std::io::Result<usize> {
         match self {
-            // The file itself: an error of the library has the temporary name in it.
+            // Written through `File`: an error of `NamedTempFile` contains the temporary name.
             Self::Replacement(temporary) => temporary.file.as_file_mut().write(buffer),
             Self::Direct(file) => file.write(buffer),
         }
@@ -97,7 +97,7 @@ impl Temporary {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // The system takes the user's mask off a new file's permissions.
+            // The system applies the user's umask to the permissions of a new file.
             builder.permissions(permissions.cloned().unwrap_or_else(|| Permissions::from_mode(0o666)));
         }
         #[cfg(not(unix))]
@@ -126,7 +126,7 @@ fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> OutputError {
 }
 
 impl AtomicFile {
-    /// Begins a file; fails at once where it could not be written at the end.
+    /// Creates the temporary file; fails early if the destination cannot be written.
     ///
     /// # Errors
     /// A folder that is missing or not writable, a path that is a folder.
@@ -173,7 +173,7 @@ impl AtomicFile {
         if let Some(permissions) = permissions {
             file.as_file().set_permissions(permissions).map_err(failed(&path))?;
         }
-        // In its destination it has to be whole, also after the power failed.
+        // The file in its destination has to be complete after a power failure too.
         file.as_file().sync_all().map_err(failed(&path))?;
         file.persist(&path).map_err(|e| e.error).map_err(failed(&path))?;
         drop(listed);
@@ -219,7 +219,7 @@ fn sync_folder(path: &Path) {
     let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
 }
 
-/// Returns the file to which a link leads that does not exist yet; `path` itself where it is no link.
+/// Returns the target of a link to a file that does not exist yet; `path` itself where it is no link.
 fn link_target(path: &Path) -> PathBuf {
     std::fs::read_link(path).map_or_else(|_| path.to_owned(), |target| folder_of(path).join(target))
 }

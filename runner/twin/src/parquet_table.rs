@@ -1,4 +1,4 @@
-//! Columns of equal length as an uncompressed Parquet file. The metadata of the file state its schema version, the units of its
+//! Columns of equal length as an uncompressed Parquet file. The file's metadata contains its schema version, the units of its
 //! columns and the time zone of its times of day.
 
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, TimestampType, Type as Physical};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Version of the columns of the written tables; it rises with every incompatible change.
 const SCHEMA_VERSION: u32 = 1;
 
-/// Ends of column names and their units.
+/// Suffixes of column names and their units.
 const UNITS: [(&str, &str); 11] = [
     ("_um", "um"),
     ("_mm", "mm"),
@@ -57,7 +57,7 @@ pub enum Values {
 }
 
 impl Column {
-    /// Creates a column, whose unit is that at the end of its name.
+    /// Creates a column; the suffix of its name determines its unit.
     #[must_use]
     pub fn new(name: &str, values: Values) -> Self {
         let unit = UNITS.iter().find(|(end, _)| name.ends_with(end)).map(|(_, unit)| (*unit).to_owned());
@@ -140,7 +140,7 @@ fn metadata(name: &str, columns: &[Column]) -> Result<Vec<KeyValue>> {
     ])
 }
 
-/// Those that are there, and for each row whether it is.
+/// Returns the values that are present, and the definition level of each row: 1 where its value is present, 0 elsewhere.
 fn split<A: Copy>(values: &[Option<A>]) -> (Vec<A>, Vec<i16>) {
     (values.iter().copied().flatten().collect(), values.iter().map(|x| i16::from(x.is_some())).collect())
 }

@@ -1,7 +1,7 @@
 //! Text of files for a terminal: printable and bounded.
 //!
-//! Names, cells and units of a recording or a scene are data of somebody else. An escape sequence in one of them would
-//! move the cursor, a line break would forge a line of output, a name of a megabyte would bury the message.
+//! Names, cells and units of a recording or a scene are untrusted data. An escape sequence in one of them can move the cursor,
+//! a line break can forge a line of output, a name of a megabyte can hide the message.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -76,7 +76,7 @@ fn escaped(text: &str, line_breaks: bool) -> Cow<'_, str> {
     shown.into()
 }
 
-/// Characters without a picture that change how others are shown: joiners, line separators, directions, tags.
+/// Returns true for characters without a glyph that change how others are shown: joiners, line separators, directions, tags.
 const fn is_invisible(c: char) -> bool {
     matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
         | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')

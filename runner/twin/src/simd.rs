@@ -1,11 +1,12 @@
-//! Code compiled twice: for every processor of the target, and for one with AVX2 registers, taken where there is one.
+//! Code compiled twice, for every processor of the target and for processors with AVX2, and selected at run time.
 //!
-//! The same operations in the same order, four numbers at a time instead of two: the results are the same bits.
+//! Both forms execute the same operations in the same order, on four values at a time instead of two, so the results are
+//! bitwise equal.
 
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 
-/// Whether this processor has them.
+/// Instruction sets of this processor, detected at run time.
 #[derive(Clone, Copy)]
 pub struct SimdDispatch {
     #[cfg(target_arch = "x86_64")]
@@ -30,7 +31,7 @@ impl SimdDispatch {
         }
     }
 
-    /// Does `work`, with AVX2 registers where there are any: as far as the compiler makes it part of this function.
+    /// Runs `work`, with AVX2 where the processor has it. Only code that the compiler inlines into this function uses AVX2.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         #[cfg(target_arch = "x86_64")]
@@ -41,19 +42,19 @@ impl SimdDispatch {
     }
 }
 
-/// A bearing that uses them.
+/// A bearing whose force is computed with the instruction sets of the processor.
 pub struct Dispatched<B> {
     bearing: B,
     registers: SimdDispatch,
 }
 
 impl<B> Dispatched<B> {
-    /// A bearing in the form that suits this processor best.
+    /// Wraps `bearing` and detects the instruction sets of the processor.
     pub fn new(bearing: B) -> Self {
         Self { bearing, registers: SimdDispatch::detect() }
     }
 
-    /// The force on the inner ring.
+    /// Returns the reaction on the inner ring.
     #[inline(always)]
     pub fn force<T: Scalar>(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>
     where

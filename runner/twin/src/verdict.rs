@@ -1,6 +1,6 @@
 //! The verdict as a sentence.
 
-use crate::outcome::{EvidenceSource, Finding, Implausibility, ProbeOutcome, Standing};
+use crate::outcome::{Diagnosis, EvidenceSource, Implausibility, ProbeOutcome, Standing};
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
@@ -16,11 +16,11 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
 }
 
-/// Returns the verdict as a sentence: why there is none, else the strongest finding, else whether the twin follows. `undiagnosed` is
+/// Returns the verdict as a sentence: why there is none, else the strongest diagnosis, else whether the twin follows. `undiagnosed` is
 /// the reason why the shaft motion was not diagnosed.
 #[must_use]
 pub fn verdict(
-    findings: &[Finding],
+    diagnoses: &[Diagnosis],
     probes: &[ProbeOutcome],
     implausible: &[Implausibility],
     not_judged: &[String],
@@ -32,7 +32,7 @@ pub fn verdict(
         return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", all.join("; "));
     }
     if !not_judged.is_empty() {
-        if let Some(seen) = findings.iter().find(|finding| is_of_vibration_alone(finding)) {
+        if let Some(seen) = diagnoses.iter().find(|diagnosis| is_of_vibration_alone(diagnosis)) {
             return format!("The shaft motion has no verdict: {}. {}", not_judged.join("; "), seen.sentence);
         }
         return format!("No verdict: {}.", not_judged.join("; "));
@@ -42,17 +42,17 @@ pub fn verdict(
         1 => " 1 sample with a reading out of range is left out.".to_owned(),
         count => format!(" {count} samples with a reading out of range are left out."),
     };
-    let verdict = judged(findings, probes, undiagnosed);
+    let verdict = judged(diagnoses, probes, undiagnosed);
     format!("{verdict}{left_out}")
 }
 
-/// Returns true for a finding that the shaft motion does not show.
-fn is_of_vibration_alone(finding: &Finding) -> bool {
-    finding.evidence == [EvidenceSource::Vibration]
+/// Returns true for a diagnosis that the shaft motion does not show.
+fn is_of_vibration_alone(diagnosis: &Diagnosis) -> bool {
+    diagnosis.evidence == [EvidenceSource::Vibration]
 }
 
-fn judged(findings: &[Finding], probes: &[ProbeOutcome], undiagnosed: Option<&str>) -> String {
-    if let Some(worst) = findings.first() {
+fn judged(diagnoses: &[Diagnosis], probes: &[ProbeOutcome], undiagnosed: Option<&str>) -> String {
+    if let Some(worst) = diagnoses.first() {
         if is_of_vibration_alone(worst) {
             return format!("The vibration shows a fault. {}", worst.sentence);
         }

@@ -3,7 +3,7 @@
 /// Largest value drawn; differences of larger ones would overflow.
 const LARGEST: f64 = 1e12;
 
-/// Smallest and largest finite value; none when there is no finite value at all.
+/// Returns the smallest and the largest finite value; `None` without a finite value.
 pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     values.into_iter().filter(|value| value.is_finite()).map(|value| value.clamp(-LARGEST, LARGEST)).fold(
         None,
@@ -14,7 +14,7 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)
     )
 }
 
-/// One axis: what it shows, where its ticks are.
+/// One axis: range, title and ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
     low: f64,
@@ -22,21 +22,21 @@ pub(crate) struct Axis {
     is_logarithmic: bool,
     /// Quantity and unit.
     pub(crate) title: String,
-    /// Places with a label.
+    /// Values of the ticks with their labels.
     pub(crate) ticks: Vec<(f64, String)>,
-    /// Places with a fine line only.
+    /// Values of fine grid lines without a label.
     pub(crate) minor: Vec<f64>,
 }
 
 impl Axis {
-    /// Linear, exactly over `range`; a range without extent is widened, none becomes 0 to 1.
+    /// Creates a linear axis exactly over `range`. A range without extent is widened; `None` becomes 0 to 1.
     pub(super) fn exact(range: Option<(f64, f64)>, most: usize, title: &str) -> Self {
         let (low, high) = widened(range.unwrap_or((0.0, 1.0)));
         let ticks = linear_ticks(low, high, most);
         Self { low, high, is_logarithmic: false, title: title.to_owned(), ticks, minor: Vec::new() }
     }
 
-    /// Linear, with some air above and below the data.
+    /// Creates a linear axis with a margin of 6 % above and below the data.
     pub(super) fn padded(range: Option<(f64, f64)>, most: usize, title: &str) -> Self {
         let range = range.map(|range| {
             let (low, high) = widened(range);
@@ -46,13 +46,13 @@ impl Axis {
         Self::exact(range, most, title)
     }
 
-    /// Linear from 0 to a little above `high`.
+    /// Creates a linear axis from 0 to 1.08 times `high`, or to 1.0 where `high` is not above 0.
     pub(super) fn from_zero(high: Option<f64>, most: usize, title: &str) -> Self {
         let high = high.filter(|high| *high > 0.0).map_or(1.0, |high| 1.08 * high.min(LARGEST));
         Self::exact(Some((0.0, high)), most, title)
     }
 
-    /// Decades over `low` to `high`, both above 0; 0.01 to 1 where they are not.
+    /// Creates a logarithmic axis from `low` to `high`, at least one decade long. An invalid range becomes 0.01 to 1.
     pub(super) fn decades(low: f64, high: f64, title: &str) -> Self {
         let sound = low > 0.0 && high >= low && high.is_finite();
         let (low, high) = if sound { (low, high.max(10.0 * low)) } else { (0.01, 1.0) };
@@ -65,22 +65,22 @@ impl Axis {
         Self { low, high, is_logarithmic: true, title: title.to_owned(), ticks, minor }
     }
 
-    /// Smallest value shown.
+    /// Returns the smallest value shown.
     pub(crate) const fn low(&self) -> f64 {
         self.low
     }
 
-    /// Largest value shown.
+    /// Returns the largest value shown.
     pub(crate) const fn high(&self) -> f64 {
         self.high
     }
 
-    /// Returns true for decades.
+    /// Returns true for a logarithmic axis.
     pub(crate) const fn is_logarithmic(&self) -> bool {
         self.is_logarithmic
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high one; values outside are put on the edge.
+    /// Returns the position of a value: 0 at the low end, 1 at the high end. A value outside is clamped to the edge.
     pub(super) fn place(&self, value: f64) -> f64 {
         let share = if self.is_logarithmic {
             (value.max(self.low) / self.low).log10() / (self.high / self.low).log10()
@@ -90,13 +90,13 @@ impl Axis {
         share.clamp(0.0, 1.0)
     }
 
-    /// The value lies inside.
+    /// Returns true for a value inside the range.
     pub(super) fn holds(&self, value: f64) -> bool {
         value >= self.low && value <= self.high
     }
 }
 
-/// A range that has an extent that its own digits can show.
+/// Widens a range whose extent is too small for the digits of its values.
 fn widened((low, high): (f64, f64)) -> (f64, f64) {
     let size = low.abs().max(high.abs());
     if high - low > 1e-9 * size && high - low > 1e-12 {
@@ -107,7 +107,7 @@ fn widened((low, high): (f64, f64)) -> (f64, f64) {
     (middle - half, middle + half)
 }
 
-/// Ticks at 1, 2 or 5 times a power of ten, as many as fit but no more than `most`.
+/// Returns ticks at multiples of 1, 2 or 5 times a power of ten, at most `most` of them.
 fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let most = most.max(2);
     let inside = |step: f64| (high / step + 1e-6).floor() - (low / step - 1e-6).ceil() + 1.0;
@@ -123,7 +123,7 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// The next of 1, 2, 5 times a power of ten that is not below `rough`.
+/// Returns the smallest of 1, 2, 5 times a power of ten that is not below `rough`.
 fn nice(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
     let lead = rough / power;
@@ -131,7 +131,7 @@ fn nice(rough: f64) -> f64 {
     lead * power
 }
 
-/// As many decimals as the step has.
+/// Formats the label of a tick with as many decimals as the step has.
 fn tick_label(value: f64, step: f64) -> String {
     if value.abs() >= 1e6 || step < 1e-6 {
         return signed(&short_power(value));
@@ -141,7 +141,7 @@ fn tick_label(value: f64, step: f64) -> String {
     signed(&format!("{value:.decimals$}"))
 }
 
-/// In powers of ten, without idle zeros.
+/// Formats a value in scientific notation without trailing zeros.
 fn short_power(value: f64) -> String {
     let text = format!("{value:.3e}");
     match text.split_once('e') {
@@ -150,7 +150,7 @@ fn short_power(value: f64) -> String {
     }
 }
 
-/// The label of a whole power of ten.
+/// Returns the label of a power of ten.
 fn decade_label(value: f64) -> String {
     let power = value.log10().round() as i32;
     match power {

@@ -12,7 +12,7 @@ const SPOKE: Stroke = Stroke(MEASURED, 3.0);
 const INNER: Stroke = Stroke(MEASURED, 1.4);
 const OUTER: Stroke = Stroke(TWIN, 1.4);
 
-/// The picture of one bearing's elements.
+/// Draws loads and contact angles of the elements of one bearing.
 pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
     let top = 28.0;
     let polar = Polar::new(top, elements.iter().flat_map(|e| [e.inner_load, e.outer_load]));
@@ -53,7 +53,7 @@ pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
     }
 }
 
-/// Between the element that carries least and the next one, for the labels of the circles.
+/// Returns the azimuth between the least loaded element and the next one, rad, for the labels of the circles.
 fn least_loaded(elements: &[&Element]) -> f64 {
     let least = elements.iter().min_by(|a, b| a.outer_load.total_cmp(&b.outer_load));
     least.map_or(0.4, |e| e.azimuth + std::f64::consts::PI / elements.len() as f64)

@@ -53,7 +53,7 @@ pub(super) fn bode(name: &str, one_x: &OneX) -> Picture {
     Picture { title: format!("Bode plot of {name}: 1X over speed"), note: one_x.words(), drawing, ..Picture::default() }
 }
 
-/// 0 at the top, as the lag grows downwards.
+/// Returns the axis of the lag from 0 to 360 deg, with 0 at the top.
 fn lag_axis() -> Axis {
     let mut axis = Axis::exact(Some((-360.0, 0.0)), 5, "Lag, deg");
     axis.ticks = [0_u16, 90, 180, 270, 360].map(|lag| (-f64::from(lag), lag.to_string())).to_vec();

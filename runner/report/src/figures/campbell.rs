@@ -9,13 +9,13 @@ use super::line::{Point, Thinning};
 use ballrace_twin::campbell::{CriticalSpeed, ModeBranch, Whirl};
 
 const HEIGHT: f64 = 330.0;
-/// Room for the names of the modes to the right of the frame.
+/// Width for the names of the modes to the right of the frame, pixels.
 const NAMES: f64 = 34.0;
-/// Distance of two names.
+/// Least distance between two names, pixels.
 const ROW: f64 = 12.0;
 /// The diagram ends at this many times the frequency of 2X at the highest speed, if that shows [`MIN_SHOWN`] modes.
 const BEYOND: f64 = 1.1;
-/// Modes that are shown whatever their frequencies are.
+/// Number of lowest modes that are shown at any frequency.
 const MIN_SHOWN: usize = 4;
 
 const FORWARD: Stroke = Stroke(MEASURED, 1.8);
@@ -32,7 +32,7 @@ const fn stroke(whirl: Whirl) -> Stroke {
     }
 }
 
-/// The diagram of all modes; a ring at each critical speed.
+/// Draws the diagram of all modes with a ring at each critical speed.
 pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Picture {
     let speeds = extent(branches.iter().flat_map(|branch| branch.points.iter().map(|point| point.speed_rpm)));
     let top = highest(branches, speeds.map_or(0.0, |range| range.0.abs().max(range.1.abs())));
@@ -50,7 +50,7 @@ pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Pi
         canvas.legend(left, 0.0, &keys);
         frame.axes(canvas, true);
         for order in [1.0, 2.0] {
-            // Up to the upper edge, where its name is.
+            // The line ends at the upper edge, so that its name is inside the frame.
             let ends = speeds.map_or([0.0; 2], |(low, high)| [low, high.min(60.0 * top / order)]);
             let line: Vec<Point> = ends.iter().map(|speed| (*speed, order * speed.abs() / 60.0)).collect();
             frame.curve(canvas, &line, ORDER);
@@ -59,7 +59,7 @@ pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Pi
             frame.inside(canvas, |canvas| canvas.text(&name, (px - 4.0, py + 12.0), Anchor::End, INK));
         }
         for branch in branches {
-            // A piece of a mode has the stroke of its whirl.
+            // The whirl of a mode may change with the speed: each part has the stroke of its whirl.
             for run in branch.points.chunk_by(|a, b| a.mode.whirl == b.mode.whirl) {
                 let whirl = run[0].mode.whirl;
                 let end = branch.points.iter().find(|point| point.speed_rpm > run[run.len() - 1].speed_rpm);
@@ -81,7 +81,7 @@ pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Pi
                 ends.push((frame.at(&(last.speed_rpm, last.mode.frequency_hz)).1, branch.name()));
             }
         }
-        // From the lowest curve up; a name that would cover the one below moves up.
+        // Names are set from the lowest curve upwards; a name that would cover the one below is moved up.
         ends.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (y, name) in ends {
             let y = y.min(lowest - ROW);
@@ -105,7 +105,7 @@ pub(crate) fn diagram(branches: &[ModeBranch], critical: &[CriticalSpeed]) -> Pi
     }
 }
 
-/// Returns the upper end of the diagram: the modes that 1X and 2X reach, and at least a few.
+/// Returns the upper end of the diagram, Hz: it includes the modes that 1X and 2X reach, and at least [`MIN_SHOWN`] modes.
 fn highest(branches: &[ModeBranch], speed_rpm: f64) -> f64 {
     let mut tops: Vec<f64> = branches
         .iter()

@@ -22,13 +22,13 @@ pub(super) const BELOW: f64 = 36.0;
 /// Size of numbers at the ticks and of the legend.
 pub(super) const SMALL: f64 = 11.0;
 
-/// A colour by its role: the style of the page sets it for light and dark; lines of the twin and of the residual have dashes of their
-/// own, so that they differ in grey print too.
+/// A colour by its role. The style of the page sets it for light and dark; lines of the twin and of the residual are dashed, so that
+/// they also differ in grey print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Colour {
     /// Name of the custom property.
     name: &'static str,
-    /// Where the page does not set it.
+    /// Colour where the page does not set the property.
     hex: &'static str,
     /// Dashes of a line, empty for a solid one.
     dashes: &'static str,
@@ -48,7 +48,7 @@ pub(super) const RESIDUAL: Colour = Colour { name: "residual", hex: "#6b6b6b", d
 pub(super) const FAULT: Colour = solid("fault", "#c4122f");
 /// Noise of the probes, time beyond a limit.
 pub(super) const BAND: Colour = solid("band", "#b9d2ea");
-/// Lines that the reader looks up: keyphasor, orders.
+/// Reference lines: keyphasor, orders.
 pub(super) const MARK: Colour = solid("mark", "#5a5a5a");
 /// Text and edges.
 pub(super) const INK: Colour = solid("ink", "#222222");
@@ -64,7 +64,7 @@ pub(super) const BODY_DARK: Colour = solid("body-dark", "#bdbdbd");
 pub(super) const SHADE: Colour = solid("shade", "#f6dfcc");
 /// Paper.
 pub(super) const PAPER: Colour = solid("paper", "#ffffff");
-/// Curves of different names, in turn.
+/// Colours of successive curves.
 pub(super) const SERIES: [Colour; 6] = [
     MEASURED,
     Colour { name: "twin", hex: "#d55e00", dashes: "7 3" },
@@ -98,7 +98,7 @@ impl fmt::Display for Stroke {
     }
 }
 
-/// Which point of a text is given.
+/// Reference point of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// Left end, half height.
@@ -124,7 +124,7 @@ pub(super) enum Key {
     Triangle(Colour),
 }
 
-/// How a separate point is drawn.
+/// Symbol of a separate point.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Marker {
     /// A dot of a radius.
@@ -150,7 +150,7 @@ pub(crate) struct Curve {
     pub(crate) kind: CurveKind,
 }
 
-/// How the values of a curve lie in its frame.
+/// Relation of the values of a curve to its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum CurveKind {
     /// Y over X.
@@ -159,11 +159,11 @@ pub(crate) enum CurveKind {
     Path,
     /// Separate points.
     Scatter,
-    /// A spectrum that stands at this value of Y.
+    /// A spectrum drawn at this value of Y.
     Ridge(f64),
 }
 
-/// One picture being drawn.
+/// A picture while it is drawn.
 pub(super) struct Canvas {
     body: String,
     width: f64,
@@ -207,17 +207,17 @@ pub(super) fn picture((width, height): (f64, f64), draw: impl FnOnce(&mut Canvas
     Drawing { svg, plots: canvas.plots }
 }
 
-/// Width of a text, estimated.
+/// Returns the estimated width of a text, pixels.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     CHARACTER * size * text.chars().count() as f64
 }
 
-/// A coordinate with at most one decimal; one that is no number is put far outside.
+/// A coordinate that is written with at most one decimal. A value that is not finite is placed far outside the picture.
 struct Pixels(f64);
 
 impl fmt::Display for Pixels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // -0 and NaN have no meaning as a place.
+        // An integer has neither -0 nor NaN.
         let tenths = if self.0.is_finite() { (self.0.clamp(-9999.0, 9999.0) * 10.0).round() as i32 } else { -99_990 };
         if tenths % 10 == 0 { write!(f, "{}", tenths / 10) } else { write!(f, "{}", f64::from(tenths) / 10.0) }
     }
@@ -258,14 +258,14 @@ impl Canvas {
         self.body.push('\n');
     }
 
-    /// Draws a group whose attributes are given.
+    /// Draws a group with these attributes.
     fn group(&mut self, attributes: fmt::Arguments<'_>, draw: impl FnOnce(&mut Self)) {
         self.element(format_args!("<g {attributes}>"));
         draw(self);
         self.element(format_args!("</g>"));
     }
 
-    /// A line through points given in pixels; a single point becomes a dot.
+    /// Draws a line through points in pixels; a single point becomes a dot.
     pub(super) fn line(&mut self, points: &[Point], stroke: Stroke) {
         match points {
             [] => {}
@@ -278,18 +278,18 @@ impl Canvas {
         }
     }
 
-    /// A filled shape.
+    /// Draws a filled polygon.
     pub(super) fn polygon(&mut self, points: &[Point], colour: Colour) {
         self.element(format_args!("<polygon points=\"{}\" fill=\"{colour}\"/>", Points(points)));
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, colour: Colour) {
         let [x, y, radius] = [x, y, radius.max(0.1)].map(Pixels);
         self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{colour}\"/>"));
     }
 
-    /// A small circle with the paper inside.
+    /// Draws a small circle filled with the colour of the paper.
     pub(super) fn ring(&mut self, x: f64, y: f64, colour: Colour) {
         let [x, y] = [x, y].map(Pixels);
         let Stroke(colour, width) = Stroke(colour, 1.4);
@@ -298,13 +298,13 @@ impl Canvas {
         ));
     }
 
-    /// The outline of a circle.
+    /// Draws the outline of a circle.
     pub(super) fn circle(&mut self, x: f64, y: f64, radius: f64, stroke: Stroke) {
         let [x, y, radius] = [x, y, radius.max(0.1)].map(Pixels);
         self.element(format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {stroke}/>"));
     }
 
-    /// A triangle whose tip is at `tip`; `angle` (rad, up is +90 degrees) is where its body lies.
+    /// Draws a triangle with its tip at `tip`; `angle` is the direction from the tip to the body, rad (up is +90 degrees).
     pub(super) fn triangle(&mut self, tip: Point, angle: f64, size: f64, colour: Colour) {
         let corner = |turn: f64| {
             let (sine, cosine) = (angle + turn).sin_cos();
@@ -313,12 +313,12 @@ impl Canvas {
         self.polygon(&[tip, corner(0.5), corner(-0.5)], colour);
     }
 
-    /// Horizontal text.
+    /// Draws horizontal text.
     pub(super) fn text(&mut self, text: &str, at: Point, anchor: Anchor, colour: Colour) {
         self.write(text, at, anchor, colour, false);
     }
 
-    /// Text that reads from below, about its middle.
+    /// Draws vertical text that runs upwards, with its middle at `at`.
     pub(super) fn upright(&mut self, text: &str, at: Point) {
         self.write(text, at, Anchor::Middle, INK, true);
     }
@@ -340,7 +340,7 @@ impl Canvas {
         ));
     }
 
-    /// Samples and names in rows from (`left`, `top`), no further than the right edge. Gives the lower end.
+    /// Draws a legend in rows from (`left`, `top`) to the right edge of the picture; returns its lower end.
     pub(super) fn legend(&mut self, left: f64, top: f64, entries: &[(Key, &str)]) -> f64 {
         let mut bottom = top;
         for (entry, (x, y)) in entries.iter().zip(legend_places(left, top, self.width, entries)) {
@@ -373,7 +373,7 @@ impl Canvas {
     }
 }
 
-/// Places of the samples of a legend.
+/// Returns the positions of the samples of a legend.
 fn legend_places(left: f64, top: f64, width: f64, entries: &[(Key, &str)]) -> Vec<Point> {
     let (mut x, mut y) = (left, top + 8.0);
     let place = |(_, name): &(Key, &str)| {
@@ -388,7 +388,7 @@ fn legend_places(left: f64, top: f64, width: f64, entries: &[(Key, &str)]) -> Ve
     entries.iter().map(place).collect()
 }
 
-/// Height of a legend from `left` in a picture across the page.
+/// Returns the height of a legend from `left` in a picture across the page.
 pub(super) fn legend_height(left: f64, entries: &[(Key, &str)]) -> f64 {
     legend_places(left, 0.0, WIDE, entries).last().map_or(0.0, |place| place.1 + 8.0)
 }
@@ -396,7 +396,7 @@ pub(super) fn legend_height(left: f64, entries: &[(Key, &str)]) -> f64 {
 /// A rectangle with two axes.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
-    /// Where the room for labels and title of the Y axis begins, pixels.
+    /// Left end of the space for labels and title of the Y axis, pixels.
     pub(crate) start: f64,
     /// Edges in pixels.
     pub(crate) left: f64,
@@ -407,7 +407,7 @@ pub(crate) struct Frame {
     pub(crate) y: Axis,
 }
 
-/// Room that tick labels and title of vertical axes need.
+/// Returns the width of tick labels and title of vertical axes, pixels.
 pub(super) fn gutter(axes: &[&Axis]) -> f64 {
     let labels = axes.iter().flat_map(|axis| &axis.ticks).map(|tick| text_width(&tick.1, SMALL));
     28.0 + labels.fold(20.0, f64::max)
@@ -440,14 +440,14 @@ pub(super) fn equal_scales(
 }
 
 impl Frame {
-    /// A point of the data in pixels.
+    /// Returns a point of the data in pixels.
     pub(super) fn at(&self, point: &Point) -> Point {
         let x = self.left + self.x.place(point.0) * (self.right - self.left);
         let y = self.bottom - self.y.place(point.1) * (self.bottom - self.top);
         (x, y)
     }
 
-    /// Grid, edges, tick labels and titles. `below` is false for a frame that shares the X axis with the next one.
+    /// Draws grid, edges, tick labels and titles. `below` is false for a frame that shares the X axis with the next one.
     pub(super) fn axes(&self, canvas: &mut Canvas, below: bool) {
         let plot = canvas.plot(self, below);
         canvas.group(format_args!("data-axes=\"{plot}\""), |canvas| {
@@ -496,13 +496,13 @@ impl Frame {
         }
     }
 
-    /// Draws what has a place in the data; it follows both axes where the script zooms.
+    /// Draws elements that follow both axes when the script zooms.
     pub(super) fn inside(&self, canvas: &mut Canvas, draw: impl FnOnce(&mut Canvas)) {
         let plot = canvas.plot(self, true);
         canvas.group(format_args!("data-inside=\"{plot}\""), draw);
     }
 
-    /// Draws what has a place along X only, such as the name of a line above the frame.
+    /// Draws elements that follow only the X axis when the script zooms, such as the name of a line above the frame.
     pub(super) fn along(&self, canvas: &mut Canvas, draw: impl FnOnce(&mut Canvas)) {
         let plot = canvas.plot(self, true);
         canvas.group(format_args!("data-along=\"{plot}\""), draw);
@@ -528,7 +528,7 @@ impl Frame {
         });
     }
 
-    /// Shades from one value of X to another.
+    /// Shades ranges of X over the height of the frame.
     pub(super) fn shade(&self, canvas: &mut Canvas, ranges: impl IntoIterator<Item = [f64; 2]>, colour: Colour) {
         self.along(canvas, |canvas| {
             for range in ranges {
@@ -539,7 +539,7 @@ impl Frame {
         });
     }
 
-    /// A line of the data, broken where a value is missing, that the script does not read.
+    /// Draws a curve that is interrupted at missing values. The script does not read it.
     pub(super) fn curve(&self, canvas: &mut Canvas, points: &[Point], stroke: Stroke) {
         self.inside(canvas, |canvas| self.pieces(canvas, points, stroke));
     }
@@ -551,7 +551,7 @@ impl Frame {
         }
     }
 
-    /// A named curve: drawn with few points, kept with more for the script. Points outside the frame are not drawn.
+    /// Draws a named curve with few points, and stores it with more points for the script. Points outside the range of X are not drawn.
     pub(super) fn series(
         &self,
         canvas: &mut Canvas,
@@ -575,7 +575,7 @@ impl Frame {
         });
     }
 
-    /// Keeps the values of a curve for the script; returns the numbers of plot and curve.
+    /// Stores the values of a curve for the script; returns the numbers of plot and curve.
     fn keep(&self, canvas: &mut Canvas, curve: Curve) -> String {
         let plot = canvas.plot(self, true);
         let curves = &mut canvas.plots[plot].curves;
@@ -583,7 +583,7 @@ impl Frame {
         format!("{plot}.{}", curves.len() - 1)
     }
 
-    /// Separate points.
+    /// Draws separate points.
     pub(super) fn scatter(&self, canvas: &mut Canvas, (name, points): (&str, &[Point]), marker: Marker) {
         let finite = || points.iter().filter(|point| point.0.is_finite() && point.1.is_finite());
         let points: Vec<Point> = finite().copied().collect();
@@ -598,8 +598,8 @@ impl Frame {
         self.keep(canvas, Curve { name: name.to_owned(), points, kind: CurveKind::Scatter });
     }
 
-    /// A spectrum that stands at a value of Y and hides those behind it. Heights are roots of the amplitude; the amplitude `highest` is
-    /// `peak` pixels high.
+    /// Draws a spectrum at a value of Y; it hides those behind it. Heights are proportional to the square root of the amplitude; the
+    /// amplitude `highest` is `peak` pixels high.
     pub(super) fn ridge(
         &self,
         canvas: &mut Canvas,
@@ -621,7 +621,7 @@ impl Frame {
         self.keep(canvas, Curve { name: name.to_owned(), points: points.to_vec(), kind });
     }
 
-    /// Without the stretches that lie below a frame with decades: they would run along its lower edge.
+    /// Removes the parts below a logarithmic frame: they would be drawn along its lower edge.
     fn standing_out(&self, points: Vec<Point>) -> Vec<Point> {
         if !self.y.is_logarithmic() {
             return points;

@@ -10,11 +10,11 @@ use ballrace_twin::replay::outcome::{Cascade, MarkedLine, Slice};
 const HEIGHT: f64 = 300.0;
 /// Height of the highest peak.
 const PEAK: f64 = 52.0;
-/// Points of one spectrum at most.
+/// Largest number of points of one spectrum.
 const POINTS: usize = 170;
 /// The view ends at this many times the highest marked line.
 const BEYOND_LINES: f64 = 1.3;
-/// Lowest bins, which hold what the window spreads of the mean.
+/// Bins closer to 0 Hz than this number of bins contain the mean, spread by the window.
 const MEAN_BINS: usize = 2;
 
 /// Waterfalls over time or cascades over speed, one per plane or probe.
@@ -32,7 +32,7 @@ impl Figure for Cascades {
     }
 }
 
-/// One picture a plane or probe; over the speed where it changes.
+/// Draws the spectra of one plane or probe, over the speed if `over_speed` is true, else over time.
 pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool) -> Picture {
     let view = View::new(cascade, lines, over_speed);
     let mut marks = mark::marks(&view.lines, &[], view.highest);
@@ -40,7 +40,7 @@ pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool)
     let largest = view.slices.iter().flat_map(|s| view.points(s)).map(|p| p.1).fold(0.0, f64::max);
     let drawing = picture((WIDE, frame.bottom + BELOW), |canvas| {
         frame.axes(canvas, true);
-        // Those further up lie behind.
+        // Spectra further up lie behind: they are drawn first.
         for slice in view.slices.iter().rev() {
             let spectrum = ("amplitude, um peak", &view.points(slice)[..]);
             frame.ridge(canvas, view.along(slice), spectrum, (largest, PEAK));
@@ -74,11 +74,11 @@ struct View<'a> {
     over_speed: bool,
     /// From the front to the back.
     slices: Vec<&'a Slice>,
-    /// Frequencies where the orders are at the top of the frame.
+    /// Marked lines with their frequencies at the top of the frame.
     lines: Vec<MarkedLine>,
     highest: f64,
     low: f64,
-    /// At the top of the frame.
+    /// Speed (rpm) or time (s) at the top of the frame.
     high: f64,
 }
 
@@ -115,7 +115,7 @@ impl<'a> View<'a> {
         Frame { start: 0.0, left, top, right, bottom: top + HEIGHT, x, y }
     }
 
-    /// Frequency and amplitude, without the mean.
+    /// Returns frequencies and amplitudes of a spectrum, without the mean.
     fn points(&self, slice: &Slice) -> Vec<Point> {
         let half = slice.amplitude_um.len() / 2;
         let hz = |i: usize| (i as f64 - half as f64) * self.cascade.bin_hz;
@@ -126,7 +126,7 @@ impl<'a> View<'a> {
         Thinning::Peaks([POINTS, POINTS]).drawn(&kept.map(|(i, a)| (hz(i), size(i, *a))).collect::<Vec<_>>())
     }
 
-    /// Straight up over time; through the origin over speed.
+    /// Draws the marked lines: vertical over time, rays through the origin over speed.
     fn order_lines(&self, canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
         if !self.over_speed {
             return mark::lines(canvas, frame, marks);

@@ -10,7 +10,7 @@ use super::canvas::{
 use super::line::{Point, Thinning};
 use crate::number::{alone, count, fixed, shortened};
 use crate::words;
-use ballrace_twin::replay::outcome::{Estimate, FaultParameters, Finding, ForceRose, ReferenceFrame};
+use ballrace_twin::replay::outcome::{Diagnosis, Estimate, FaultParameters, ForceRose, ReferenceFrame};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const HEIGHT: f64 = 326.0;
@@ -23,20 +23,20 @@ const PITCH: f64 = 46.0;
 const RING: f64 = 7.0;
 /// Inner and outer end of the bars of the rose.
 const ROSE: [f64; 2] = [74.0, 108.0];
-/// Radius of the angles.
+/// Radius of the angle labels.
 const ANGLES: f64 = 121.0;
 const ALONG: Stroke = Stroke(MEASURED, 1.7);
 const ACROSS: Stroke = Stroke(RESIDUAL, 1.4);
-/// Largest radius of an element over its share of the pitch circle.
+/// Largest radius of an element over half the spacing of the elements on the pitch circle.
 const LARGEST_ELEMENT: f64 = 0.92;
 /// Step of a drawn arc, rad.
 const ARC_STEP: f64 = 0.02;
 /// Least extent of a drawn spall, pixels.
 const MIN_SPALL: f64 = 5.0;
 
-/// Draws the damaged bearing of a finding; `forward` is the sense of rotation, +1 from +X towards +Y.
-pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64) -> Picture {
-    let bearing = Drawing::new(&finding.parameters, rose);
+/// Draws the damaged bearing of a diagnosis; `forward` is the sense of rotation, +1 from +X towards +Y.
+pub(super) fn damaged_bearing(diagnosis: &Diagnosis, rose: &ForceRose, forward: f64) -> Picture {
+    let bearing = Drawing::new(&diagnosis.parameters, rose);
     let drawing = picture((WIDE, HEIGHT), |canvas| {
         canvas.legend(8.0, 0.0, &legend(rose.frame));
         bearing.angles(canvas);
@@ -45,11 +45,11 @@ pub(super) fn damaged_bearing(finding: &Finding, rose: &ForceRose, forward: f64)
         bearing.elements(canvas);
         bearing.damage(canvas);
         sense(canvas, forward);
-        mean_pass(canvas, &finding.parameters, rose);
+        mean_pass(canvas, &diagnosis.parameters, rose);
     });
-    let bearing = shortened(finding.bearing.as_deref().unwrap_or_default(), 30);
+    let bearing = shortened(diagnosis.bearing.as_deref().unwrap_or_default(), 30);
     Picture {
-        title: format!("Bearing {bearing}: {}", words::place(finding)),
+        title: format!("Bearing {bearing}: {}", words::place(diagnosis)),
         note: note(rose),
         drawing,
         ..Picture::default()
@@ -87,7 +87,7 @@ fn note(rose: &ForceRose) -> String {
     )
 }
 
-/// The force while an element passes the damage, whose extent is shaded.
+/// Draws the force while an element passes the damage, whose extent is shaded.
 fn mean_pass(canvas: &mut Canvas, parameters: &FaultParameters, rose: &ForceRose) {
     let curve = |i: usize| -> Vec<Point> { rose.pass.iter().map(|point| (point[0], point[i])).collect() };
     let (along, across) = (curve(1), curve(2));
@@ -120,12 +120,12 @@ struct Drawing<'a> {
     element: f64,
 }
 
-/// A point at an angle about the middle.
+/// Returns the point at an angle (rad) and a radius (pixels) about the middle.
 fn around(angle: f64, radius: f64) -> Point {
     (MIDDLE.0 + radius * angle.cos(), MIDDLE.1 - radius * angle.sin())
 }
 
-/// Points of an arc.
+/// Returns the points of an arc between two angles, rad.
 fn arc(from: f64, to: f64, radius: f64) -> Vec<Point> {
     let steps = ((to - from).abs() / ARC_STEP).ceil().clamp(1.0, 400.0) as u32;
     (0..=steps).map(|i| around(from + (to - from) * f64::from(i) / f64::from(steps), radius)).collect()
@@ -139,7 +139,7 @@ impl<'a> Drawing<'a> {
         Self { rose, parameters, element }
     }
 
-    /// Rings of the rose and the four quarters with their angles.
+    /// Draws the circles of the rose and the four quarters with their angles.
     fn angles(&self, canvas: &mut Canvas) {
         canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[0], Stroke(GRID, 0.9));
         canvas.circle(MIDDLE.0, MIDDLE.1, ROSE[1], Stroke(GRID, 0.9));
@@ -161,7 +161,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The rose: one bar a sector, the longest to the outer circle.
+    /// Draws the rose: one bar per sector, the longest up to the outer circle.
     fn bars(&self, canvas: &mut Canvas) {
         let energy = &self.rose.energy;
         let largest = energy.iter().copied().filter(|share| share.is_finite()).fold(0.0, f64::max);
@@ -180,13 +180,13 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Both rings, each between two circles, and the shaft.
+    /// Draws both bearing rings, each between two circles, and the keyphasor mark on the shaft.
     fn rings(&self, canvas: &mut Canvas) {
         let (outer, inner) = (PITCH + self.element, PITCH - self.element);
         for radius in [outer, outer + RING, inner, inner - RING] {
             canvas.circle(MIDDLE.0, MIDDLE.1, radius, Stroke(MARK, 1.1));
         }
-        // The keyphasor mark, where the shaft is at its angle 0.
+        // The shaft is drawn at angle 0, with its keyphasor mark. In the cage frame the shaft angle varies.
         if self.rose.frame != ReferenceFrame::Cage {
             canvas.triangle(around(0.0, inner - RING - 1.0), PI, 8.0, MARK);
         }
@@ -208,7 +208,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The spall on its surface, its azimuth through the rose, and the interval of the azimuth at the end.
+    /// Draws the spall on its surface, its azimuth through the rose, and the interval of the azimuth at the end.
     fn damage(&self, canvas: &mut Canvas) {
         let (race, azimuth) = match self.rose.frame {
             ReferenceFrame::Fixed => (PITCH + self.element, self.parameters.azimuth_deg),
@@ -236,7 +236,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// An arc with a head in the shaft: the sense of rotation.
+/// Draws an arrow inside the shaft in the sense of rotation.
 fn sense(canvas: &mut Canvas, forward: f64) {
     let radius = 13.0;
     let turn = |share: f64| PI * (0.5 + forward * (1.5 * share - 0.75));

@@ -1,12 +1,12 @@
-//! Evidence of the findings: the damaged bearing, the unexplained force, the motion with and without the fault.
+//! Evidence of the diagnoses: the damaged bearing, the unexplained force, the motion with and without the fault.
 
 use super::damaged_bearing::damaged_bearing;
 use super::fault_motion::fault_motion;
 use super::force_spectrum::force_spectra;
 use super::{Context, Figure, Picture};
-use ballrace_twin::replay::outcome::Finding;
+use ballrace_twin::replay::outcome::Diagnosis;
 
-/// Evidence of the findings of a diagnosis, up to three pictures each.
+/// Evidence of the diagnoses, up to three pictures each.
 pub(super) struct Diagnoses;
 
 impl Figure for Diagnoses {
@@ -15,13 +15,13 @@ impl Figure for Diagnoses {
     }
 
     fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
-        let one = |finding: &Finding| -> Vec<Picture> {
-            let figures = &finding.figures;
-            let bearing = figures.rose.as_ref().map(|rose| damaged_bearing(finding, rose, context.forward));
-            let motion = figures.motion.as_ref().map(|motion| fault_motion(finding, motion, context.budget));
-            let spectra = (!figures.spectra.is_empty()).then(|| force_spectra(finding, context.budget));
+        let one = |diagnosis: &Diagnosis| -> Vec<Picture> {
+            let figures = &diagnosis.figures;
+            let bearing = figures.rose.as_ref().map(|rose| damaged_bearing(diagnosis, rose, context.forward));
+            let motion = figures.motion.as_ref().map(|motion| fault_motion(diagnosis, motion, context.budget));
+            let spectra = (!figures.spectra.is_empty()).then(|| force_spectra(diagnosis, context.budget));
             [bearing, spectra, motion].into_iter().flatten().collect()
         };
-        context.outcome.findings.iter().flat_map(one).collect()
+        context.outcome.diagnoses.iter().flat_map(one).collect()
     }
 }

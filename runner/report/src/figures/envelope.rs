@@ -29,7 +29,7 @@ impl Figure for EnvelopeSpectra {
     }
 }
 
-/// One picture for each sensor.
+/// Draws the envelope spectrum of one sensor.
 pub(super) fn envelope(envelope: &EnvelopeSpectrum, budget: PointBudget) -> Picture {
     let points: Vec<Point> =
         envelope.modulation.iter().enumerate().skip(1).map(|(i, a)| (i as f64 * envelope.bin_hz, *a)).collect();

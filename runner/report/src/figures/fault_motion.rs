@@ -1,4 +1,4 @@
-//! Motion with and without a fault: two revolutions at a probe, and below it what each estimate leaves.
+//! Motion with and without a fault: two revolutions at a probe, and below it the residual of each estimate.
 
 use super::axis::Axis;
 use super::canvas::{BELOW, Key, MEASURED_LINE, RESIDUAL, Stroke, TWIN_LINE, WIDE, picture};
@@ -7,12 +7,12 @@ use super::trace::{keyphasor, two_frames};
 use super::{Picture, PointBudget};
 use crate::number::{alone, shortened};
 use crate::words;
-use ballrace_twin::replay::outcome::{FaultMotion, Finding};
+use ballrace_twin::replay::outcome::{Diagnosis, FaultMotion};
 
 const WITHOUT: Stroke = Stroke(RESIDUAL, 1.5);
 
-/// Draws the motion of one finding.
-pub(super) fn fault_motion(finding: &Finding, motion: &FaultMotion, budget: PointBudget) -> Picture {
+/// Draws the motion of one diagnosis.
+pub(super) fn fault_motion(diagnosis: &Diagnosis, motion: &FaultMotion, budget: PointBudget) -> Picture {
     let curve = |values: &[f64]| zipped(&motion.revolutions, values);
     let left_by = |estimate: &[f64]| -> Vec<f64> { motion.measured.iter().zip(estimate).map(|(m, e)| m - e).collect() };
     let [measured, without, with] = [&motion.measured, &motion.without, &motion.with].map(|values| curve(values));
@@ -43,7 +43,7 @@ pub(super) fn fault_motion(finding: &Finding, motion: &FaultMotion, budget: Poin
         title: format!(
             "Motion at {} with and without the fault: {}",
             shortened(&motion.probe, 30),
-            words::cause(finding).to_lowercase()
+            words::cause(diagnosis).to_lowercase()
         ),
         note: format!(
             "Two revolutions of the recording. Lower frame: residual, {} um rms without the fault and {} um with it. The \

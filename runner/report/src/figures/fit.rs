@@ -1,4 +1,4 @@
-//! A fit: what it changes, with the intervals, and the residual at each probe before and after it.
+//! Figures of a fit: changes of the parameters with their intervals, and the residual at each probe before and after it.
 
 use super::Picture;
 use super::axis::{Axis, extent};

@@ -1,4 +1,4 @@
-//! Forces of a bearing over time, with the band that the probes' noise alone makes.
+//! Forces of a bearing over time, with the band of one standard deviation due to the noise of the probes.
 
 use super::axis::{Axis, extent};
 use super::canvas::{
@@ -30,7 +30,7 @@ impl Figure for BearingForces {
     }
 }
 
-/// One picture for each bearing: three components, one above another.
+/// Draws the force of one bearing: three components, one above another.
 pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Picture {
     let clock = Clock::of(&force.time);
     let time: Vec<f64> = force.time.iter().map(|t| t * clock.scale).collect();
@@ -105,7 +105,7 @@ impl Panel {
     }
 }
 
-/// Measured less and plus sigma, at fewer points than the line: an area needs less.
+/// Returns the edges of the band, force minus and plus sigma, piece by piece.
 fn band(time: &[f64], force: &[f64], sigma: &[f64], thinning: Thinning) -> Vec<(Vec<Point>, Vec<Point>)> {
     let edge = |sign: f64| {
         let values = force.iter().zip(sigma).map(|(force, sigma)| force + sign * sigma.abs());

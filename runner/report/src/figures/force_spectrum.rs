@@ -10,16 +10,16 @@ use super::mark::name_sides;
 use super::{Picture, PointBudget};
 use crate::number::shortened;
 use crate::words;
-use ballrace_twin::replay::outcome::{Finding, ForceSpectrum, ReferenceFrame};
+use ballrace_twin::replay::outcome::{Diagnosis, ForceSpectrum, ReferenceFrame};
 
 const HEIGHT: f64 = 100.0;
 /// Room above a frame for the names of lines and of the frame.
 const ABOVE: f64 = 32.0;
 const EXPLAINED: Stroke = Stroke(TWIN, 2.6);
 
-/// Draws the spectra of one finding.
-pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Picture {
-    let spectra = &finding.figures.spectra;
+/// Draws the spectra of one diagnosis.
+pub(super) fn force_spectra(diagnosis: &Diagnosis, budget: PointBudget) -> Picture {
+    let spectra = &diagnosis.figures.spectra;
     let frames = frames(spectra);
     let bottom = frames.last().map_or(0.0, |frame| frame.bottom);
     let drawing = picture((WIDE, bottom + BELOW), |canvas| {
@@ -41,15 +41,16 @@ pub(super) fn force_spectra(finding: &Finding, budget: PointBudget) -> Picture {
             name_sides(canvas, frame);
         }
     });
-    let at = finding.bearing.as_deref().map_or("on the rotor".to_owned(), |name| format!("at {}", shortened(name, 30)));
-    let own = if finding.figures.rose.is_some() {
+    let at =
+        diagnosis.bearing.as_deref().map_or("on the rotor".to_owned(), |name| format!("at {}", shortened(name, 30)));
+    let own = if diagnosis.figures.rose.is_some() {
         " In the frame of the damaged component the force keeps its direction: its lines are multiples of one order, equal on \
          both sides."
     } else {
         ""
     };
     Picture {
-        title: format!("Unexplained force {at}: {}", words::cause(finding).to_lowercase()),
+        title: format!("Unexplained force {at}: {}", words::cause(diagnosis).to_lowercase()),
         note: format!(
             "Force that the twin without the fault leaves unexplained, and the part that the fault adds; amplitude zero to \
              peak, mean left out. Numbers: orders of the strongest lines of the fault, per turn of the shaft.{own}"
@@ -88,7 +89,7 @@ fn frames(spectra: &[ForceSpectrum]) -> Vec<Frame> {
     stacked(&x, axes, (22.0 + ABOVE, HEIGHT, ABOVE + 6.0))
 }
 
-/// A fine line at each order that the fault explains, with its number where there is room; the strongest come first.
+/// Draws a fine line at each order that the fault explains, with its number where there is space. The strongest lines have priority.
 fn marks(canvas: &mut Canvas, frame: &Frame, spectrum: &ForceSpectrum) {
     let shown = || spectrum.lines.iter().copied().filter(|order| frame.x.holds(*order));
     frame.uprights(canvas, shown(), Stroke(FAINT, 0.75));

@@ -1,16 +1,16 @@
-//! Fewer points for the same picture, and lines that break where a reading is missing.
+//! Reduction of curves to few points, and lines that are interrupted at missing readings.
 
 /// A point in the data's units.
 pub(super) type Point = (f64, f64);
 
-/// How a curve is drawn with few points and kept with more for the script: the limits of both.
+/// Reduction of a curve, with the largest numbers of points that are drawn and that are stored for the script.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Thinning {
     /// Lowest and highest of each run of neighbours, for curves over time.
     Extremes([usize; 2]),
     /// Highest of each run, for spectra, in which only peaks count.
     Peaks([usize; 2]),
-    /// Evenly spaced points, for curves in a plane; both times the same.
+    /// Evenly spaced points, for curves in a plane; the same points are drawn and stored.
     Path(usize),
     /// All points.
     None,
@@ -27,7 +27,7 @@ impl Thinning {
         }
     }
 
-    /// Returns the points to keep.
+    /// Returns the points to store for the script.
     pub(super) fn kept(self, points: &[Point]) -> Vec<Point> {
         match self {
             Self::Extremes([_, limit]) => Self::Extremes([limit, limit]).drawn(points),
@@ -38,8 +38,8 @@ impl Thinning {
     }
 }
 
-/// At most about `limit` points: of each run of neighbours the lowest and the highest, in their order.
-/// A missing value stays as one NaN between them, so that the line breaks there.
+/// Returns at most about `limit` points: the lowest and the highest of each run of neighbours, in their order.
+/// The first missing value of a run remains, so that the line is interrupted there.
 fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
     if points.len() <= limit {
         return points.to_vec();
@@ -48,7 +48,7 @@ fn decimated(points: &[Point], limit: usize) -> Vec<Point> {
     points.chunks(run).flat_map(extremes).collect()
 }
 
-/// Lowest, highest and first missing point of a run, in their order.
+/// Returns the lowest, the highest and the first missing point of a run, in their order.
 fn extremes(run: &[Point]) -> Vec<Point> {
     let finite = |i: &usize| run[*i].1.is_finite();
     let lowest = (0..run.len()).filter(finite).min_by(|a, b| run[*a].1.total_cmp(&run[*b].1));
@@ -60,7 +60,7 @@ fn extremes(run: &[Point]) -> Vec<Point> {
     kept.into_iter().map(|i| run[i]).collect()
 }
 
-/// At most `limit` points: of each run the highest. For spectra, in which only peaks count.
+/// Returns at most `limit` points: the highest of each run. For spectra, in which only peaks count.
 fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
     let run = points.len().div_ceil(limit.max(1)).max(1);
     points
@@ -70,7 +70,7 @@ fn peaks(points: &[Point], limit: usize) -> Vec<Point> {
         .collect()
 }
 
-/// About `limit` points, evenly spaced, with the ends of each piece. For curves in a plane.
+/// Returns about `limit` evenly spaced points with the ends of each piece. For curves in a plane.
 fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
     let step = points.len().div_ceil(limit.max(1)).max(1);
     let is_missing = |i: usize| points.get(i).is_none_or(|point| !point.0.is_finite() || !point.1.is_finite());
@@ -79,12 +79,12 @@ fn thinned(points: &[Point], limit: usize) -> Vec<Point> {
     kept.map(|i| points[i]).collect()
 }
 
-/// The pieces between missing points.
+/// Returns the pieces between missing points.
 pub(super) fn pieces(points: &[Point]) -> impl Iterator<Item = &[Point]> {
     points.split(|point| !point.0.is_finite() || !point.1.is_finite()).filter(|piece| !piece.is_empty())
 }
 
-/// Two columns as points; the longer one is cut.
+/// Returns two columns as points; the longer one is truncated.
 pub(super) fn zipped(x: &[f64], y: &[f64]) -> Vec<Point> {
     x.iter().copied().zip(y.iter().copied()).collect()
 }

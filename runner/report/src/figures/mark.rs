@@ -6,25 +6,25 @@ use ballrace_twin::replay::outcome::MarkedLine;
 
 /// Height of one row of names.
 const ROW: f64 = 13.0;
-/// Lines closer than this share one name.
+/// Lines that are closer than this share of the highest frequency have one name.
 const TOUCHING: f64 = 0.004;
-/// Longest place and longest kind in a name; a longer one is cut.
+/// Largest number of characters of a place and of a kind in a name; longer ones are truncated.
 const LONGEST: usize = 26;
 
-/// A line with all its names, one row of them above another.
+/// A marked line with its name, which is set in a row above the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mark {
-    /// Hz
+    /// Frequency, Hz.
     pub(super) hz: f64,
-    /// "DE, NDE outer 3.58X"
+    /// Name, such as "DE, NDE outer 3.58X".
     pub(super) name: String,
-    /// A natural frequency.
+    /// The line is a natural frequency.
     pub(super) is_natural: bool,
-    /// 0 is next to the frame.
+    /// Row of the name; 0 is next to the frame.
     pub(super) row: usize,
 }
 
-/// The marks inside `0 < f <= highest`, without rows yet, by their frequencies.
+/// Returns the marks with `0 < f <= highest`, sorted by frequency, all in row 0.
 pub(super) fn marks(lines: &[MarkedLine], natural: &[MarkedLine], highest: f64) -> Vec<Mark> {
     let of = |lines: &[MarkedLine], is_natural: bool| -> Vec<Mark> {
         let mut inside: Vec<&MarkedLine> = lines.iter().filter(|line| line.hz > 0.0 && line.hz <= highest).collect();
@@ -55,7 +55,7 @@ fn name(group: &[&MarkedLine]) -> String {
     text
 }
 
-/// Right edge that lets the last names end inside the picture.
+/// Returns the right edge of the frame, pixels, so that the last names end inside the picture.
 pub(super) fn right_edge(marks: &[Mark], left: f64, width: f64, place: impl Fn(f64) -> f64) -> f64 {
     let widest = width - 14.0;
     let edge = marks.iter().map(|mark| {
@@ -65,7 +65,8 @@ pub(super) fn right_edge(marks: &[Mark], left: f64, width: f64, place: impl Fn(f
     edge.fold(widest, f64::min).max(left + 0.5 * (width - left))
 }
 
-/// Gives each mark its row, from right to left: a name lies above the lines that it passes over. Gives the rows used.
+/// Sets the row of each mark, from right to left, so that a name is above the names of all lines that it spans. Returns the number of
+/// rows.
 pub(super) fn stack(marks: &mut [Mark], x_of: impl Fn(f64) -> f64) -> usize {
     for i in (0..marks.len()).rev() {
         let end = x_of(marks[i].hz) + text_width(&marks[i].name, SMALL) + 10.0;
@@ -75,12 +76,12 @@ pub(super) fn stack(marks: &mut [Mark], x_of: impl Fn(f64) -> f64) -> usize {
     marks.iter().map(|mark| mark.row + 1).max().unwrap_or(0)
 }
 
-/// Height of a number of rows.
+/// Returns the height of a number of rows, pixels.
 pub(super) fn height(rows: usize) -> f64 {
     ROW * rows as f64
 }
 
-/// The lines through the frame, on the reverse side of a full spectrum too.
+/// Draws the lines through the frame, also on the reverse side of a full spectrum.
 pub(super) fn lines(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
     for is_natural in [false, true] {
         let of_kind = marks.iter().filter(|mark| mark.is_natural == is_natural);
@@ -89,7 +90,7 @@ pub(super) fn lines(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
     }
 }
 
-/// The names, and the lines on from the frame up to them.
+/// Draws the names, and the lines from the frame up to them.
 pub(super) fn names(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
     frame.along(canvas, |canvas| {
         for mark in marks {
@@ -101,7 +102,7 @@ pub(super) fn names(canvas: &mut Canvas, frame: &Frame, marks: &[Mark]) {
     });
 }
 
-/// Names the sides of a two-sided spectrum, below the lowest frame.
+/// Writes the names of the sides of a two-sided spectrum below the lowest frame.
 pub(super) fn name_sides(canvas: &mut Canvas, frame: &Frame) {
     let y = frame.bottom + 26.0;
     canvas.text("\u{2190} reverse precession", (frame.left - 8.0, y), Anchor::Start, INK);

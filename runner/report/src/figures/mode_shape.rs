@@ -1,4 +1,4 @@
-//! Mode shapes of a flexible rotor over the stations of the shaft, one strip a mode.
+//! Mode shapes of a flexible rotor over the stations of the shaft, one strip per mode.
 
 use super::Picture;
 use super::axis::{Axis, signed};

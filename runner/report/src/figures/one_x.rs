@@ -1,4 +1,4 @@
-//! 1X over the speed, with and without its slow roll.
+//! 1X vectors over the speed, as measured and with slow-roll compensation.
 
 use ballrace_twin::replay::outcome::Block;
 
@@ -23,7 +23,7 @@ pub(super) struct OneX {
     pub(super) twin: Vec<Vector>,
     /// Mean vector of the slowest blocks.
     pub(super) slow_roll: Vector,
-    /// Slowest and fastest of these.
+    /// Speeds of the slowest and of the fastest of these blocks, rpm.
     pub(super) slow_rpm: (f64, f64),
     /// Number of these blocks.
     slow_blocks: usize,
@@ -68,12 +68,12 @@ impl OneX {
     }
 }
 
-/// um pp
+/// Returns the amplitude of a 1X vector, um pp.
 pub(super) fn amplitude(vector: &Vector) -> f64 {
     2.0 * vector[0].hypot(vector[1])
 }
 
-/// Degrees behind the keyphasor, 0 to 360.
+/// Returns the phase lag behind the keyphasor, 0 to 360 deg.
 pub(super) fn lag(vector: &Vector) -> f64 {
     vector[1].atan2(vector[0]).to_degrees().rem_euclid(360.0)
 }

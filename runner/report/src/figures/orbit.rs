@@ -1,4 +1,4 @@
-//! Orbits: both axes at one scale, the directions of the probes, a blank and a bright dot at the keyphasor.
+//! Orbits on equal scales, with the directions of the probes, and a blank and a dot at each keyphasor pulse.
 
 use super::axis::{extent, signed};
 use super::canvas::{
@@ -12,16 +12,16 @@ use ballrace_twin::replay::outcome::{FilteredOrbit, Orbit, Pictures};
 
 /// Side of the square.
 const SIDE: f64 = 290.0;
-/// Radius of the rim that the probes sit on.
+/// Radius of the circle on which the probes are drawn.
 const RIM: f64 = 0.5 * SIDE - 22.0;
-/// Share of the rim's radius that the orbit fills.
+/// Share of this radius that the orbit fills.
 const FILLED: f64 = 0.8;
 /// Largest number of revolutions drawn.
 const TURNS: usize = 8;
-/// Share of a turn that stays blank before the bright dot.
+/// Share of a revolution that is blank before the keyphasor dot.
 const BLANK: f64 = 0.035;
 
-/// Returns the explanation below the figure.
+/// Explanation below the figure.
 const NOTE: &str = "Equal scales. X to the right, Y up, Z towards the reader. Blank, then bright: motion runs from the \
                     gap to the keyphasor dot (twin: ring).";
 
@@ -54,12 +54,13 @@ impl Figure for Orbits {
     }
 }
 
-/// The 1X part of an orbit, once around; `forward` is the sense of rotation.
+/// Draws the 1X part of an orbit over one revolution; `forward` is the sense of rotation, +1 from +X towards +Y. Returns `None`
+/// without a 1X part.
 pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Option<Picture> {
     let FilteredOrbit { speed_rpm, measured, twin } = orbit.one_x?;
     let around = |[cos, sin]: [(f64, f64); 2]| -> Vec<Point> {
         let point = |i: u16| {
-            // The shaft's angle as time goes on.
+            // The points are in the order of time: the shaft angle decreases in negative rotation.
             let (s, c) = (forward * std::f64::consts::TAU * f64::from(i) / f64::from(ELLIPSE)).sin_cos();
             (cos.0 * c + sin.0 * s, cos.1 * c + sin.1 * s)
         };
@@ -79,7 +80,7 @@ pub(super) fn one_x(orbit: &Orbit, forward: f64, budget: PointBudget) -> Option<
     Some(Picture { title, ..drawn })
 }
 
-/// Returns the sense of precession relative to that of rotation; none where noise alone may cause it.
+/// Returns the sense of precession relative to that of rotation; an empty text where noise alone may cause it.
 fn precession(points: &[Point], forward: f64) -> &'static str {
     let finite: Vec<&Point> = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
     let count = finite.len().max(1) as f64;
@@ -97,7 +98,7 @@ fn precession(points: &[Point], forward: f64) -> &'static str {
     }
 }
 
-/// One picture for each plane; `forward` is the sense of rotation, +1 from +X towards +Y.
+/// Draws the orbit in one plane; `forward` is the sense of rotation, +1 from +X towards +Y.
 pub(super) fn orbit(orbit: &Orbit, forward: f64, budget: PointBudget) -> Picture {
     let shown = shown_samples(orbit);
     let frame = square(orbit, shown);
@@ -129,13 +130,13 @@ fn legend() -> [(Key, &'static str); 3] {
     [(Key::Line(MEASURED_LINE), "measured"), (Key::Line(TWIN_LINE), "twin"), (Key::Dot(MEASURED), "keyphasor")]
 }
 
-/// Samples of the first turns.
+/// Returns the number of samples in the first [`TURNS`] revolutions.
 fn shown_samples(orbit: &Orbit) -> usize {
     let all = orbit.measured.len().max(orbit.twin.len());
     orbit.keyphasor.get(TURNS).map_or(all, |end| all.min(end + 1))
 }
 
-/// A square about the middle of both curves, with one scale in both directions.
+/// Returns a square frame about the middle of both curves, with one scale in both directions.
 fn square(orbit: &Orbit, shown: usize) -> Frame {
     let points = || orbit.measured.iter().take(shown).chain(orbit.twin.iter().take(shown));
     let x = extent(points().map(|point| point.0)).unwrap_or((-1.0, 1.0));
@@ -151,7 +152,7 @@ fn square(orbit: &Orbit, shown: usize) -> Frame {
     equal_scales((about(x), about(y)), (24.0, SIDE, FILLED * RIM / (0.5 * SIDE)), ["X, um", "Y, um"])
 }
 
-/// The circle with the probes on it.
+/// Draws the circle with the probes.
 fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) {
     let (x, y) = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
     canvas.circle(x, y, RIM, Stroke(FAINT, 0.75));
@@ -163,7 +164,7 @@ fn rim(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit) {
     }
 }
 
-/// A probe's name between rim and frame: upright near the X axis, where there is height but no width.
+/// Writes the name of a probe between circle and frame; vertically near the X axis, where the space is narrow.
 fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Point, name: &str) {
     let half = 0.5 * text_width(name, SMALL) + 3.0;
     let side = if cosine < -1e-6 { -1.0 } else { 1.0 };
@@ -171,7 +172,7 @@ fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Po
         let x = if side > 0.0 { frame.right - 7.0 } else { frame.left + 7.0 };
         return canvas.upright(name, (x, tip.1.clamp(frame.top + half, frame.bottom - half)));
     }
-    // A long name goes into the corner, where the rim leaves more room.
+    // A long name is written in the corner, where there is more space outside the circle.
     if half > 30.0 && cosine.abs() > 0.3 {
         let y = (tip.1 - 34.0 * sine).clamp(frame.top + 32.0, frame.bottom - 8.0);
         let (x, anchor) = if side > 0.0 { (frame.right - 5.0, Anchor::End) } else { (frame.left + 5.0, Anchor::Start) };
@@ -182,7 +183,7 @@ fn name_probe(canvas: &mut Canvas, frame: &Frame, tip: Point, (cosine, sine): Po
     canvas.text(name, (x, y), Anchor::Middle, INK)
 }
 
-/// An arc with a head in the upper left corner: the sense of rotation.
+/// Draws an arrow in the sense of rotation in the upper left corner.
 fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) {
     let (x, y, radius) = (frame.left + 18.0, frame.top + 18.0, 9.0);
     let at = |angle: f64| (x + radius * angle.cos(), y - radius * angle.sin());
@@ -195,7 +196,7 @@ fn sense(canvas: &mut Canvas, frame: &Frame, forward: f64) {
     canvas.text("rotation", (x + 14.0, y), Anchor::Start, MARK)
 }
 
-/// The curve, blank just before each keyphasor.
+/// Returns the first `shown` points of a curve, blank just before each keyphasor pulse.
 fn turns(points: &[Point], marks: &[usize], shown: usize) -> Vec<Point> {
     let turn = marks.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).max().unwrap_or(0);
     let blank = if turn > 0 { 2 + (BLANK * turn as f64) as usize } else { 0 };
@@ -204,7 +205,7 @@ fn turns(points: &[Point], marks: &[usize], shown: usize) -> Vec<Point> {
     points.iter().take(shown).enumerate().map(place).collect()
 }
 
-/// The bright dots: the machine's filled, the twin's a ring, so that both can be seen at one place.
+/// Draws the keyphasor marks: dots for the measured orbit, rings for the twin, so that both are visible at the same position.
 fn dots(canvas: &mut Canvas, frame: &Frame, orbit: &Orbit, marks: &[usize]) {
     let at = |points: &[Point], mark: &usize| {
         points.get(*mark).filter(|point| point.0.is_finite() && point.1.is_finite()).map(|point| frame.at(point))

@@ -1,4 +1,4 @@
-//! Polar plots: the 1X vector as it goes with the speed. Zero is at the probe, the lag grows against rotation.
+//! Polar plots: the 1X vector over the speed. Zero lag is at the probe; the lag increases against rotation.
 
 use super::axis::Axis;
 use super::canvas::{
@@ -14,17 +14,17 @@ const RADIUS: f64 = 132.0;
 const COMPENSATED: Stroke = Stroke(MEASURED, 1.8);
 const RAW: Stroke = Stroke(RESIDUAL, 1.4);
 
-/// Position of a lag in the figure.
+/// Scales of the figure: angle of a lag, radius of an amplitude.
 struct Dial {
     /// Angle of the probe, rad from +X towards +Y.
     probe: f64,
-    /// Sense of rotation.
+    /// Sense of rotation: +1 from +X towards +Y.
     forward: f64,
     radial: Axis,
 }
 
 impl Dial {
-    /// At a lag in degrees and a share of the radius.
+    /// Returns the point at a lag (degrees) and a share of the radius.
     fn around(&self, lag: f64, share: f64) -> Point {
         let (sine, cosine) = self.angle(lag).sin_cos();
         (MIDDLE.0 + RADIUS * share * cosine, MIDDLE.1 - RADIUS * share * sine)
@@ -81,7 +81,7 @@ pub(super) fn polar(name: &str, angle: f64, forward: f64, one_x: &OneX) -> Pictu
     Picture { title: format!("Polar plot of {name}: 1X over speed"), note, drawing, ..Picture::default() }
 }
 
-/// Circles of equal amplitude, the four quarters, the probe. Gives the places taken by text.
+/// Draws circles of equal amplitude, the four quarters and the probe; returns the texts with the areas that they cover.
 fn rings(canvas: &mut Canvas, dial: &Dial) -> Vec<Place> {
     let mut taken = Vec::new();
     canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.9));
@@ -102,7 +102,7 @@ fn rings(canvas: &mut Canvas, dial: &Dial) -> Vec<Place> {
     taken
 }
 
-/// Dots with the speed, where there is room for the number beside the curve.
+/// Draws rings with the speed where there is space for the number beside the curve.
 fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>) {
     let curves = one_x.compensated.iter().chain(&one_x.raw);
     let curve: Vec<Point> = curves.map(|vector| dial.at(vector)).collect();
@@ -126,7 +126,7 @@ fn speeds(canvas: &mut Canvas, dial: &Dial, one_x: &OneX, taken: &mut Vec<Place>
     }
 }
 
-/// A text and the room that it takes.
+/// A text and the area that it covers.
 struct Place {
     middle: Point,
     half: f64,
@@ -134,7 +134,7 @@ struct Place {
 }
 
 impl Place {
-    /// About `middle`, but inside the picture.
+    /// Creates a text about `middle`, moved sideways into the picture where necessary.
     fn new(middle: Point, text: &str) -> Self {
         let half = 0.5 * text_width(text, SMALL) + 3.0;
         Self { middle: (middle.0.clamp(half, SIDE - half), middle.1), half, text: text.to_owned() }

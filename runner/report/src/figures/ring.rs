@@ -12,12 +12,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Radius of the polar picture.
 const RADIUS: f64 = 88.0;
-/// Left edge of the polar picture's middle, and where it is below its upper edge.
+/// Middle of the polar picture: distance from the left and from the upper edge, pixels.
 const MIDDLE: Point = (126.0, RADIUS + 20.0);
-/// Where the frame beside it begins.
+/// Left end of the frame beside it, pixels.
 const BESIDE: f64 = 252.0;
 
-/// A picture around a ring: its middle and its radial axis.
+/// A polar picture of a ring: its middle and its radial axis.
 pub(super) struct Polar {
     middle: Point,
     radial: Axis,
@@ -40,7 +40,7 @@ impl Figure for ElementLoadPlots {
     }
 }
 
-/// One picture for each bearing with elements.
+/// Draws the loads on the elements of one bearing.
 pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
     let legend = [
         (Key::Line(MEASURED_LINE), "mean, from measured displacement"),
@@ -76,7 +76,7 @@ pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
     }
 }
 
-/// The load on every element of a bearing at one moment: azimuth (rad) and load (N).
+/// Draws the present load on every element of a bearing; `loads` contains azimuth (rad) and load (N) of each element.
 pub(crate) fn present_loads(name: &str, loads: &[(f64, f64)]) -> Picture {
     let polar = Polar::new(24.0, loads.iter().map(|load| load.1));
     let drawing = picture((2.0 * MIDDLE.0 + 30.0, polar.bottom()), |canvas| {
@@ -148,7 +148,7 @@ impl Polar {
         }
     }
 
-    /// Draws a closed curve; a missing value breaks it.
+    /// Draws a closed curve, which is interrupted at missing values.
     fn curve(&self, canvas: &mut Canvas, azimuth: &[f64], values: &[f64], stroke: Stroke) {
         let ring: Vec<Point> = azimuth.iter().copied().zip(values.iter().copied()).collect();
         let closed: Vec<Point> = ring.iter().chain(ring.first()).copied().collect();
@@ -159,7 +159,7 @@ impl Polar {
     }
 }
 
-/// A diagonal on which little load is drawn, for the labels of the circles.
+/// Returns the azimuth of the diagonal with the lowest load, rad, for the labels of the circles.
 fn unloaded(loads: &ElementLoads) -> f64 {
     let load = |diagonal: f64| -> f64 {
         let near = |azimuth: f64| ((azimuth - diagonal + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0).abs() < 0.4;
@@ -178,7 +178,7 @@ pub(super) fn beside(top: f64, y: Axis) -> Frame {
     Frame { start: BESIDE, left: BESIDE + gutter(&[&y]), top: top + 8.0, right: WIDE_RIGHT, bottom, x, y }
 }
 
-/// Azimuth folded into one turn, broken where it begins again.
+/// Returns a curve with its azimuth in degrees within one revolution, interrupted where the azimuth wraps.
 fn passes(points: &[Point]) -> Vec<Point> {
     let mut folded: Vec<Point> = Vec::with_capacity(points.len() + 16);
     for (azimuth, load) in points.iter().filter(|point| point.0.is_finite()) {

@@ -18,9 +18,9 @@ const EDGES: [f64; 2] = [36.0, WIDE - 36.0];
 const HEIGHT: f64 = 160.0;
 /// Mean diameter of the shaft below which diameters are drawn larger than lengths.
 const THIN: f64 = 22.0;
-/// Diameter of the bar that stands for a rigid rotor.
+/// Diameter of the bar that represents a rigid rotor.
 const BAR: f64 = 18.0;
-/// Width of a disk whose size the scene does not have, and of the narrowest drawn one.
+/// Least drawn width of a disk, also used for a disk without a width in the scene.
 const NARROW: f64 = 5.0;
 /// Side of a bearing.
 const BEARING: f64 = 13.0;
@@ -138,7 +138,7 @@ struct SideView<'a> {
     right: f64,
     /// Pixels per mm of a diameter.
     per_mm: f64,
-    /// Scale of diameters over that of lengths; none of a rigid rotor.
+    /// Scale of diameters over that of lengths; `None` for a rigid rotor.
     exaggeration: Option<f64>,
 }
 
@@ -175,14 +175,14 @@ impl<'a> SideView<'a> {
         self.left + self.axis.place(station_mm) * (self.right - self.left)
     }
 
-    /// Height of the shaft with its disks.
+    /// Returns the height of the shaft with its disks, pixels.
     fn height(&self) -> f64 {
         let sections = self.drawing.sections.iter().flat_map(|s| s.outer_mm);
         let all = sections.chain(self.drawing.disks.iter().map(|d| d.diameter_mm)).map(|d| d * self.per_mm);
         if self.exaggeration.is_none() { BAR } else { all.fold(0.0, f64::max) }
     }
 
-    /// Radius of the shaft at a station; of two sections that meet there, the larger one.
+    /// Returns the radius of the shaft at a station, pixels; where two sections meet, the larger radius.
     fn surface(&self, station_mm: f64) -> f64 {
         if self.exaggeration.is_none() {
             return 0.5 * BAR;
@@ -198,14 +198,14 @@ impl<'a> SideView<'a> {
         radius.fold(0.0, f64::max)
     }
 
-    /// Edges of a disk.
+    /// Returns the left and the right edge of a disk, pixels.
     fn disk(&self, disk: &DrawnDisk) -> [f64; 2] {
         let (x, per_mm) = (self.x(disk.station_mm), self.per_mm / self.exaggeration.unwrap_or(1.0));
         let half = 0.5 * (disk.width_mm.unwrap_or(0.0) * per_mm).max(NARROW);
         [x - half, x + half]
     }
 
-    /// Radius of the shaft or of a disk at a station.
+    /// Returns the radius of the shaft or of a disk at a station, pixels.
     fn rim(&self, station_mm: f64) -> f64 {
         let x = self.x(station_mm);
         let here = self.drawing.disks.iter().filter(|d| {
@@ -350,7 +350,7 @@ fn placed(names: &[(f64, f64, String)]) -> Vec<Name> {
         let cost = |new: &Name, side: f64| {
             let overlaps = all.iter().filter(|other| new.overlaps(other)).count();
             let crossed = all.iter().filter(|other| is_other(other.x) && new.is_crossed(other)).count();
-            // The leaders of later names have to pass.
+            // The leaders of later names may pass behind this name.
             let later = names.iter().skip(i + 1).filter(|later| is_other(later.0) && new.covers(later.0)).count();
             2000 * overlaps + 6 * crossed + 3 * later + 2 * new.row + usize::from(side != 0.0)
         };
@@ -362,10 +362,10 @@ fn placed(names: &[(f64, f64, String)]) -> Vec<Name> {
     all
 }
 
-/// Stations closer than this are one, mm.
+/// Positions (pixels) or stations (mm) that are closer than this are the same.
 const SAME: f64 = 1e-3;
 
-/// Names and directions of the probes, those at one station in common rows.
+/// Returns names and directions of the probes; those at one station share rows.
 fn probe_names(drawing: &RotorDrawing, side: &SideView) -> Vec<(f64, f64, String)> {
     let mut groups: Vec<(f64, f64, Vec<String>)> = Vec::new();
     for probe in &drawing.probes {
@@ -398,7 +398,7 @@ fn probe_names(drawing: &RotorDrawing, side: &SideView) -> Vec<(f64, f64, String
     groups.into_iter().flat_map(rows).collect()
 }
 
-/// Names of bearings, unbalances and centre of mass.
+/// Returns the names of bearings, unbalances and centre of mass.
 fn names_below(drawing: &RotorDrawing, side: &SideView) -> Vec<(f64, f64, String)> {
     let bearings = drawing.bearings.iter().map(|(name, z)| {
         let name = shortened(name, LONGEST);

@@ -1,4 +1,4 @@
-//! Half spectra (one a probe, logarithmic) and full spectra (one a plane, linear).
+//! Half spectra (one per probe, logarithmic) and full spectra (one per plane, linear).
 
 use super::axis::{Axis, extent};
 use super::canvas::{
@@ -14,16 +14,16 @@ use ballrace_twin::replay::outcome::{FullSpectrum, HalfSpectrum, MarkedLine, Pic
 const HEIGHT: f64 = 170.0;
 /// The close view ends at this many times the highest marked line.
 const BEYOND_LINES: f64 = 3.0;
-/// The same of a full spectrum, which has half the room.
+/// The same factor for a full spectrum, whose sides have half the width.
 const BEYOND_LINES_FULL: f64 = 1.6;
 /// The close view ends at least at this many times the lowest natural frequency.
 const BEYOND_NATURAL: f64 = 1.15;
-/// Below the highest peak at most so much is shown.
+/// Largest ratio of the highest peak to the lower end of the amplitude axis.
 const DYNAMIC_RANGE: f64 = 1e6;
-/// The twin lies under the machine and is wider, so that it is visible beside a peak.
+/// Stroke of the twin. It is drawn under the measured curve and is wider, so that it is visible beside a peak.
 const TWIN_WIDE: Stroke = Stroke(TWIN, 2.4);
 const RESIDUAL_FINE: Stroke = Stroke(RESIDUAL, 0.9);
-/// Lowest bins, which hold the mean and what the window spreads of it, at most.
+/// Largest number of lowest bins that are omitted because they contain the mean, spread by the window.
 const MEAN_BINS: usize = 3;
 
 /// Spectra, one per probe.
@@ -48,7 +48,7 @@ impl Figure for HalfSpectra {
     }
 }
 
-/// One picture for each probe: the range of the bearing lines, and beside it the whole range.
+/// Draws the spectrum of one probe: the range of the bearing lines, and beside it the whole range.
 pub(super) fn half(spectrum: &HalfSpectrum, data: &Pictures, budget: PointBudget) -> Picture {
     let whole = whole_range(spectrum.bin_hz, longest(spectrum).saturating_sub(1));
     let close = close_view(data, whole, BEYOND_LINES);
@@ -92,7 +92,7 @@ pub(super) fn half(spectrum: &HalfSpectrum, data: &Pictures, budget: PointBudget
     }
 }
 
-/// Explains the names of natural frequencies, where there are any.
+/// Returns an explanation of the names of natural frequencies; empty without natural frequencies.
 fn natural_note(data: &Pictures) -> &'static str {
     if data.natural_frequencies.is_empty() {
         ""
@@ -101,7 +101,7 @@ fn natural_note(data: &Pictures) -> &'static str {
     }
 }
 
-/// The same three curves from 0 to the highest frequency, narrow.
+/// Draws the three curves from 0 to the highest frequency in a narrow frame.
 fn overview(canvas: &mut Canvas, close: &Frame, curves: &Curves, whole: f64, budget: PointBudget) {
     let x = Axis::exact(Some((0.0, whole)), 2, "Frequency, Hz");
     let mut y = close.y.clone();
@@ -132,7 +132,7 @@ impl Curves {
         }
     }
 
-    /// From just under the noise to just above the highest peak.
+    /// Returns the amplitude axis from just below the noise to just above the highest peak.
     fn amplitude_axis(&self) -> Axis {
         let noisy = self.measured.iter().chain(&self.residual).map(|point| point.1);
         let mut noisy: Vec<f64> = noisy.filter(|amplitude| *amplitude > 0.0).collect();
@@ -155,13 +155,13 @@ impl Curves {
     }
 }
 
-/// How many of the lowest bins hold the mean: fewer where the lowest marked line is close.
+/// Returns the number of lowest bins that are omitted because they contain the mean; fewer where the lowest marked line is close.
 fn mean_bins(lines: &[MarkedLine], bin_hz: f64) -> usize {
     let lowest = lines.iter().map(|line| line.hz).filter(|hz| *hz > 0.0).fold(f64::INFINITY, f64::min);
     ((0.5 * lowest / bin_hz) as usize).clamp(1, MEAN_BINS)
 }
 
-/// Rings at the residual's peaks on the marked lines, where its curve runs inside the machine's peak.
+/// Draws rings at the peaks of the residual on the marked lines, where the measured peak covers its curve.
 fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, marks: &[Mark]) {
     frame.inside(canvas, |canvas| {
         for mark in marks.iter().filter(|mark| !mark.is_natural) {
@@ -176,7 +176,7 @@ fn residual_at(canvas: &mut Canvas, frame: &Frame, spectrum: &HalfSpectrum, mark
     });
 }
 
-/// Highest frequency; 0 where the width of a bin is no number.
+/// Returns the highest frequency, Hz; 0 where the bin width is not finite.
 fn whole_range(bin_hz: f64, bins: usize) -> f64 {
     let highest = bin_hz * bins as f64;
     if highest.is_finite() { highest.max(0.0) } else { 0.0 }
@@ -186,7 +186,7 @@ fn longest(spectrum: &HalfSpectrum) -> usize {
     spectrum.measured.len().max(spectrum.twin.len()).max(spectrum.residual.len())
 }
 
-/// End of the range that the bearing lines and the lowest natural frequency need; the whole range when there are no lines.
+/// Returns the end of the range that contains the bearing lines and the lowest natural frequency, Hz; the whole range without lines.
 fn close_view(data: &Pictures, whole: f64, beyond: f64) -> f64 {
     let highest = data.lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
     let natural = data.natural_frequencies.iter().map(|line| line.hz).fold(f64::INFINITY, f64::min);
@@ -194,7 +194,7 @@ fn close_view(data: &Pictures, whole: f64, beyond: f64) -> f64 {
     if highest > 0.0 { whole.min((beyond * highest).max(natural)) } else { whole }
 }
 
-/// One picture for each plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
+/// Draws the full spectrum of one plane: forward to the right, reverse to the left; below it, magnified, all but 1X.
 pub(super) fn full(spectrum: &FullSpectrum, data: &Pictures, budget: PointBudget) -> Picture {
     let sides = Sides::new(spectrum, data);
     let mut marks = mark::marks(&data.lines, &data.natural_frequencies, sides.close);
@@ -225,7 +225,7 @@ pub(super) fn full(spectrum: &FullSpectrum, data: &Pictures, budget: PointBudget
     }
 }
 
-/// Both curves of a full spectrum, and how far and high they are shown.
+/// Both curves of a full spectrum, and the ranges of the axes.
 struct Sides {
     measured: Vec<Point>,
     twin: Vec<Point>,
@@ -255,7 +255,7 @@ impl Sides {
         Self { close, whole, highest: all, highest_but_one_x: others, measured, twin }
     }
 
-    /// The frames, one above the other; one only where 1X does not dwarf the rest.
+    /// Returns the frames, one above the other: two where 1X is more than three times as high as the rest, else one.
     fn frames(&self, marks: &mut [Mark]) -> Vec<Frame> {
         let magnified = match (self.highest, self.highest_but_one_x) {
             (Some(all), Some(others)) => others > 0.0 && all > 3.0 * others,
@@ -285,7 +285,7 @@ impl Sides {
     }
 }
 
-/// Amplitudes with their frequencies, without the bins about 0 Hz, which hold the mean.
+/// Returns amplitudes with their frequencies, without the bins about 0 Hz, which contain the mean.
 fn two_sided(amplitudes: &[f64], bin_hz: f64, mean_bins: usize) -> Vec<Point> {
     let half = amplitudes.len() / 2;
     let bin = |i: usize| i as f64 - half as f64;

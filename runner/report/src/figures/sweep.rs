@@ -1,4 +1,4 @@
-//! A sweep in pictures: how large the motion is, where it is at each section, which frequencies it has.
+//! Figures of a sweep: response curves, bifurcation diagram, waterfall.
 
 use super::Picture;
 use super::axis::{Axis, extent};
@@ -8,9 +8,9 @@ use super::canvas::{
 use super::line::{Point, Thinning};
 use ballrace_twin::sweep::Row;
 
-/// Spectra of a waterfall at most.
+/// Largest number of spectra of a waterfall.
 const MAX_LINES: usize = 60;
-/// Sections of one point that the bifurcation diagram shows.
+/// Largest number of sections of one point in the bifurcation diagram.
 const SECTIONS: usize = 48;
 /// Height of the highest peak of a waterfall.
 const PEAK: f64 = 56.0;
@@ -21,7 +21,7 @@ pub(crate) struct Curve<'a> {
     pub(crate) name: String,
     /// `rest`, `up` or `down`.
     pub(crate) direction: String,
-    /// One a value of the first axis.
+    /// One row per value of the first axis.
     pub(crate) rows: Vec<&'a Row>,
 }
 
@@ -41,7 +41,7 @@ fn legend<'a>(curves: &'a [Curve<'a>]) -> Vec<(Key, &'a str)> {
     curves.iter().enumerate().map(|(i, c)| (Key::Line(stroke(i)), c.name.as_str())).collect()
 }
 
-/// Peak to peak along X above, along Y below.
+/// Draws the peak-to-peak motion along X and, below it, along Y.
 pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Picture {
     let x = horizontal(title, curves);
     let points = |curve: &Curve<'_>, k: usize| -> Vec<Point> {
@@ -73,7 +73,7 @@ pub(crate) fn response(title: &str, curves: &[Curve<'_>]) -> Picture {
     }
 }
 
-/// Where the rotor is along X each time the section is taken.
+/// Draws the position of the rotor along X at each section.
 pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Picture {
     let x = horizontal(title, curves);
     let sections = |row: &Row| -> Vec<f64> {
@@ -97,7 +97,7 @@ pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Picture {
             for row in &curve.rows {
                 let mut seen: Vec<i64> = Vec::new();
                 for u in sections(row) {
-                    // Points that fall on one another are one.
+                    // Points that coincide in the picture are drawn once.
                     let place = (frame.at(&(along(row), u)).1 * 2.0).round() as i64;
                     if !seen.contains(&place) {
                         seen.push(place);
@@ -117,7 +117,7 @@ pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Picture {
     }
 }
 
-/// The spectrum along X of each point, one behind the other.
+/// Draws the spectra along X of the points, one behind the other.
 pub(crate) fn waterfall(title: &str, curve: &Curve<'_>) -> Picture {
     let every = curve.rows.len().div_ceil(MAX_LINES).max(1);
     let rows: Vec<&&Row> = curve.rows.iter().step_by(every).collect();
@@ -133,7 +133,7 @@ pub(crate) fn waterfall(title: &str, curve: &Curve<'_>) -> Picture {
     let frame = Frame { start: 0.0, left, top, right: WIDE_RIGHT, bottom: top + height, x, y };
     let drawing = picture((WIDE, frame.bottom + BELOW), |canvas| {
         frame.axes(canvas, true);
-        // Those further up lie behind.
+        // Spectra further up lie behind: they are drawn first.
         for row in rows.iter().rev() {
             let frequency = |k: usize| 4.0 * (k as f64 + 0.5) / count.max(1) as f64;
             let points: Vec<Point> =

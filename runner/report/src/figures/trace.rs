@@ -1,4 +1,4 @@
-//! Time traces: the twin over the machine, the difference below.
+//! Time traces: measured motion and twin, with the residual below.
 
 use super::axis::{Axis, extent};
 use super::canvas::{
@@ -30,7 +30,7 @@ impl Figure for Traces {
     }
 }
 
-/// One picture for each probe.
+/// Draws the time trace of one probe.
 pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Picture {
     let clock = Clock::of(&trace.time);
     let time: Vec<f64> = trace.time.iter().map(|t| t * clock.scale).collect();
@@ -61,7 +61,7 @@ fn legend() -> [(Key, &'static str); 4] {
     ]
 }
 
-/// A frame for positions, and below it one for differences.
+/// Returns a frame for positions and, below it, one for residuals.
 pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2]) -> [Frame; 2] {
     let [above, below] = curves.map(|curves| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1))));
     let axes = vec![Axis::padded(above, 6, "Position, um"), Axis::padded(below, 4, "Residual, um")];
@@ -73,7 +73,7 @@ pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2]) -> [Frame; 2] {
     [upper, lower]
 }
 
-/// A triangle above and a fine line through the frames at each passage of the mark.
+/// Draws a triangle above the frames and a fine line through them at each keyphasor pulse.
 pub(super) fn keyphasor(canvas: &mut Canvas, frames: [&Frame; 2], marks: impl Iterator<Item = f64>) {
     let marks: Vec<f64> = marks.filter(|mark| frames[0].x.holds(*mark)).take(MAX_MARKS).collect();
     for frame in frames {
@@ -87,17 +87,17 @@ pub(super) fn keyphasor(canvas: &mut Canvas, frames: [&Frame; 2], marks: impl It
     });
 }
 
-/// Seconds or milliseconds.
+/// Unit of the time axis: seconds or milliseconds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clock {
-    /// Units in a second.
+    /// Number of units per second.
     pub(super) scale: f64,
     /// Title of the axis.
     pub(super) title: &'static str,
 }
 
 impl Clock {
-    /// Milliseconds where the last time is below two seconds.
+    /// Returns milliseconds where all times are below two seconds, else seconds.
     pub(super) fn of(time: &[f64]) -> Self {
         let last = extent(time.iter().copied()).map_or(0.0, |range| range.0.abs().max(range.1.abs()));
         if last < 2.0 { Self { scale: 1000.0, title: "Time, ms" } } else { Self { scale: 1.0, title: "Time, s" } }

@@ -11,17 +11,17 @@ const HEIGHT: f64 = 300.0;
 /// Smallest error drawn; smaller ones are rounding.
 const LEAST: f64 = 1e-16;
 
-/// One dot.
+/// One candidate in the figure.
 pub(crate) struct Dot {
-    /// In the unit of the axis.
+    /// Cost, in the unit of the axis.
     pub cost: f64,
-    /// Relative.
+    /// Relative error.
     pub error: f64,
-    /// Whether it is on the Pareto front.
+    /// The candidate is on the Pareto front.
     pub front: bool,
-    /// In single precision.
+    /// The candidate computes in single precision.
     pub single: bool,
-    /// For the list below.
+    /// Name in the list below the figure.
     pub name: String,
 }
 

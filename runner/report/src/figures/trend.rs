@@ -10,7 +10,7 @@ use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, P
 const HEIGHT: f64 = 70.0;
 const LIMIT: Stroke = Stroke(FAULT, 1.4);
 
-/// An indicator: as limits name it, its axis, its value.
+/// An indicator: its name in limits, the title of its axis, and its value.
 type Indicator = (&'static str, &'static str, fn(&BlockFigures) -> f64);
 
 const INDICATORS: [Indicator; 4] = [
@@ -55,7 +55,7 @@ impl Figure for Trends {
     }
 }
 
-/// One picture for each probe.
+/// Draws the trend of one probe.
 pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Picture {
     let clock = Clock::of(trend.blocks);
     let frames = frames(trend, &clock);
@@ -120,7 +120,7 @@ fn frames(trend: &Trend, clock: &Clock) -> Vec<Frame> {
     stacked(&x, INDICATORS.iter().map(axis).collect(), (34.0, HEIGHT, 20.0))
 }
 
-/// From start to end of each event of this indicator; of one that is not drawn, in every frame.
+/// Shades the events of this indicator, from start to end. Events of indicators that are not drawn are shaded in every frame.
 fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) {
     let is_drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
     let shown = trend.events.iter().filter(|e| e.indicator == indicator.0 || !is_drawn(e.indicator));
@@ -131,7 +131,7 @@ fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicat
     frame.uprights(canvas, ranges.iter().map(|range| range[0]), Stroke(RESIDUAL, 0.75));
 }
 
-/// Seconds, minutes or hours.
+/// Unit of the time axis: seconds, minutes or hours.
 struct Clock {
     scale: f64,
     title: &'static str,

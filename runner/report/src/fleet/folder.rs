@@ -8,7 +8,7 @@ use ballrace_twin::output::{AtomicFile, replace};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Returns the report of an evaluation, or none without an outcome. A report that cannot be drawn becomes the error of the row.
+/// Returns the report of an evaluation; `None` without an outcome. A report that cannot be rendered becomes the error of the row.
 pub fn page_of(evaluation: &mut Evaluation) -> Option<String> {
     match crate::html(evaluation.outcome.as_ref()?) {
         Ok(page) => Some(page),
@@ -30,7 +30,7 @@ impl Folder {
     /// Opens the folder for the machines of a table; it is created where it does not exist.
     ///
     /// # Errors
-    /// A folder that cannot be created.
+    /// Returns an error if the folder cannot be created.
     pub fn create(path: &Path, machines: &[Machine]) -> Result<Self, FleetError> {
         let reports = path.join("reports");
         std::fs::create_dir_all(&reports).map_err(|source| FleetError::Write { file: reports, source })?;
@@ -56,7 +56,7 @@ impl Folder {
         self.path.join("trends.csv")
     }
 
-    /// Returns the link from the overview to the report of a row; none where the report does not exist.
+    /// Returns the link from the overview to the report of a row; `None` where the report does not exist.
     #[must_use]
     pub fn link(&self, key: &Key) -> Option<String> {
         let link = format!("reports/{}", self.reports.get(key)?);
@@ -82,7 +82,7 @@ impl Folder {
     /// Writes the report of a row; without a page, the report of an earlier evaluation is removed.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written or removed.
     pub fn write_page(&self, key: &Key, page: Option<&str>) -> Result<(), FleetError> {
         let Some(name) = self.reports.get(key) else { return Ok(()) };
         let path = self.path.join("reports").join(name);
@@ -99,7 +99,7 @@ impl Folder {
     /// Writes the table of trends and the overview.
     ///
     /// # Errors
-    /// A file that cannot be written, a page that cannot be rendered.
+    /// Returns an error if a file cannot be written or the page cannot be rendered.
     pub fn write_overview(&self, name: &str, rows: &[Row], trends: &[Trend]) -> Result<()> {
         let mut table = Vec::new();
         trends_csv(&mut table, trends)?;

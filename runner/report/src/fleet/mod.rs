@@ -20,13 +20,13 @@ pub struct Fleet<'a> {
     pub rows: &'a [Row],
     /// Trends of their snapshots.
     pub trends: &'a [Trend],
-    /// Returns the link to the report of a row; none where there is no report.
+    /// Returns the link to the report of a row; `None` without a report.
     pub link: &'a dyn Fn(&Key) -> Option<String>,
 }
 
 /// A machine of the overview.
 struct Entry<'a> {
-    /// Row that stands for its present condition.
+    /// Row with its present condition.
     row: &'a Row,
     /// All of its rows, latest first.
     history: Vec<&'a Row>,
@@ -79,7 +79,7 @@ impl<'a> Fleet<'a> {
 const fn word(state: State) -> &'static str {
     match state {
         State::Limit => "limit crossed",
-        State::Finding => "fault diagnosed",
+        State::Fault => "fault diagnosed",
         State::Implausible => "implausible",
         State::Error => "error",
         State::NotJudged => "no verdict",

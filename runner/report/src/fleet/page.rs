@@ -12,7 +12,7 @@ const TEMPLATE: &str = include_str!("fleet.html");
 /// Returns the overview of a fleet, one file without external references: counts by state and the machines, worst first.
 ///
 /// # Errors
-/// A page that cannot be rendered.
+/// Returns an error if the page cannot be rendered.
 pub fn html(fleet: &Fleet) -> Result<String> {
     let mut environment = Environment::new();
     // The name ends in .html: every value is escaped, save those marked as safe.
@@ -40,7 +40,7 @@ fn machine(fleet: &Fleet, entry: &Entry, rank: usize) -> Value {
     let tags: Vec<String> = row.tags.iter().map(|(name, value)| format!("{name}: {value}")).collect();
     let worst = row.worst_indicator();
     let utilisation = worst.and_then(|one| one.utilisation());
-    // The first diagnosis is the verdict already.
+    // The verdict already states the first diagnosis.
     let diagnoses: Vec<String> = row.diagnoses.iter().skip(1).map(|one| one.sentence.clone()).collect();
     context! {
         rank => rank,

@@ -29,7 +29,7 @@ pub fn text(fleet: &Fleet) -> String {
         let row = entry.row;
         let crossed = row.worst_indicator().filter(|one| one.crossed);
         let cause = crossed.map(|one| format!("{} {}", one.label(), against_limit(one)));
-        // A line break in a name would forge a line.
+        // A line break in a name would start an additional line.
         let cause = printable::message(cause.as_deref().unwrap_or(verdict(row)));
         let crossing = entry.trend.map(crossing).filter(|text| !text.is_empty());
         let day = crossing.map_or_else(String::new, |text| format!(" ({text})"));

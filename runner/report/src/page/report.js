@@ -1058,15 +1058,15 @@ if (data.excerpt && data.excerpt.stretches.length) {
 }
 
 // A click on a diagnosis marks its lines, and the figures and rows of its bearing.
-(data.findings || []).forEach((finding, n) => {
-  const row = document.querySelector(`tr[data-finding="${n}"]`), cell = row && row.firstElementChild;
+(data.diagnoses || []).forEach((diagnosis, n) => {
+  const row = document.querySelector(`tr[data-diagnosis="${n}"]`), cell = row && row.firstElementChild;
   if (!cell) return;
   const button = element("button", { type: "button", "aria-pressed": "false", title: "Marks the lines of this diagnosis in every figure" }, cell.textContent);
   button.addEventListener("click", () => {
     const is = button.getAttribute("aria-pressed") !== "true";
-    document.querySelectorAll("tr[data-finding] button").forEach((other) => other.setAttribute("aria-pressed", "false"));
+    document.querySelectorAll("tr[data-diagnosis] button").forEach((other) => other.setAttribute("aria-pressed", "false"));
     button.setAttribute("aria-pressed", is);
-    const [orders, names] = is ? [finding.orders, finding.names] : [[], []];
+    const [orders, names] = is ? [diagnosis.orders, diagnosis.names] : [[], []];
     figures.forEach((figure) => figure.highlight(orders, names));
     document.querySelectorAll("tbody tr").forEach((other) => other.classList.toggle("highlighted",
       is && (other === row || [...other.children].some((one) => names.includes(one.textContent)))));

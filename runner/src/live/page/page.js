@@ -147,9 +147,9 @@ function showValues() {
   }) : (latest.second ? latest.second.probes : []).map((probe) => row([probe.name, number(probe.peak_to_peak_um),
     number(probe.one_x_um), number(probe.residual_rms_um, 3), number(probe.crest_factor), number(probe.kurtosis)]));
   byId("value-rows").replaceChildren(...rows);
-  byId("findings").replaceChildren(...latest.findings.map((finding) => {
+  byId("diagnoses").replaceChildren(...latest.diagnoses.map((diagnosis) => {
     const item = element("li");
-    item.append(element("b", "", finding.title), element("span", "", finding.details));
+    item.append(element("b", "", diagnosis.title), element("span", "", diagnosis.details));
     return item;
   }));
 }

@@ -39,16 +39,16 @@ struct State<'a> {
     status: Status,
     alarms: &'a [Alarm],
     limits: &'a [LimitStatus],
-    findings: Vec<FindingText>,
+    diagnoses: Vec<DiagnosisText>,
     second: Option<&'a Second>,
     events: Vec<&'a EventRecord>,
     counts: &'a SourceFigures,
     deadline_misses: u64,
 }
 
-/// A finding in words.
+/// A diagnosis in words.
 #[derive(Serialize)]
-struct FindingText {
+struct DiagnosisText {
     title: String,
     details: String,
     action: &'static str,
@@ -68,9 +68,9 @@ impl Description {
 
     /// Returns the state as JSON without line breaks.
     pub fn state(&self, view: &View) -> String {
-        let findings = view.findings.iter().map(|finding| {
-            let [title, details] = report::finding(finding);
-            FindingText { title, details, action: report::action(finding.kind) }
+        let diagnoses = view.diagnoses.iter().map(|diagnosis| {
+            let [title, details] = report::diagnosis(diagnosis);
+            DiagnosisText { title, details, action: report::action(diagnosis.kind) }
         });
         let state = State {
             description: self,
@@ -81,7 +81,7 @@ impl Description {
             status: Status::of(view),
             alarms: view.alarms.alarms(),
             limits: &view.limits,
-            findings: findings.collect(),
+            diagnoses: diagnoses.collect(),
             second: view.seconds.back().map(Arc::as_ref),
             events: view.events.iter().rev().take(MAX_EVENTS).map(Arc::as_ref).collect(),
             counts: &view.source,

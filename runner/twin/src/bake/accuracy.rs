@@ -1,4 +1,4 @@
-//! Error of the written constants against the dearest model, over poses of the scene's bearings.
+//! Error of the written constants against the highest-fidelity model, over poses of the scene's bearings.
 
 use super::{Language, baked_model, c, preload_offset};
 use crate::error::Result;
@@ -45,11 +45,12 @@ impl PoseSource {
     }
 }
 
-/// Returns the poses of every bearing and their source: `wanted`, or the first that the scene allows; no poses where they are
-/// those of the checksum.
+/// Returns the source of the poses and the poses of every bearing; the poses are `None` for [`PoseSource::Checksum`].
+///
+/// The source is `wanted`, or the first source that the scene allows.
 ///
 /// # Errors
-/// The source `wanted` cannot be read or computed.
+/// Returns an error if the source `wanted` cannot be read or computed.
 pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, Option<Poses>)> {
     let written = scene_as_written(scene);
     let computed = |source| match source {
@@ -61,7 +62,7 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
         return Ok((source, computed(source)?));
     }
     for source in [PoseSource::Recording, PoseSource::Simulation] {
-        // A recording that is absent or has no displacements, and a rotor without a motion, leave the next source.
+        // A source without displacements is not an error here: the next source replaces it.
         if let Ok(Some(poses)) = computed(source) {
             return Ok((source, Some(poses)));
         }
@@ -69,7 +70,7 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
     Ok((PoseSource::Checksum, None))
 }
 
-/// Returns the scene with the models that constants have.
+/// Returns the scene with the models of the written constants.
 fn scene_as_written(scene: &Scene) -> Scene {
     let mut written = scene.clone();
     for bearing in &mut written.bearings {
@@ -93,12 +94,12 @@ fn simulated(scene: &Scene) -> Result<Poses> {
     let mut span = poses::span(scene, &plant);
     span.settle = span.settle.min(MAX_SETTLING);
     let steps = f64::from(plant.substeps(1.0 / span.rate)?) * (span.settle + span.samples) as f64;
-    // A slow shaft turns through a part of the revolutions.
+    // A higher rate limits the number of steps; a slow shaft then turns through fewer revolutions.
     span.rate *= (steps / MAX_STEPS).max(1.0);
     poses::computed_over(scene, &plant, span)
 }
 
-/// One bearing as the constants have it, on the desktop.
+/// A bearing with the written constants, evaluated on the desktop.
 pub struct BakedModel {
     /// Model of the constants.
     pub model: Model,
@@ -109,7 +110,7 @@ pub struct BakedModel {
 }
 
 impl BakedModel {
-    /// Creates the model that firmware has, with its table.
+    /// Creates the model that the firmware evaluates, with its table.
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
@@ -142,11 +143,12 @@ pub struct Accuracy {
     pub is_of_checksum: bool,
 }
 
-/// Computes the error of a bearing, number `i` of the scene, against the dearest model; at the displacements of the checksum where
-/// no pose has a load.
+/// Computes the error of bearing `i` of the scene against the highest-fidelity model.
+///
+/// The poses are the displacements of the checksum if no pose has a load.
 ///
 /// # Errors
-/// No model can be built from the scene.
+/// Returns an error if no model can be built from the scene.
 pub fn accuracy(
     (scene, text): (&Scene, &str),
     i: usize,
@@ -189,7 +191,7 @@ pub fn totals(poses: &[Pose], offset: &Displacement<f64>) -> Vec<Displacement<f6
 /// Name, bearing and displacement by preload of the reference.
 type Reference = (String, AnyBearing<f64>, Displacement<f64>);
 
-/// Returns the dearest model that the scene allows for bearing `i`, iterated to convergence.
+/// Returns the highest-fidelity model that the scene allows for bearing `i`, iterated to convergence.
 fn dearest(scene: &Scene, text: &str, i: usize) -> Result<Reference> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let levels = FidelityLevel::all(scene);

@@ -21,10 +21,10 @@ use std::fmt::Write;
 /// Largest number of elements of the library.
 const MAX_ELEMENTS: usize = 32;
 
-/// Rejects what the library has no structs for.
+/// Rejects bearings and rotors for which the library has no structs.
 ///
 /// # Errors
-/// Waviness, damage, too many elements; for a whole scene, coordinates beyond those of a rigid rotor.
+/// Returns an error for waviness, damage or too many elements and, for a whole scene, for coordinates beyond those of a rigid rotor.
 pub fn check(scene: &Scene, chosen: &[&Bearing], whole: bool) -> Result<(), BakeError> {
     let refused =
         |place: String, found: String, expected| BakeError::NotInC { file: scene.path.clone(), place, found, expected };
@@ -46,17 +46,17 @@ pub fn check(scene: &Scene, chosen: &[&Bearing], whole: bool) -> Result<(), Bake
     Ok(())
 }
 
-/// Returns the bearing as C has it: the force of radial elements does not depend on the facing.
+/// Returns the bearing as it is written in C: the force of radial elements does not depend on the facing.
 #[must_use]
 pub fn as_written(of: &Bearing) -> Bearing {
     let radial = of.model == Model::Lumped && of.axial.is_none();
     Bearing { facing: if radial { Facing::Both } else { of.facing }, ..of.clone() }
 }
 
-/// Returns the force of radial and axial elements with different laws, which C computes as powers; none of any other bearing.
+/// Returns the force of radial and axial elements with different laws, which C computes as powers; `None` for any other bearing.
 ///
 /// # Errors
-/// A law that the scene does not give.
+/// Returns an error if the scene does not define the law.
 pub fn force_of_powers(of: &Bearing) -> Result<Option<AnyForceModel<f32>>> {
     let Some(axial) = of.axial.filter(|axial| of.model == Model::Lumped && law_of(of, axial) == Law::Power) else {
         return Ok(None);
@@ -89,7 +89,7 @@ impl Law {
         }
     }
 
-    /// Returns the part of a model's name.
+    /// Returns the suffix of the model's name in C.
     const fn suffix(self) -> &'static str {
         match self {
             Self::Point => "",
@@ -105,7 +105,7 @@ fn law_of(of: &Bearing, axial: &Axial) -> Law {
     if radial == Law::of(axial.exponent) { radial } else { Law::Power }
 }
 
-/// Returns header and source.
+/// Returns the header and the source file.
 ///
 /// # Errors
 /// Returns an error if a constant cannot be computed.

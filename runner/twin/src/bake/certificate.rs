@@ -34,7 +34,7 @@ pub const ONE_BEARING: &str = "only ";
 /// One line of a certificate.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Field {
-    /// Name, with the module of the bearing where it is of one.
+    /// Name; the field of a bearing starts with the name of its module.
     pub name: String,
     /// Value with its unit.
     pub value: String,
@@ -45,7 +45,7 @@ pub struct Field {
 struct ReferencedFile {
     /// Path as in the scene.
     name: String,
-    /// SHA-256; none of a file that cannot be read.
+    /// SHA-256; `None` if the file cannot be read.
     hash: Option<String>,
 }
 
@@ -80,15 +80,15 @@ pub struct BearingCertificate {
     pub poses_from: PoseSource,
     /// Number of poses.
     pub poses: usize,
-    /// Model against which the error is taken, in double precision.
+    /// Reference model of the error, in double precision.
     pub reference: String,
     /// Largest load of the reference over the poses, N.
     pub largest_load: f64,
     /// Largest error over the poses, N, rounded up.
     pub error: f64,
-    /// Largest error over the largest load, rounded up; none without load.
+    /// Largest error over the largest load, rounded up; `None` without load.
     pub relative_error: Option<f64>,
-    /// Cost of one force on the core; none of a bearing that was not counted.
+    /// Cost of one force evaluation on the core; `None` if the model has no counted cost.
     pub cost: Option<Cost>,
     /// Flash memory of the table, bytes.
     pub table_bytes: usize,
@@ -121,7 +121,7 @@ impl Certificate {
     /// Computes the certificate of the bearings `chosen`, with their tables.
     ///
     /// # Errors
-    /// Returns an error if a bearing or its poses cannot be built, or a referenced file cannot be read.
+    /// Returns an error if a bearing or its poses cannot be built.
     pub fn try_new(
         (scene, text): (&Scene, &str),
         options: &BakeOptions<'_>,
@@ -195,7 +195,7 @@ fn one_line(text: &str) -> String {
     if text.contains('\n') { escaped(text) } else { text.to_owned() }
 }
 
-/// Returns the fields of a block of comments; none where a line has no name.
+/// Returns the fields of a block of comments; `None` if a line has no name.
 #[must_use]
 pub fn parsed(text: &str) -> Option<Vec<Field>> {
     let field = |line: &str| {
@@ -218,7 +218,7 @@ impl BearingCertificate {
         let cost = match options.core {
             Core::CortexM4f => cortex::force(&as_written, "f32", "exact"),
         };
-        // The model turned about X and the calls of C have a few instructions more than the counted function.
+        // A mirrored model and a call from C have a few more instructions than the counted function.
         let exact_row = of.facing != Facing::MinusZ && options.language == Language::Rust;
         let mut last_valid = LastValidWrench::new();
         Self {
@@ -279,11 +279,11 @@ fn rounded_up(x: f64) -> f64 {
     }
     let unit = 10.0_f64.powi(x.log10().floor() as i32 - 1);
     let digits = (x / unit).ceil();
-    // From its decimal text, so that every desktop has the same number.
+    // The decimal text gives the same number on every desktop.
     format!("{:.1e}", digits * unit).parse().unwrap_or(x)
 }
 
-/// Returns the SHA-256 of what a reader has, in hexadecimal digits.
+/// Returns the SHA-256 of all bytes of `reader`, in hexadecimal digits.
 fn hash_of(mut reader: impl Read) -> io::Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];

@@ -19,10 +19,10 @@ pub fn module(out: &mut String, scene: &Scene, of: &Bearing) -> Result<()> {
     }
 }
 
-/// Returns force and stiffness at zero displacement, which define springs.
+/// Returns the force and the stiffness at zero displacement, which define the spring model.
 ///
 /// # Errors
-/// A bearing that cannot be linearised.
+/// Returns an error if the bearing cannot be linearised.
 pub fn spring(scene: &Scene, of: &Bearing) -> Result<([f32; 5], [[f32; 5]; 5])> {
     let spring = if matches!(of.linear, Some(Linear::Of(_))) {
         Plant::try_new(scene)?.mounted(&of.name)?.bearing.clone()

@@ -27,7 +27,7 @@ impl Block {
         out + self.end + "\n"
     }
 
-    /// Returns the text of the block in a source file; none where a mark is absent or a line is no comment.
+    /// Returns the text of the block in a source file; `None` if a mark is absent or a line is not a comment.
     #[must_use]
     pub fn read(self, source: &str) -> Option<String> {
         let mut lines = source.lines().skip_while(|line| line.trim_end() != self.begin).skip(1);

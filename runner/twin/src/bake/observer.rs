@@ -1,4 +1,4 @@
-//! The scene's observer as constants, with its rotor where that is rigid and on fixed bearings.
+//! Constants of the scene's observer, and of its rotor if that is rigid and its bearings are fixed.
 
 use crate::error::{BakeError, Error, Result};
 use crate::observer::{Gains, Uncertainty, gate, memory, weight};
@@ -15,27 +15,27 @@ pub struct ObserverConstants {
     pub names: Vec<String>,
     /// Reading of each probe per unit of each coordinate.
     pub rows: Vec<Vec<f64>>,
-    /// From sample to sample, s.
+    /// Sampling period, s.
     pub period: f64,
-    /// Steps of the integrator in it.
+    /// Number of integration steps per sampling period.
     pub substeps: u32,
     /// Decay factor of the unknown load over one period.
     pub memory: f32,
     /// Largest normalised innovation squared that still corrects the state.
     pub gate: f32,
-    /// Speed of the first gain, rad/s, gains per rad/s.
+    /// Speed of the first gain, rad/s, and number of gains per rad/s.
     pub speeds: [f32; 2],
     gains: Gains,
 }
 
-/// One gain: names of its matrices and their columns, of which the last are the rows of the whitening matrix.
+/// Names and columns of the matrices of one gain; the last entry has the rows of the whitening matrix.
 pub type GainColumns = [(&'static str, Vec<Vec<f64>>); 5];
 
 impl ObserverConstants {
-    /// Returns the constants, where the scene has an `[observer]`.
+    /// Returns the constants; `None` if the scene has no `[observer]`.
     ///
     /// # Errors
-    /// A scene that does not determine the gains.
+    /// Returns an error if the scene does not determine the gains.
     pub fn try_new(scene: &Scene) -> Result<Option<Self>> {
         let Some(process_noise) = scene.observer.process_noise else { return Ok(None) };
         let undetermined =
@@ -76,10 +76,10 @@ impl ObserverConstants {
         }))
     }
 
-    /// Returns the steps of the Verlet integrator in a period.
+    /// Returns the number of Verlet steps per sampling period.
     ///
     /// # Errors
-    /// Too many steps.
+    /// Returns an error if the number of steps is too large.
     pub fn verlet_substeps(&self) -> Result<u32> {
         Ok(self.plant.with_step(Method::Verlet, 1.0).substeps(self.period)?)
     }
@@ -97,17 +97,17 @@ impl ObserverConstants {
         })
     }
 
-    /// Returns the rotor and its unbalances where that is rigid and on fixed bearings.
+    /// Returns the rotor and its unbalances; `None` unless the rotor is rigid and its bearings are fixed.
     pub fn rigid_rotor(&self) -> Option<(RotorParams, Vec<Unbalance>)> {
         let rotor = self.plant.rotor().filter(|_| self.plant.layout.is_rigid())?;
         Some((build::rotor_params(rotor), build::unbalances(rotor)))
     }
 }
 
-/// Writes the module `observer`, where the scene has an `[observer]`.
+/// Writes the module `observer` if the scene has an `[observer]`.
 ///
 /// # Errors
-/// A scene that does not determine the gains.
+/// Returns an error if the scene does not determine the gains.
 pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     let Some(constants) = ObserverConstants::try_new(scene)? else { return Ok(()) };
     let rigid = constants.rigid_rotor();

@@ -14,7 +14,7 @@ const FACTORS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 0.5];
 const WANTED: u32 = CHECKSUM_SAMPLES as u32 / 32;
 /// Largest number of samples outside the table in a good range.
 const MAX_OUTSIDE: u32 = CHECKSUM_SAMPLES as u32 / 8;
-/// Relative speeds about a constant one: inside a table's default range.
+/// First and last speed over a constant shaft speed; both are inside a table's default range.
 const SPEEDS: [f64; 2] = [0.9, 1.1];
 /// Elastic approach over ball diameter, for a scene without poses.
 const RELATIVE_APPROACH: f64 = 5e-4;
@@ -31,8 +31,10 @@ pub struct Coverage {
     pub out_of_table: u32,
 }
 
-/// Returns the range of a bearing's checksum: about the total displacements `totals` of its poses, wide enough that contact
-/// is made and lost, as far as the model loses it.
+/// Returns the range of a bearing's checksum and its coverage.
+///
+/// The range surrounds the total displacements `totals` of the poses. It is large enough that contact is made and lost, if the model
+/// can lose it.
 #[must_use]
 pub fn range(
     (scene, of): (&Scene, &Bearing),
@@ -59,7 +61,7 @@ pub fn range(
     }
     let candidates: Vec<_> = candidates.map(covered).collect();
     let good = candidates.iter().find(|(_, coverage)| coverage.is_in_table() && coverage.least() >= WANTED);
-    // Elements under preload never lose contact. The last of equal candidates is the maximum.
+    // Elements under preload never lose contact. `max_by_key` returns the last of equal candidates, hence `rev` below.
     let quality = |(_, coverage): &&(ChecksumRange, Coverage)| {
         (coverage.is_in_table(), coverage.least(), Reverse(coverage.out_of_table))
     };

@@ -1,4 +1,4 @@
-//! The equations of a flexible rotor, or of a rigid rotor on supports, as constants.
+//! Constants of the equations of motion of a flexible rotor, or of a rigid rotor on elastic supports.
 
 use super::matrix_text;
 use crate::error::Result;
@@ -12,10 +12,10 @@ pub fn has_further_coordinates(scene: &Scene) -> bool {
     flexible || scene.rotor.is_some() && scene.bearings.iter().any(|bearing| bearing.support.is_some())
 }
 
-/// Writes the module `rotor`, where a rotor is flexible or on supports.
+/// Writes the module `rotor` if the rotor is flexible or on elastic supports.
 ///
 /// # Errors
-/// As [`Plant::try_new`].
+/// Returns the errors of [`Plant::try_new`].
 pub fn module(out: &mut String, scene: &Scene) -> Result<()> {
     if !has_further_coordinates(scene) {
         return Ok(());

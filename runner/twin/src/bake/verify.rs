@@ -28,7 +28,7 @@ pub struct Verification {
     pub constants: usize,
     /// Checksum of each bearing, as the scene gives it.
     pub checksums: Vec<Checksum>,
-    /// Differences; none where the file is that of its scene.
+    /// Differences; empty if the file matches its scene.
     pub differences: Vec<Difference>,
 }
 
@@ -74,19 +74,21 @@ pub struct Difference {
     pub part: BakedPart,
     /// Name of the field or constant.
     pub name: String,
-    /// Number of the line of the first difference, from 1; none of an absent constant and of a field.
+    /// Line number of the first difference, from 1; `None` for an absent constant and for a field.
     pub line: Option<usize>,
-    /// Content of the file; none where the part is absent.
+    /// Content of the file; `None` if the part is absent.
     pub found: Option<String>,
-    /// Content by the scene; none where the scene has no such part.
+    /// Content expected from the scene; `None` if the scene has no such part.
     pub expected: Option<String>,
 }
 
-/// Bakes the scene of `file` again and compares; of C, `file` is the header or the source. Files that the scene refers to are relative
-/// to the folder of `file`; with `scene`, that scene is baked in place of the text in the file.
+/// Bakes the scene of `file` again and returns the differences from the constants in `file`.
+///
+/// In C, `file` is the header or the source. The paths in its scene are relative to the folder of `file`. With `scene`, that scene is
+/// baked in place of the text in the file.
 ///
 /// # Errors
-/// A file without certificate or scene, a scene that cannot be read or baked.
+/// Returns an error if the file has no certificate or no scene, or if the scene cannot be read or baked.
 pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
     let file = &with_certificate(file);
     let source = read(file)?;
@@ -126,7 +128,7 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
     })
 }
 
-/// Returns the file with the certificate: of C, the header.
+/// Returns the file with the certificate: in C, the header.
 fn with_certificate(file: &Path) -> PathBuf {
     if file.extension().is_some_and(|extension| extension == "c") { file.with_extension("h") } else { file.to_owned() }
 }
@@ -148,7 +150,7 @@ fn value<'a>(fields: &'a [Field], name: &str) -> Option<&'a str> {
     fields.iter().find(|field| field.name == name).map(|field| field.value.as_str())
 }
 
-/// Returns the value of a field that has to be there.
+/// Returns the value of a required field.
 fn required<'a>(file: &Path, fields: &'a [Field], name: &'static str) -> Result<&'a str, VerifyError> {
     value(fields, name).ok_or_else(|| VerifyError::NoField { file: file.to_owned(), name })
 }
@@ -207,7 +209,7 @@ fn field_differences(file: &Path, found: &[Field], expected: &[Field]) -> Vec<Di
     changed.chain(added.map(|field| difference(&field.name, Some(&field.value), None))).collect()
 }
 
-/// A word or a sign of a source, with the number of its line.
+/// A token of a source, with its line number.
 struct Token<'a> {
     text: &'a str,
     line: usize,
@@ -220,7 +222,7 @@ struct Item<'a> {
     tokens: Vec<Token<'a>>,
 }
 
-/// The parts of a source in their order. White space, and commas before a closing bracket, do not count.
+/// Items of a source in their order, without white space and commas before a closing bracket.
 struct Items<'a>(Vec<Item<'a>>);
 
 /// Name of the tokens before the first constant of a module.
@@ -256,7 +258,7 @@ impl<'a> Items<'a> {
 
     fn add(&mut self, part: BakedPart, name: &str, tokens: impl Iterator<Item = Token<'a>>) {
         for token in tokens {
-            // The last item is the usual one.
+            // Most tokens belong to the last item: a search from the end is fast.
             let index = self.0.iter().rposition(|item| item.part == part && item.name == name);
             let index = index.unwrap_or_else(|| {
                 self.0.push(Item { part, name: name.to_owned(), tokens: vec![] });
@@ -286,7 +288,7 @@ impl<'a> Items<'a> {
     }
 }
 
-/// Number of tokens by which a whole item is shown.
+/// Number of tokens shown of an item that only one of the two sources has.
 const SHOWN_TOKENS: usize = 8;
 
 impl Item<'_> {
@@ -355,7 +357,7 @@ const fn is_of_word(c: char) -> bool {
     matches!(c, '_' | '.' | '+' | '-' | 'a'..='z' | 'A'..='Z' | '0'..='9')
 }
 
-/// Returns words, numbers and signs of a line.
+/// Returns the tokens of a line: words, numbers and single other characters.
 fn tokens(text: &str, line: usize) -> impl Iterator<Item = Token<'_>> {
     let mut rest = text.trim_start();
     std::iter::from_fn(move || {

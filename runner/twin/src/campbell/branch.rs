@@ -1,13 +1,13 @@
-//! Modes followed over the speed, and the speeds at which they are critical.
+//! Mode tracking over the shaft speed, and critical speeds.
 
 use super::{AtSpeed, Mode, Whirl};
 use serde::Serialize;
 
 /// Orders per revolution whose crossings with a mode are critical speeds.
 const ORDERS: [f64; 2] = [1.0, 2.0];
-/// Added to the relative change of frequency where forward becomes backward or the reverse.
+/// Penalty added to the relative change of frequency if forward becomes backward or the reverse.
 const OPPOSITE_WHIRL: f64 = 0.5;
-/// Added where only one of them is straight, as every mode of a symmetric rotor at rest.
+/// Penalty added if only one of the two is straight, such as every mode of a symmetric rotor at zero speed.
 const OTHER_WHIRL: f64 = 0.05;
 
 /// One mode over the speed.
@@ -64,7 +64,7 @@ impl ModeBranch {
         }
     }
 
-    /// Returns how badly a mode continues this one.
+    /// Returns the mismatch of `mode` as the continuation of this branch: relative change of frequency plus penalty for a change of whirl.
     fn mismatch(&self, speed_rpm: f64, mode: &Mode) -> f64 {
         let expected = self.predicted(speed_rpm);
         let size = expected.abs().max(mode.frequency_hz).max(f64::MIN_POSITIVE);
@@ -77,8 +77,9 @@ impl ModeBranch {
     }
 }
 
-/// Connects the modes of all speeds: each mode continues the branch whose whirl and extrapolated frequency are nearest; a mode that
-/// no branch is left for begins a new one.
+/// Connects the modes of all speeds to branches.
+///
+/// Each mode continues the branch whose whirl and extrapolated frequency are nearest. A mode without a free branch starts a new one.
 #[must_use]
 pub fn branches(diagram: &[AtSpeed]) -> Vec<ModeBranch> {
     let mut speeds: Vec<&AtSpeed> = diagram.iter().collect();

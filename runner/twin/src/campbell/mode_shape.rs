@@ -1,4 +1,4 @@
-//! Mode shapes of a flexible rotor on the tangents of its bearings.
+//! Mode shapes of a flexible rotor on linearised bearings.
 
 use super::{Mode, eigenvector, modes_of, state_matrix};
 use crate::flexible_rotor::ReducedRotor;
@@ -14,7 +14,7 @@ const FEWEST: usize = 4;
 
 /// Shape of one mode along the shaft.
 ///
-/// The largest component has the size 1. In each direction the shape is that at the instant of its largest displacement.
+/// The largest component is 1. In each direction the shape is that at the instant of its largest displacement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeShape {
     /// Frequency, damping and whirl.
@@ -90,7 +90,7 @@ fn points(scene: &Scene, plant: &Plant, rotor: &ReducedRotor, vector: &DVector<C
         [part(0), part(1), part(2)]
     };
     let all: Vec<[Complex<f64>; 3]> = stations.iter().map(at).collect();
-    // In each direction the phase of the point that moves most.
+    // The point with the largest displacement in a direction defines the phase of that direction.
     let largest: [Complex<f64>; 3] = std::array::from_fn(|i| {
         all.iter().map(|point| point[i]).fold(Complex::default(), |a, b| if b.norm() > a.norm() { b } else { a })
     });

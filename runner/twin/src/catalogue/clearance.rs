@@ -23,7 +23,7 @@ impl ClearanceClass {
     const NAMED: [(Self, &'static str); 5] =
         [(Self::C2, "C2"), (Self::Normal, "CN"), (Self::C3, "C3"), (Self::C4, "C4"), (Self::C5, "C5")];
 
-    /// Returns its name, `CN` for the normal one.
+    /// Returns the name; `CN` for the normal class.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMED.iter().find(|(class, _)| *class == self).map_or("CN", |(_, name)| name)
@@ -60,7 +60,7 @@ fn row(line: &str) -> Row {
     Row { kind, bores: [next(), next()], classes: std::array::from_fn(|_| [next(), next()]) }
 }
 
-/// Returns least and greatest diametral clearance of an entry before mounting, m; none outside the table.
+/// Returns the least and the greatest diametral clearance of an entry before mounting, m; `None` outside the table.
 pub(super) fn range(entry: &Entry, class: ClearanceClass) -> Option<[f64; 2]> {
     let row =
         ROWS.iter().find(|row| row.kind == entry.kind && row.bores[0] < entry.bore && entry.bore <= row.bores[1])?;

@@ -37,7 +37,7 @@ impl BearingKind {
 pub enum Provenance {
     /// Printed by a maker, in a paper or in the documentation of a data set.
     Published,
-    /// They reproduce the frequencies that a maker publishes.
+    /// The numbers reproduce the frequencies that a maker publishes.
     Derived,
     /// Number and diameter are printed or solved from printed load ratings; the pitch diameter is the mean of the diameters of
     /// the rings.
@@ -59,7 +59,7 @@ impl Provenance {
     }
 }
 
-/// A bearing: lengths in mm, angles in degrees, as makers print them.
+/// Entry of the catalogue, with lengths in mm and angles in degrees as makers print them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// Designation without maker and suffixes, such as `6309`.
@@ -88,7 +88,7 @@ pub struct Entry {
     pub published: Option<PublishedFactors>,
 }
 
-/// Frequencies over the shaft frequency, with a resting outer ring, as a maker publishes them.
+/// Frequencies over the shaft frequency with a stationary outer ring, as a maker publishes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PublishedFactors {
     /// Cage.
@@ -104,7 +104,7 @@ pub struct PublishedFactors {
 }
 
 impl Entry {
-    /// Returns the orders of the bearing with a resting outer ring, at its nominal contact angle.
+    /// Returns the orders of the bearing with a stationary outer ring, at its nominal contact angle.
     #[must_use]
     pub fn orders(&self) -> Orders {
         let ratio = self.element_diameter / self.pitch_diameter;

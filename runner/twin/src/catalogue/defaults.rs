@@ -22,7 +22,7 @@ pub struct SceneKey {
     pub is_estimated: bool,
 }
 
-/// Returns the keys that a bearing of the catalogue stands for. They are those of the unmounted bearing.
+/// Returns the scene keys of a bearing of the catalogue before mounting.
 #[must_use]
 pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {
     let Listed { entry, class } = listed;

@@ -1,7 +1,8 @@
 //! Catalogue of rolling bearings: designation such as `6309` or `NU205 C3` to geometry, with the source of every entry.
 //!
-//! The numbers of an entry are published, confirmed by published frequencies, or solved from load ratings; [`Provenance`] states which. Conformities and
-//! lengths of rollers are estimated for all of them, because makers do not publish these. Makers differ: an entry is one design.
+//! The numbers of an entry are published, confirmed by published frequencies, or solved from load ratings; [`Provenance`] states which.
+//! Conformities and lengths of rollers are estimated for all entries, because makers do not publish them. Makers differ: an entry is
+//! one design.
 
 mod clearance;
 mod data;
@@ -70,7 +71,7 @@ impl std::error::Error for UnknownBearing {}
 /// ```
 ///
 /// # Errors
-/// A designation that is not in the catalogue.
+/// Returns an error if the designation is not in the catalogue.
 pub fn find(designation: &str) -> Result<Listed, UnknownBearing> {
     let upper = designation.to_ascii_uppercase();
     let maker = MAKERS.iter().find(|maker| upper.trim_start().starts_with(**maker));

@@ -33,18 +33,18 @@ pub struct Checked {
     pub scene: String,
     /// Bearings with their orders.
     pub bearings: Vec<BearingSummary>,
-    /// The recording; none in a scene without one.
+    /// Summary of the recording; `None` without a recording.
     pub recording: Option<RecordingSummary>,
-    /// Everything that is not plausible.
+    /// Implausible values with their probable causes.
     pub implausible: Vec<Implausibility>,
     /// Notes on estimated values.
     pub notes: Vec<String>,
-    /// Drawing of the rotor; none without one.
+    /// Drawing of the rotor; `None` without a rotor.
     #[serde(skip)]
     pub drawing: Option<RotorDrawing>,
 }
 
-/// A bearing of the scene.
+/// Summary of a bearing of the scene.
 #[derive(Debug, Serialize)]
 pub struct BearingSummary {
     /// Its name.
@@ -62,7 +62,7 @@ pub struct BearingSummary {
     pub operating_clearance: Option<ClearanceOutcome>,
 }
 
-/// A recording.
+/// Summary of a recording.
 #[derive(Debug, Serialize)]
 pub struct RecordingSummary {
     /// Name of the file.
@@ -88,10 +88,12 @@ pub struct RecordingSummary {
     pub flaws: Vec<FlawSummary>,
 }
 
-/// Checks a scene, and a recording where `reader` is one; `file` is its name. `progress` gets the bytes read and the bytes in all.
+/// Checks a scene and, if `reader` is given, its recording.
+///
+/// `file` is the name of the recording. `progress` receives the number of bytes read and the total number of bytes, if known.
 ///
 /// # Errors
-/// Parameters that the kernel rejects, a recording that cannot be read.
+/// Returns an error if the kernel rejects a parameter or the recording cannot be read.
 pub fn check(
     scene: &Scene,
     reader: Option<Reader>,

@@ -1,14 +1,14 @@
-//! Collects the block of samples that a diagnosis works on: the last consecutive ones with a reading of every probe.
+//! Block of consecutive samples with a reading of every probe, from which a diagnosis is computed.
 
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
 use std::collections::VecDeque;
 
-/// Fewest samples of a full block.
+/// Smallest number of samples of a full block.
 const SAMPLES: usize = 16_384;
 /// Revolutions of the shaft in a full block.
 const REVOLUTIONS: f64 = 80.0;
-/// Most samples of a block.
+/// Largest number of samples of a block.
 const MAX_SAMPLES: usize = 65_536;
 
 /// The last samples without an interruption, and the longest such block before.
@@ -57,7 +57,7 @@ impl Block {
         count >= MAX_SAMPLES || (count >= SAMPLES && self.revolutions() >= REVOLUTIONS - 1.0)
     }
 
-    /// Returns the samples: the last block, or the one before where that is longer. Their number is a product of small factors.
+    /// Returns the samples of the last block, or of the earlier one if that is longer. From 2048, their number is a multiple of 256.
     pub(crate) fn into_samples(self) -> Vec<Sample> {
         let block = if self.samples.len() >= self.earlier.len() { self.samples } else { self.earlier };
         let count = smooth(block.len());

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Cage angles over one pitch at which the force is evaluated.
 const PHASES: usize = 8;
 
-/// Slips to search, in steps in which the ball pass gains a quarter of a revolution over the record.
+/// Returns the slips to search, in steps in which the ball pass gains a quarter of a revolution over the record.
 pub fn slips(e: &Evidence, bearing: usize, [from, to]: [f64; 2]) -> Vec<f64> {
     let mounted = &e.plant.bearings[bearing];
     let turns = (e.motion.turns[e.motion.len() - 1] - e.motion.turns[0]).abs();
@@ -22,7 +22,9 @@ pub fn slips(e: &Evidence, bearing: usize, [from, to]: [f64; 2]) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect()
 }
 
-/// Finds the slip and phase of the cage of `bearing`: the fit of the first harmonic of the ball pass, slip by slip.
+/// Returns candidates for slip and phase of the cage of `bearing` with their falls of chi-squared, best first.
+///
+/// The first harmonic of the ball pass is fitted at each slip of `range`.
 pub fn search(
     e: &Evidence,
     band: &Baseband,
@@ -76,10 +78,10 @@ pub const OBSERVABLE: f64 = 40.0;
 
 /// Cages of the search that are tried with the whole residual.
 const TRIED: usize = 6;
-/// Most rounds over all bearings.
+/// Largest number of rounds over all bearings.
 const ROUNDS: usize = 3;
 
-/// Returns the unknowns of the observable cages; the change of the speed is one where it was found to change.
+/// Returns the unknowns of the observable cages; the change of the speed is one of them if it is not 0.
 pub fn unknowns(observable: &[bool], machine: &Machine) -> Vec<Unknown> {
     let of = |b: usize| {
         let drift = (machine.bearings[b].cage.drift != 0.0).then_some(Unknown::CageDrift(b));
@@ -101,7 +103,7 @@ fn with_drift(e: &Evidence, settled: Fitted, observable: &[bool]) -> Result<Fitt
     Ok(now)
 }
 
-/// Fall of chi-squared that counts, in units of what the residual has for its noise.
+/// Returns the least significant fall of chi-squared: [`OBSERVABLE`], times chi-squared per value where that exceeds 1.
 fn threshold(now: &Fitted) -> f64 {
     OBSERVABLE * (now.chi_square / now.residual.len() as f64).max(1.0)
 }
@@ -131,7 +133,7 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
             now = fit(e, &now, &[Unknown::CagePhase(bearing), Unknown::CageSlip(bearing)], 6)?;
         }
         now = fit(e, &now, &unknowns(&observable, &now.machine), 8)?;
-        // The second round finds what the other bearings' cages hid in the first, unless the first has found nothing.
+        // The cages of the other bearings may mask one in the first round; a second round is useless if the first finds nothing.
         let fall = before - now.chi_square;
         if fall < MIN_FALL || (round > 0 && fall < 0.01 * now.chi_square) {
             break;

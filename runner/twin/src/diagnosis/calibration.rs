@@ -1,4 +1,4 @@
-//! The machine in good order: parameters of a scene fitted to a recording of it.
+//! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
 use super::fit::{Prior, fit_whole};
 use super::hypothesis::SLIPS;
@@ -8,7 +8,7 @@ use crate::outcome::{CalibratedParameter, Calibration, ParameterName};
 use crate::scene::Scene;
 use nalgebra::{DMatrix, DVector};
 
-/// Rounds of fit, weighing and search of the cages.
+/// Number of rounds of fit, weighting and search of the cages.
 const ROUNDS: usize = 4;
 
 impl ParameterName {
@@ -21,10 +21,10 @@ impl ParameterName {
         (Self::CoupleY, Unknown::Unbalance(3)),
     ];
 
-    /// Relative standard deviation of a scene's value; none where the scene's value has no relation to the machine.
+    /// Returns the relative standard deviation of a scene's value; `None` where the scene's value has no relation to the machine.
     ///
-    /// Bearing steels differ by 2 % and catalogue dimensions make it 5 % of stiffness; a clearance class spans a factor of two;
-    /// damping is seldom measured; a rotor is rebalanced.
+    /// Young's modulus of bearing steels differs by 2 %, with catalogue dimensions the stiffness by 5 %; a clearance class spans a
+    /// factor of two; damping is seldom measured; rotors are rebalanced.
     fn deviation(self) -> Option<f64> {
         match self {
             Self::YoungsModulus => Some(0.05),
@@ -60,7 +60,7 @@ impl Calibration {
         machine.scene(scene)
     }
 
-    /// Returns the parameters that a machine has, with their place in the calibration.
+    /// Returns the parameters that a machine has, with their indices in the calibration.
     fn present(&self, machine: &Machine) -> Vec<(usize, Unknown)> {
         let place = |(parameter, b, unknown): (ParameterName, Option<usize>, Unknown)| {
             let name = b.map(|b| machine.bearings[b].scene.name.as_str());
@@ -70,7 +70,7 @@ impl Calibration {
         parameters(machine).into_iter().filter_map(place).collect()
     }
 
-    /// Returns the unknowns that are known by the calibration, with their covariance.
+    /// Returns the calibrated unknowns with their covariance.
     pub(super) fn covariance(&self, machine: &Machine) -> (Vec<Unknown>, DMatrix<f64>) {
         let present = self.present(machine);
         let of = |i: usize, j: usize| {
@@ -104,7 +104,7 @@ impl Calibration {
     }
 }
 
-/// Returns the parameters of a machine as its scene states them.
+/// Returns the prior of the parameters of a machine from its scene.
 fn of_scene(machine: &Machine) -> Prior {
     let known = parameters(machine).into_iter().filter_map(|(parameter, _, unknown)| {
         let mean = unknown.get(machine);
@@ -119,7 +119,7 @@ fn of_scene(machine: &Machine) -> Prior {
     }
 }
 
-/// Fits the parameters of the machine in good order, starting from the scene or an `earlier` recording.
+/// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
 pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Result<Calibration> {
     let own = parameters(&of.healthy.machine);
     let prior = match earlier {
@@ -127,7 +127,7 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
         None => of_scene(&of.healthy.machine),
     };
     let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
-    // Stiffness waits: far from the recording, more of everything explains it nearly as well.
+    // The modulus is fitted later: far from the recording, the other parameters explain it nearly as well.
     let mut first = all.clone();
     first.retain(|unknown| !matches!(unknown, Unknown::Modulus(_)));
     first.extend(cage::unknowns(&of.observable, &of.healthy.machine));

@@ -1,11 +1,11 @@
 //! Motion of the rotor between probes, bearings and unbalance, line by line.
 //!
-//! The probes show a pose: the straight line through their planes. With `q` the coordinates of the rotor without its bearings,
+//! The probes measure a pose: the straight line through their planes. With `q` the coordinates of the rotor without its bearings,
 //! `Z q = sum T_i^T F_i` and `alpha = Z^-1`, the pose is `S q`. A force and moment `f` about the centre of mass that acts through two
 //! bearings, `q = alpha P f`, moves it by `alpha_5 f`, with `alpha_5 = S alpha P`. So
 //!
 //! - `Z_5 = alpha_5^-1` is the force that a pose requires,
-//! - `Z_5 S alpha T^T` brings a force at another place to the one with the same effect on the pose,
+//! - `Z_5 S alpha T^T` converts a force at another station to the force with the same effect on the pose,
 //! - `T alpha P Z_5` is the displacement at a bearing by the pose, and `T alpha (1 - P Z_5 S alpha) T_s^T` that by a load at s while the
 //!   pose stays.
 //!
@@ -33,14 +33,14 @@ const STEP: f64 = 1e-3;
 /// A matrix by line, or one for all lines of a rigid rotor.
 type ByLine = Vec<Square>;
 
-/// Relations between places of the rotor.
+/// Force and displacement relations between stations of the rotor.
 pub struct Dynamics {
     /// Effect of a wrench at each bearing as one about the centre of mass.
     bearings: Vec<ByLine>,
     /// Displacement of each bearing by the pose.
     by_pose: Vec<ByLine>,
     inertia: Inertia,
-    /// Terms of a rotor that bends or has supports.
+    /// Terms of a rotor that is flexible or on elastic supports.
     elastic: Option<Elastic>,
 }
 
@@ -86,10 +86,10 @@ fn rigid_rows(station: f64) -> Square {
 }
 
 impl Dynamics {
-    /// Creates the relations for `lines` (rad/s) at a mean shaft speed (rad/s); none where the rotor does not allow it.
+    /// Creates the relations for `lines` (rad/s) at a mean shaft speed (rad/s); `None` if the rotor cannot be diagnosed.
     ///
     /// # Errors
-    /// A rotor that cannot be reduced.
+    /// Returns an error if the rotor cannot be reduced.
     pub fn new(
         scene: &Scene,
         plant: &Plant,
@@ -291,12 +291,12 @@ impl Elastic {
         [[xa, ya], [xb, yb]]
     }
 
-    /// A load about the centre of mass as it is at its own station.
+    /// Converts a load about the centre of mass to its own station.
     fn local_load(&self, load: &[f64; D]) -> [f64; D] {
         load_at(*load, -self.load_station)
     }
 
-    /// Displacement of bearing `b` by load and weight while the pose stays.
+    /// Returns the displacement of bearing `b` by load and weight while the pose stays.
     fn by_steady_loads(&self, b: usize, load: &[f64; D], weight: &[f64; D]) -> Displacement<f64> {
         let vector = |x: &[f64; D]| SVector::from(x.map(C::from));
         let moved = self.by_load[b] * vector(&self.local_load(load)) + self.by_weight[b] * vector(weight);
@@ -304,16 +304,16 @@ impl Elastic {
     }
 }
 
-/// Share of a record at each end over which a series rises before it is mapped line by line. A free vibration that begins with a
-/// step there would last into the record; one that begins over many periods is not excited.
+/// Share of a record at each end over which a series rises before it is mapped line by line. A step there would excite a free
+/// vibration that lasts into the record; a rise over many periods does not.
 pub const LEAD: f64 = 0.08;
 
-/// Lines beyond the last matrix.
+/// Treatment of the lines beyond the last matrix.
 #[derive(Clone, Copy, PartialEq)]
 enum Beyond {
-    /// Are mapped by the first matrix.
+    /// The first matrix maps them.
     First,
-    /// Are left out.
+    /// They are omitted.
     None,
 }
 
@@ -359,7 +359,7 @@ fn mapped(series: &[[f64; D]], matrices: &[Square], beyond: Beyond) -> Vec<Displ
     out.into_iter().map(Displacement::from_array).collect()
 }
 
-/// Returns value at sample 0 and slope of the straight line through component `i` with the least squares.
+/// Returns value at sample 0 and slope of the least-squares line through component `i`.
 fn trend(series: &[[f64; D]], i: usize) -> [f64; 2] {
     let n = series.len() as f64;
     let middle = 0.5 * (n - 1.0);
@@ -457,7 +457,7 @@ impl Lines {
         }))
     }
 
-    /// Compliance of the free rotor.
+    /// Returns the compliance of the free rotor at the angular frequency `w`, rad/s; `None` if its dynamic stiffness is singular.
     fn alpha(&self, w: f64) -> Option<DMatrix<C>> {
         let n = self.mass.nrows();
         let z = DMatrix::from_fn(n, n, |i, j| {
@@ -466,7 +466,7 @@ impl Lines {
         z.try_inverse()
     }
 
-    /// Force that a pose requires, from the compliance.
+    /// Returns the force that a pose requires, from the compliance.
     fn required(&self, alpha: &DMatrix<C>) -> Option<Square> {
         let alpha = &self.pose * alpha * &self.through_bearings;
         Square::from_fn(|i, j| alpha[(i, j)]).try_inverse()

@@ -1,7 +1,6 @@
-//! Data of the figures of a finding: force rose, full spectra of the unexplained force, motion with and without the fault.
+//! Data of the figures of a diagnosis: force rose, full spectra of the unexplained force, motion with and without the fault.
 //!
-//! All are taken from the force that the machine without this fault, all else as fitted, leaves unexplained below the highest
-//! line in use.
+//! All are computed from the force that the fitted machine without this fault leaves unexplained below the highest line in use.
 
 use super::fit::{Fitted, changed};
 use super::force_rose::{HARMONICS, Instant, STEPS, direction_deg, energy, mean_pass};
@@ -19,19 +18,19 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Points of a spectrum, at most.
+/// Largest number of points of a spectrum.
 const SPECTRUM_POINTS: usize = 600;
-/// Points of a motion, at most.
+/// Largest number of points of a motion.
 const MOTION_POINTS: usize = 1200;
-/// Points of the mean pass.
+/// Number of intervals between the points of the mean pass.
 const PASS_POINTS: usize = 360;
-/// Least value of the window at which the force is taken from its product with the window.
+/// Least value of the window at which the force is computed from its product with the window.
 const MIN_WINDOW: f64 = 0.3;
 /// Harmonics of the family that a spectrum shows.
 const SHOWN_HARMONICS: f64 = 5.0;
-/// Orders that a spectrum of a fault without lines of its own shows.
+/// Highest order in the spectrum of a fault without lines of its own.
 const SHOWN_ORDERS: f64 = 12.0;
-/// Lines that are marked in a spectrum, at most, and least share of the strongest.
+/// Largest number of marked lines in a spectrum, and their least share of the strongest line.
 const MARKED: (usize, f64) = (10, 0.1);
 /// Lines closer than this, in orders, are one.
 const APART: f64 = 0.15;
@@ -278,7 +277,7 @@ impl Contrast<'_, '_> {
     }
 }
 
-/// Frame in which a component is at rest.
+/// Returns the frame in which a component is stationary.
 fn frame_of(component: Component) -> ReferenceFrame {
     match component {
         Component::Outer => ReferenceFrame::Fixed,
@@ -290,8 +289,8 @@ fn frame_of(component: Component) -> ReferenceFrame {
 /// Returns the radial force along X and Y at a bearing.
 ///
 /// A force about the centre of mass determines the radial forces at two stations:
-/// `F_b = (M_Y - z_o F_X, -M_X - z_o F_Y) / (z_b - z_o)`. With another number of bearings the whole force is taken to act at one.
-fn at_bearing(e: &Evidence, bearing: Option<usize>, force: &[Vec<C>; D]) -> [Vec<C>; 2] {
+/// `F_b = (M_Y - z_o F_X, -M_X - z_o F_Y) / (z_b - z_o)`. With another number of bearings, the whole force is assigned to one.
+pub(super) fn at_bearing(e: &Evidence, bearing: Option<usize>, force: &[Vec<C>; D]) -> [Vec<C>; 2] {
     let whole = || [force[0].clone(), force[1].clone()];
     let (Some(b), [first, second]) = (bearing, e.plant.bearings.as_slice()) else { return whole() };
     let (own, other) = if b == 0 { (first.station, second.station) } else { (second.station, first.station) };
@@ -374,7 +373,7 @@ fn interpolated(series: &[f64], share: f64) -> f64 {
     series[i] + (at - i as f64) * (series[i + 1] - series[i])
 }
 
-/// Returns at most `limit` points: of each run the highest.
+/// Returns at most `limit` points: the highest of each run.
 fn peaks(points: &[(f64, f64)], limit: usize) -> Vec<(f64, f64)> {
     let run = points.len().div_ceil(limit).max(1);
     points.chunks(run).filter_map(|run| run.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))).collect()

@@ -1,25 +1,25 @@
-//! The lines of a displacement that stand out of the noise of the probes.
+//! Filter that keeps the lines of a displacement above the noise of the probes.
 //!
-//! The force of a bearing is far from linear where its balls are deflected by no more than the noise: evaluated at the readings as
-//! they are, it would be wrong in the mean. It is evaluated at the lines that stand out, and linearised for the rest.
+//! The force of a bearing is strongly nonlinear where its balls are deflected by no more than the noise: evaluated at the raw
+//! readings, its mean would be biased. It is evaluated at the lines above the noise, and linearised for the rest.
 
 use super::motion::{C, D};
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Power of a line over that of noise from which it stands out: noise alone passes in 1 of 1000 lines.
+/// Ratio of the power of a line to that of noise above which it is kept; noise alone passes in 1 of 1000 lines.
 const ONE: f64 = 7.0;
-/// The same for the mean of a line and two neighbours on each side: 1 of 200 lines.
+/// The same ratio for the mean of a line and two neighbours on each side; noise alone passes in 1 of 200 lines.
 const MEAN_OF_FIVE: f64 = 2.5;
 
-/// Keeps the lines that stand out, coordinate by coordinate.
+/// Filter that keeps the lines above the noise, coordinate by coordinate.
 pub struct LineFilter {
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
     kept: [Vec<bool>; D],
 }
 
-/// Straight line through the ends of coordinate `i`: without it the record is continued without a jump.
+/// Returns the straight line through the ends of coordinate `i`: without it, the periodic continuation of the record has no jump.
 fn trend(q: &[[f64; D]], i: usize) -> impl Fn(usize) -> f64 {
     let (first, last) = (q[0][i], q[q.len() - 1][i]);
     let steps = (q.len() - 1).max(1) as f64;
@@ -27,7 +27,7 @@ fn trend(q: &[[f64; D]], i: usize) -> impl Fn(usize) -> f64 {
 }
 
 impl LineFilter {
-    /// Finds the lines of `q` that stand out of white noise with these standard deviations.
+    /// Finds the lines of `q` above white noise with these standard deviations.
     pub fn new(q: &[[f64; D]], noise: [f64; D]) -> Self {
         let n = q.len();
         let mut planner = FftPlanner::new();
@@ -46,7 +46,7 @@ impl LineFilter {
         Self { forward, inverse, kept }
     }
 
-    /// Returns the part of `q` in the lines that stand out.
+    /// Returns the part of `q` in the kept lines.
     pub fn apply(&self, q: &[[f64; D]]) -> Vec<[f64; D]> {
         let n = q.len();
         let mut out = vec![[0.0; D]; n];

@@ -22,7 +22,7 @@ pub fn square(r: &[f64]) -> f64 {
     dot(r, r)
 }
 
-/// Returns the machine as it is.
+/// Evaluates a machine without a fit.
 pub fn evaluate(e: &Evidence, machine: &Machine) -> Result<Fitted> {
     let spectra = e.spectra(machine)?;
     let residual = e.residual(&spectra);
@@ -37,7 +37,7 @@ pub fn evaluate(e: &Evidence, machine: &Machine) -> Result<Fitted> {
     })
 }
 
-/// Returns another machine; parts that are as before are not evaluated again.
+/// Evaluates another machine; parts that are the same as in `before` are not evaluated again.
 pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitted> {
     let mut spectra = before.spectra.clone();
     for (i, (old, new)) in before.machine.bearings.iter().zip(&machine.bearings).enumerate() {
@@ -47,7 +47,7 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     }
     let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance);
     if of_rotor(&before.machine) != of_rotor(machine) {
-        // It may move the bearings.
+        // A change of the rotor may also move the bearings.
         spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;
     }
     let residual = e.residual(&spectra);
@@ -75,13 +75,13 @@ impl Prior {
         DVector::from_iterator(self.unknowns.len(), self.unknowns.iter().map(|u| u.get(machine))) - &self.mean
     }
 
-    /// Returns minus twice the logarithm of the density, but for a constant.
+    /// Returns minus twice the logarithm of the density, up to a constant.
     fn chi_square(&self, machine: &Machine) -> f64 {
         let distance = self.distance(machine);
         distance.dot(&(&self.precision * &distance))
     }
 
-    /// Adds its part of the normal equations of `unknowns`.
+    /// Adds the terms of the prior to the normal equations of `unknowns`.
     fn add(&self, machine: &Machine, unknowns: &[Unknown], normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>) {
         let pull = &self.precision * self.distance(machine);
         let at: Vec<Option<usize>> = self.unknowns.iter().map(|own| unknowns.iter().position(|u| u == own)).collect();
@@ -94,12 +94,12 @@ impl Prior {
     }
 }
 
-/// How machines are held against a recording.
+/// Weights of the residual in a fit.
 #[derive(Clone, Copy, PartialEq)]
 enum Weights {
-    /// By the weights of the evidence: differences of the force decide.
+    /// Weights of the evidence, the same for all machines.
     Given,
-    /// By those of each machine.
+    /// Weights of each machine tried.
     Own,
 }
 
@@ -133,7 +133,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
     levenberg_marquardt(e, start, unknowns, (Weights::Given, None), iterations)
 }
 
-/// Fits `unknowns` of a machine as a whole, some of which are known in part, in the weights of each machine tried.
+/// Fits `unknowns` with a prior of some of them, in the weights of each machine tried.
 pub fn fit_whole(
     e: &Evidence,
     start: &Fitted,
@@ -161,8 +161,79 @@ fn levenberg_marquardt(
     let objective = |of: &Fitted| of.chi_square + prior.map_or(0.0, |prior| prior.chi_square(&of.machine));
     let mut damping = 1e-4;
     let mut inverse = DMatrix::zeros(n, n);
+    let mut slopes = weights.slopes(e, &now, unknowns)?;
+    let mut is_exact = true;
     for _ in 0..iterations {
-        let slopes = weights.slopes(e, &now, unknowns)?;
+        let system = NormalEquations::new(e, &now, unknowns, &slopes, prior);
+        inverse = system.inverse();
+        let mut improved = None;
+        for _ in 0..DAMPINGS {
+            let Some(machine) = system.step(e, &now.machine, unknowns, damping) else { break };
+            let next = weights.changed(e, &now, &machine)?;
+            if objective(&next) < objective(&now) {
+                improved = Some(next);
+                damping = (damping * 0.1).max(1e-9);
+                break;
+            }
+            if !is_exact {
+                break;
+            }
+            damping = (damping * 10.0).max(1e-6);
+        }
+        let mut fall = 0.0;
+        if let Some(next) = improved {
+            fall = objective(&now) - objective(&next);
+            update(&mut slopes, &system.scale, &now, &next, unknowns);
+            now = Fitted { unknowns: unknowns.to_vec(), ..next };
+        } else if is_exact {
+            break;
+        }
+        // While the excess of chi-squared is large, a fall by a small share of it is not significant.
+        let least = MIN_FALL + MIN_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0);
+        if fall >= least {
+            is_exact = false;
+            continue;
+        }
+        if is_exact {
+            break;
+        }
+        // A step with updated slopes may be short far from the minimum.
+        slopes = weights.slopes(e, &now, unknowns)?;
+        is_exact = true;
+    }
+    now.covariance = inverse;
+    Ok(now)
+}
+
+/// Corrects the slopes from the last step by Broyden's update, in unknowns scaled to equal slopes. It replaces an evaluation of the
+/// machine for each unknown.
+fn update(slopes: &mut [Vec<f64>], scale: &[f64], before: &Fitted, after: &Fitted, unknowns: &[Unknown]) {
+    let step: Vec<f64> = unknowns.iter().map(|u| u.get(&after.machine) - u.get(&before.machine)).collect();
+    let square: f64 = step.iter().zip(scale).map(|(x, scale)| (scale * x).powi(2)).sum();
+    if square <= 0.0 {
+        return;
+    }
+    let mut error: Vec<f64> =
+        after.residual.iter().zip(&before.residual).map(|(after, before)| after - before).collect();
+    for (slope, x) in slopes.iter().zip(&step) {
+        error.iter_mut().zip(slope).for_each(|(error, slope)| *error -= slope * x);
+    }
+    for ((slope, x), scale) in slopes.iter_mut().zip(&step).zip(scale) {
+        let share = scale * scale * x / square;
+        slope.iter_mut().zip(&error).for_each(|(slope, error)| *slope += share * error);
+    }
+}
+
+/// Normal equations of a step, scaled to a unit diagonal.
+struct NormalEquations {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+    scale: Vec<f64>,
+}
+
+impl NormalEquations {
+    fn new(e: &Evidence, now: &Fitted, unknowns: &[Unknown], slopes: &[Vec<f64>], prior: Option<&Prior>) -> Self {
+        let n = unknowns.len();
         let mut normal = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         for i in 0..n {
             for j in 0..i {
@@ -177,38 +248,29 @@ fn levenberg_marquardt(
         if let Some(prior) = prior {
             prior.add(&now.machine, unknowns, &mut normal, &mut gradient);
         }
-        // Scaled to a unit diagonal.
         let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].max(1e-300).sqrt()).collect();
-        let scaled = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
-        let right = DVector::from_fn(n, |i, _| gradient[i] / scale[i]);
-        inverse = scaled.clone().try_inverse().unwrap_or_else(|| DMatrix::identity(n, n));
-        inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]));
-        let mut improved = None;
-        for _ in 0..DAMPINGS {
-            let damped = &scaled + DMatrix::identity(n, n) * damping;
-            let Some(step) = damped.lu().solve(&right) else { break };
-            let mut machine = now.machine.clone();
-            let excess = unknowns.iter().enumerate().map(|(i, u)| (step[i] / scale[i]).abs() / e.longest_step(*u));
-            let shorten = 1.0 / excess.fold(1.0, f64::max);
-            for (i, u) in unknowns.iter().enumerate() {
-                u.set(&mut machine, u.get(&now.machine) - shorten * step[i] / scale[i]);
-            }
-            let next = weights.changed(e, &now, &machine)?;
-            if objective(&next) < objective(&now) {
-                improved = Some(next);
-                damping = (damping * 0.1).max(1e-9);
-                break;
-            }
-            damping = (damping * 10.0).max(1e-6);
-        }
-        let Some(next) = improved else { break };
-        let fall = objective(&now) - objective(&next);
-        now = Fitted { unknowns: unknowns.to_vec(), ..next };
-        // Far from the recording, a small share of what is left decides nothing.
-        if fall < MIN_FALL + MIN_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0) {
-            break;
-        }
+        let matrix = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+        Self { matrix, gradient: DVector::from_fn(n, |i, _| gradient[i] / scale[i]), scale }
     }
-    now.covariance = inverse;
-    Ok(now)
+
+    /// Returns the inverse of the normal matrix in the units of the unknowns.
+    fn inverse(&self) -> DMatrix<f64> {
+        let n = self.scale.len();
+        let inverse = self.matrix.clone().try_inverse().unwrap_or_else(|| DMatrix::identity(n, n));
+        DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (self.scale[i] * self.scale[j]))
+    }
+
+    /// Returns the machine after a damped step of bounded length; `None` if the equations have no solution.
+    fn step(&self, e: &Evidence, from: &Machine, unknowns: &[Unknown], damping: f64) -> Option<Machine> {
+        let n = unknowns.len();
+        let step = (&self.matrix + DMatrix::identity(n, n) * damping).lu().solve(&self.gradient)?;
+        let length = |i: usize| step[i] / self.scale[i];
+        let excess = unknowns.iter().enumerate().map(|(i, u)| length(i).abs() / e.longest_step(*u));
+        let shorten = 1.0 / excess.fold(1.0, f64::max);
+        let mut machine = from.clone();
+        for (i, u) in unknowns.iter().enumerate() {
+            u.set(&mut machine, u.get(from) - shorten * length(i));
+        }
+        Some(machine)
+    }
 }

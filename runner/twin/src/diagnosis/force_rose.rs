@@ -1,6 +1,6 @@
 //! Direction of the unexplained force of one pass of an element over the damage, from the measured motion alone.
 //!
-//! In the frame in which the damaged component is at rest, the force of local damage repeats with each pass of an element and
+//! In the frame in which the damaged component is stationary, the force of local damage repeats with each pass of an element and
 //! points at the damage: the element loses load there and pushes the shaft away less. The mean over all passes keeps the
 //! harmonics of the passing and averages all else.
 
@@ -19,7 +19,7 @@ pub const HARMONICS: usize = 32;
 /// Revolutions of a block: its lines are a third of an order apart.
 const BLOCK_TURNS: u32 = 6;
 
-/// A force along X and Y of the housing, and where the components of its bearing are.
+/// Force along X and Y of the housing, N, with the angles of the components of its bearing.
 pub struct Instant {
     /// `F_X + i F_Y`.
     pub force: C,
@@ -28,7 +28,7 @@ pub struct Instant {
 }
 
 /// Returns the mean force of one pass in the frame of `component`: the harmonics 1 to `harmonics` (at most [`HARMONICS`]) of the passing,
-/// forward and backward, by the kernel's [`ForceOrderTracker`]; none without two blocks of [`BLOCK_TURNS`] revolutions.
+/// forward and backward, by the kernel's [`ForceOrderTracker`]; `None` without two blocks of [`BLOCK_TURNS`] revolutions.
 ///
 /// Each harmonic is the mean of its amplitudes in all blocks, weighted by its signal-to-noise ratio (Wiener filter); the noise is their
 /// scatter.

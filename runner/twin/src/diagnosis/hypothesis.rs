@@ -50,6 +50,19 @@ struct Judged<'a> {
     evidence: Option<Evidence<'a>>,
 }
 
+impl Judged<'_> {
+    /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
+    fn fit_further(&mut self, of: &Prepared) -> Result<()> {
+        let Fault { fitted, observable, gain, .. } = &mut self.fault;
+        let mut unknowns = cage::unknowns(observable, &fitted.machine);
+        unknowns.extend(fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
+        let further = fit(self.evidence.as_ref().unwrap_or(&of.evidence), fitted, &unknowns, 10)?;
+        *gain += fitted.chi_square - further.chi_square;
+        *fitted = further;
+        Ok(())
+    }
+}
+
 /// Range of slips searched.
 pub const SLIPS: [f64; 2] = [-0.01, 0.06];
 
@@ -88,8 +101,8 @@ fn best_of(
 const CLEARANCES: [f64; 8] = [0.3, 0.6, 0.85, 1.15, 1.4, 1.8, 2.3, 3.0];
 /// Sections of the range about the best of them.
 const CLOSER: usize = 3;
-/// Tilts that are tried, rad, and their number of axes.
-const TILTS: ([f64; 3], u32) = ([0.15e-3, 0.4e-3, 0.8e-3], 8);
+/// Tilts that are tried, rad: one about a number of axes, others about the best axis.
+const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
 
 /// State of the search for candidates.
 struct Search<'a, 'b> {
@@ -175,17 +188,24 @@ impl Search<'_, '_> {
         Ok(best)
     }
 
+    /// Returns a tilt of the ring of a bearing. A small tilt is found by the slopes of the force; a large one, and one whose force is
+    /// the same for both directions, by trial: first the axis, then the size.
     fn misalignment(&self, b: usize) -> Result<Candidate> {
-        let (sizes, axes) = TILTS;
-        let directions = (0..axes).map(|i| TAU * f64::from(i) / f64::from(axes));
-        let machines =
-            directions.flat_map(|angle| sizes.map(|size| [size * angle.cos(), size * angle.sin()])).map(|tilt| {
-                let mut machine = self.now.machine.clone();
-                machine.bearings[b].tilt = tilt;
-                machine
-            });
-        let (gain, start) = best_of(self.e, self.now, b, machines)?;
-        let unknowns = self.with_cages(vec![Unknown::Tilt(b, 0), Unknown::Tilt(b, 1)]);
+        let own = vec![Unknown::Tilt(b, 0), Unknown::Tilt(b, 1)];
+        let tilted = |size: f64, axis: f64| {
+            let mut machine = self.now.machine.clone();
+            machine.bearings[b].tilt = [size * axis.cos(), size * axis.sin()];
+            machine
+        };
+        let (first, others, axes) = TILTS;
+        let (_, small) = linear(self.e, self.now, &own)?;
+        let about = (0..axes).map(|i| tilted(first, TAU * f64::from(i) / f64::from(axes)));
+        let best = best_of(self.e, self.now, b, about)?;
+        let [x, y] = best.1.bearings[b].tilt;
+        let more = others.into_iter().map(|size| tilted(size, y.atan2(x))).chain([small]);
+        let other = best_of(self.e, self.now, b, more)?;
+        let (gain, start) = if other.0 > best.0 { other } else { best };
+        let unknowns = self.with_cages(own);
         Ok(Candidate { cause: Cause::Misalignment(b), gain, starts: vec![start], unknowns })
     }
 
@@ -208,7 +228,8 @@ impl Search<'_, '_> {
         if family.component == Component::Ball {
             own.push(Unknown::SpinSlip(b));
         }
-        Some(Candidate { cause: Cause::Spall(b, family.component), gain, starts, unknowns: self.with_cages(own) })
+        let cause = Cause::Spall(b, family.component);
+        Some(Candidate { cause, gain, starts, unknowns: self.with_cages(own) })
     }
 
     /// Returns a wave of a race, or of all elements.
@@ -349,6 +370,11 @@ const SIGNIFICANT: f64 = 2.0;
 const MAX_FAULTS: usize = 3;
 /// Candidates that are fitted, at most, and least share of the gain of the first.
 const FITTED: (usize, f64) = (6, 0.2);
+/// Share of the excess of chi-squared from which a candidate, or the faults found, explain it, so that less likely candidates are not
+/// fitted.
+const EXPLAINED: f64 = 0.8;
+/// Less likely candidates that are fitted, at most, besides those that change the stiffness.
+const FURTHER: usize = 3;
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Fall of chi-squared from which a fault counts: odds of e^50 against chance, with thousands of alternatives tried.
@@ -356,6 +382,8 @@ pub const MIN_GAIN: f64 = 100.0;
 /// Part of chi-squared by which the residual of a true machine may exceed the number of its values: the force is evaluated at
 /// samples and between them by interpolation.
 const MODEL_ERROR: f64 = 0.03;
+/// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of its depth and width shows well.
+pub const PROFILE_ERROR: f64 = 0.05;
 /// A further fault explains at least this share of what the faults before it leave unexplained.
 const MIN_SHARE: f64 = 0.3;
 
@@ -369,9 +397,10 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
     let mut now = of.healthy.clone();
     let mut faults: Vec<Fault> = vec![];
     let values = now.residual.len() as f64;
+    let first_excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
     while faults.len() < MAX_FAULTS {
         let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
-        let least = (MIN_SHARE * excess).max(MIN_GAIN);
+        let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_profiles(&faults));
         let cages = cage::unknowns(&of.observable, &now.machine);
         let list = Search { e: &of.evidence, band: &of.band, now: &now, cages }.candidates(&locked)?;
         progress(0.3 + 0.2 * faults.len() as f64);
@@ -379,18 +408,28 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
             break;
         };
         let is_new = |cause: Cause| faults.iter().all(|fault| fault.cause != cause);
-        let worth = |c: &&Candidate| is_new(c.cause) && c.gain > (FITTED.1 * top).max(0.6 * least);
-        let mut fits = vec![];
-        for candidate in list.iter().filter(worth).take(FITTED.0) {
-            fits.extend(fitted(&of.evidence, candidate, &now)?.map(|fitted| (candidate, fitted)));
+        let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
+        let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(|c| is_new(c.cause)).partition(is_likely);
+        let mut tried = judged_all(of, &now, likely.into_iter().take(FITTED.0))?;
+        let is_fault =
+            |judged: &&Judged| judged.fault.gain > least && is_material(&now, judged.fault.cause, &judged.fault.fitted);
+        let best = tried.iter().filter(is_fault).map(|judged| judged.fault.gain).fold(0.0, f64::max);
+        if best < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * first_excess) {
+            // The gain before the fit shows little of a candidate that changes the stiffness or starts far from its best.
+            let changes = |c: &&Candidate| matches!(c.cause, Cause::Clearance(_) | Cause::Misalignment(_));
+            let (nonlinear, others): (Vec<&Candidate>, Vec<&Candidate>) = others.into_iter().partition(changes);
+            tried.extend(judged_all(of, &now, nonlinear.into_iter().chain(others.into_iter().take(FURTHER)))?);
         }
-        fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
-        let mut tried: Vec<Judged> = vec![];
-        for (rank, (candidate, fitted)) in fits.iter().enumerate() {
-            tried.push(judged(of, &now, candidate, fitted, rank < SEARCHED)?);
+        tried.retain(|judged| is_fault(&judged));
+        let sort = |tried: &mut Vec<Judged>| tried.sort_by(|a, b| b.fault.gain.total_cmp(&a.fault.gain));
+        sort(&mut tried);
+        let equal = tried.iter().take_while(|judged| judged.fault.gain > tried[0].fault.gain - MIN_GAIN).count();
+        if equal > 1 {
+            for judged in &mut tried[..equal] {
+                judged.fit_further(of)?;
+            }
+            sort(&mut tried);
         }
-        tried.retain(|Judged { fault, .. }| fault.gain > least && is_material(&now, fault.cause, &fault.fitted));
-        tried.sort_by(|a, b| b.fault.gain.total_cmp(&a.fault.gain));
         let mut tried = tried.into_iter();
         let Some(Judged { mut fault, evidence }) = tried.next() else { break };
         fault.next = tried.next().map(|next| (next.fault.cause, next.fault.gain));
@@ -409,10 +448,31 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
     Ok(faults)
 }
 
+/// Returns the chi-squared that the spalls leave if their profiles are off by [`PROFILE_ERROR`].
+fn left_by_profiles(faults: &[Fault]) -> f64 {
+    let spalls = faults.iter().filter(|fault| matches!(fault.cause, Cause::Spall(..)));
+    spalls.map(|spall| PROFILE_ERROR * PROFILE_ERROR * spall.gain).sum()
+}
+
 /// Returns true for a cause that changes the stiffness of the bearings along the motion: an unbalance moves those of an elastic rotor.
 fn changes_stiffness(cause: Cause, e: &Evidence) -> bool {
     matches!(cause, Cause::Clearance(_) | Cause::Misalignment(_) | Cause::Load)
         || (cause == Cause::Unbalance && e.is_elastic())
+}
+
+/// Fits candidates and scores them; the cages are searched again for those that fit best.
+fn judged_all<'a, 'b>(
+    of: &Prepared<'a>,
+    now: &Fitted,
+    candidates: impl Iterator<Item = &'b Candidate>,
+) -> Result<Vec<Judged<'a>>> {
+    let mut fits = vec![];
+    for candidate in candidates {
+        fits.extend(fitted(&of.evidence, candidate, now)?.map(|fitted| (candidate, fitted)));
+    }
+    fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
+    let ranked = fits.iter().enumerate();
+    ranked.map(|(rank, (candidate, fitted))| judged(of, now, candidate, fitted, rank < SEARCHED)).collect()
 }
 
 /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.

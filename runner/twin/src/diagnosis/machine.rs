@@ -73,7 +73,7 @@ impl Machine {
             .iter()
             .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2] })
             .collect();
-        // The damping of another rotor than a rigid one on fixed bearings is part of its equations.
+        // The damping of a flexible or supported rotor is part of its equations of motion.
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
         Some(Self { bearings, load: rotor.load, damping, unbalance })
     }
@@ -115,8 +115,8 @@ fn is_rigid(scene: &Scene) -> bool {
         && scene.bearings.iter().all(|b| b.support.is_none())
 }
 
-/// Square of the radial part of the loads over that of their sum, from which the contact angle follows from the radial force; below, from
-/// the axial one.
+/// Least ratio of the squared radial resultant of the loads to their squared sum at which the contact angle is computed from the radial
+/// force; below it, the axial force is used.
 const MIN_RADIAL: f64 = 0.01;
 
 /// A bearing ready to be evaluated along a motion.
@@ -139,7 +139,7 @@ pub struct Evaluated {
     ball_ratio: f64,
 }
 
-/// Model by which a bearing is evaluated: that of the scene; of a linearised one the model that it stands for.
+/// Returns the model by which a bearing is evaluated: that of the scene; for a linearised bearing, the model that is linearised.
 fn model(of: &BearingScene) -> Model {
     match (of.model, &of.linear) {
         (Model::Linear, Some(Linear::Of(source))) => *source,
@@ -190,7 +190,7 @@ impl Evaluated {
         }
     }
 
-    /// Displacement of the inner ring against the outer one, from that of the rotor.
+    /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
     fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
         Displacement { thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
@@ -201,9 +201,9 @@ impl Evaluated {
         (0..motion.len()).map(|t| self.force(motion, t)).collect()
     }
 
-    /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; none without a spall.
+    /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; `None` without a spall.
     ///
-    /// A ball passes a spall within a few samples: sampled like the rest, the pulse would appear at false frequencies.
+    /// A ball passes a spall within a few samples: at the sampling rate, the pulse would be aliased.
     pub fn pulses(&self, motion: &Motion) -> Option<Vec<[f64; D]>> {
         let damaged = self.damaged.as_ref()?;
         let mut all = vec![[0.0; D]; motion.len() * PARTS];
@@ -277,8 +277,8 @@ impl Evaluated {
         of.reaction(&self.displacement(at), state).wrench.to_array()
     }
 
-    /// Returns the cosine of the contact angle, weighted by the loads along the motion: the part of a radial deviation of a groove that is normal to
-    /// its surface.
+    /// Returns the cosine of the contact angle, weighted by the loads along the motion: the component of a radial deviation of a groove
+    /// normal to its surface.
     pub fn contact_cosine(&self, motion: &Motion) -> f64 {
         let (mut radial, mut axial, mut projected, mut total) = (0.0, 0.0, 0.0, 0.0);
         let mut loads = vec![0.0; self.azimuths.len()];
@@ -359,7 +359,7 @@ impl Unknown {
         }
     }
 
-    /// Step of a difference quotient.
+    /// Returns the step of a difference quotient, in the unit of the parameter.
     pub fn step(self) -> f64 {
         match self {
             Self::CagePhase(_) => 1e-6,
@@ -446,7 +446,7 @@ impl Unknown {
                 let spall = &mut bearing.scene.defect[d];
                 let moved = x - spall.azimuth;
                 spall.azimuth = x;
-                // The cage goes with the only spall on a race, so that the balls pass it at the same times as before.
+                // The cage turns with the only spall on a race, so that the balls pass the spall at the same times.
                 if bearing.scene.defect.len() == 1 && !matches!(bearing.scene.defect[0].surface, Surface::Ball(_)) {
                     bearing.cage.phase += moved / TAU;
                 }
@@ -470,7 +470,7 @@ pub fn clearance(of: &BearingScene) -> f64 {
     }
 }
 
-/// Returns a spall.
+/// Returns a spall with a half-sine profile.
 pub fn spall(surface: Surface, azimuth: f64, half_width: f64, depth: f64) -> Defect {
     Defect { surface, azimuth, half_width, depth, shape: DefectShape::HalfSine }
 }

@@ -1,15 +1,14 @@
-//! Diagnosis: which fault, on which bearing, where and how large, from the measured displacement of the shaft
-//! (`docs/src/diagnosis.md`).
+//! Diagnosis of kind, bearing, position and size of faults from the measured displacement of the shaft (`docs/src/diagnosis.md`).
 //!
 //! The displacement determines the force that the rotor's motion requires; the bearing models, evaluated at the same
-//! displacement, give the force of the machine under a hypothesis. Their difference is zero but for noise where the hypothesis is
-//! true. It is taken at the probes, in units of their noise, over the lines of a windowed Fourier transform, so that its sum of
-//! squares is a chi-squared. No motion is integrated: a diagnosis holds as well where the motion is chaotic.
+//! displacement, give the force of the machine under a hypothesis. Their difference is noise alone if the hypothesis is true.
+//! The difference is computed at the probes, in units of their noise, over the lines of a windowed Fourier transform, so that its
+//! sum of squares is a chi-squared. No equation of motion is integrated: a diagnosis is also valid for a chaotic motion.
 //!
 //! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
-//! `machine` a hypothesis, `residual` what it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
-//! the cages, `surface` spalls and waves from their lines, `hypothesis` the choice among the candidates, `finding` the result
-//! in the terms of a user with the data of its figures in `fault_figures` and `force_rose`, `calibration` the machine in good order.
+//! `machine` a hypothesis, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
+//! the cages, `surface` spalls and waves from their lines, `hypothesis` the choice among the candidates, `result` the reported
+//! result with the data of its figures in `fault_figures` and `force_rose`, `calibration` the fit of the healthy machine.
 
 pub(crate) mod block;
 mod cage;
@@ -17,16 +16,17 @@ mod calibration;
 mod dynamics;
 mod fault_figures;
 mod filter;
-mod finding;
 mod fit;
 mod force_rose;
 mod hypothesis;
 mod machine;
 mod motion;
 mod residual;
+mod result;
 mod surface;
+mod unexplained;
 
-pub use finding::{CageEstimate, Diagnosis};
+pub use result::{CageEstimate, DiagnosisResult};
 
 use crate::outcome::Calibration;
 use crate::plant::Plant;
@@ -44,7 +44,7 @@ use surface::Baseband;
 /// Result of a diagnosis step.
 type Result<T> = std::result::Result<T, BuildError>;
 
-/// Fewest revolutions of the shaft in a block.
+/// Smallest number of shaft revolutions in a block.
 pub const MIN_REVOLUTIONS: f64 = 16.0;
 /// Highest line over the highest natural frequency: above it the rotor's inertia leaves less of a force than noise.
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
@@ -66,11 +66,11 @@ pub struct DiagnosisInput<'a> {
     pub samples: &'a [Sample],
     /// Sample period, s.
     pub period: f64,
-    /// Calibration that the scene has its parameters from.
+    /// Calibration from which the scene has its parameters.
     pub calibration: Option<&'a Calibration>,
 }
 
-/// A recording made ready, with the machine in good order fitted to it.
+/// Prepared recording, with the healthy machine fitted to it.
 struct Prepared<'a> {
     evidence: Evidence<'a>,
     band: Baseband,
@@ -78,7 +78,7 @@ struct Prepared<'a> {
     observable: Vec<bool>,
 }
 
-/// Returns why a scene cannot be diagnosed; none where it can.
+/// Returns the reason why a scene cannot be diagnosed; `None` if it can.
 #[must_use]
 pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
     if scene.system.is_some() {
@@ -137,29 +137,34 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Diagnoses a recording; none where the rotor or its probes do not allow it.
+/// Diagnoses a recording; `None` if the rotor or its probes do not allow it.
+///
+/// `progress` receives the completed share of the work.
 ///
 /// # Errors
-/// A bearing that cannot be built.
-pub fn diagnose(of: &DiagnosisInput, progress: &dyn Fn(f64)) -> std::result::Result<Option<Diagnosis>, BuildError> {
+/// Returns an error if a bearing cannot be built.
+pub fn diagnose(
+    of: &DiagnosisInput,
+    progress: &dyn Fn(f64),
+) -> std::result::Result<Option<DiagnosisResult>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
     progress(0.1);
     let faults = hypothesis::diagnose(&mut prepared, progress)?;
-    Ok(Some(finding::diagnosis(of, &prepared, &faults)?))
+    Ok(Some(result::diagnosis(of, &prepared, &faults)?))
 }
 
-/// Estimates angle and slip of every cage, without a search for faults; none where the rotor or its probes do not allow it.
+/// Estimates angle and slip of every cage, without a search for faults; `None` if the rotor or its probes do not allow it.
 ///
 /// # Errors
-/// A bearing that cannot be built.
+/// Returns an error if a bearing cannot be built.
 pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
-    Ok(Some(finding::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
+    Ok(Some(result::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
 }
 
-/// Sets the cages of a scene to what a recording shows at `turns`, the total revolutions of a sample.
+/// Sets the observable cages of a scene to their estimates at `turns`, the total revolutions of a sample.
 pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
     for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
         let (ratio, azimuth) = cage.tangent(turns);
@@ -168,10 +173,10 @@ pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
     }
 }
 
-/// Calibrates the scene with the recording of a machine in good order; none where that is not possible.
+/// Calibrates the scene with the recording of a healthy machine; `None` if the rotor or its probes do not allow it.
 ///
 /// # Errors
-/// A bearing that cannot be built.
+/// Returns an error if a bearing cannot be built.
 pub fn calibrate(of: &DiagnosisInput) -> std::result::Result<Option<Calibration>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };

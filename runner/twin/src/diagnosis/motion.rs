@@ -93,8 +93,9 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// Creates the transform of `n` samples at `period` (s) for lines up to `highest` (rad/s); the window begins after the share `lead` of the
-    /// record and rises over the share `taper`; it falls in the same way.
+    /// Creates the transform of `n` samples at `period` (s) for lines up to `highest` (rad/s).
+    ///
+    /// The window begins after the share `lead` of the record and rises over the share `taper`; it falls in the same way.
     pub fn new(n: usize, period: f64, highest: f64, [lead, taper]: [f64; 2]) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(n);
         let fine = FftPlanner::new().plan_fft_forward(n * PARTS);

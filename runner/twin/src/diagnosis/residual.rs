@@ -16,8 +16,8 @@ use std::sync::Arc;
 #[cfg(test)]
 pub(super) use weights::Normal;
 
-/// Lead and rise of the window, as shares of the record. A rotor that bends vibrates freely for some time with its probes at rest: the
-/// window changes little in that time.
+/// Lead and rise of the window, as shares of the record. A flexible rotor vibrates freely for some time without motion at its probes:
+/// the window changes little in that time.
 const RIGID_WINDOW: [f64; 2] = [0.0, 0.12];
 const ELASTIC_WINDOW: [f64; 2] = [LEAD, 0.4];
 /// Lines over which the window spreads a mean.
@@ -27,7 +27,7 @@ const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
 const MOMENT_ROUNDS: usize = 2;
 
-/// How residuals are weighted: probes with their noise.
+/// Weighting of residuals: probes with their noise.
 pub(super) struct Weighting {
     pub probes: Vec<Probe>,
     /// Rms noise of each probe, m.
@@ -38,7 +38,7 @@ pub(super) struct Weighting {
 }
 
 impl Weighting {
-    /// Standard deviation of each coordinate of a pose by the noise of the probes.
+    /// Returns the standard deviation of each coordinate of a pose by the noise of the probes.
     fn pose_noise(&self) -> [f64; D] {
         let mut square = [0.0; D];
         for p in 0..self.noise.len() {
@@ -51,14 +51,14 @@ impl Weighting {
     }
 }
 
-/// Everything of a recording that hypotheses are held against, weighted for one machine.
+/// Recording to which hypotheses are compared, weighted for one machine.
 #[derive(Clone)]
 pub(super) struct Evidence<'a> {
     pub scene: &'a Scene,
     pub plant: &'a Plant,
     pub motion: Arc<Motion>,
     pub transform: Arc<Transform>,
-    /// Spectra of q, w' q and w'' q, with q the lines that stand out.
+    /// Spectra of q, w' q and w'' q, with q the lines above the noise and w the window.
     displacement: Arc<[[Vec<C>; D]; 3]>,
     weighting: Arc<Weighting>,
     shaft: Shaft,
@@ -89,7 +89,7 @@ pub(super) struct Evidence<'a> {
     /// Values of a residual per line.
     pub rows: usize,
     filter: Arc<LineFilter>,
-    /// The part of the displacement that the filter took, and its spectrum.
+    /// The part of the displacement that the filter removed, and its spectrum.
     rest: Arc<Vec<[f64; D]>>,
     rest_lines: Arc<[Vec<C>; D]>,
     /// Forces that `rest` requires and causes in the machine by which the residual is weighted, linearised, less the mean change of
@@ -99,7 +99,7 @@ pub(super) struct Evidence<'a> {
     gravity: [f64; D],
 }
 
-/// Relations of the rotor's places, applied to a motion.
+/// Relations between the rotor's stations, applied to a motion.
 #[derive(Clone)]
 struct Shaft {
     dynamics: Arc<Dynamics>,
@@ -110,7 +110,7 @@ struct Shaft {
 }
 
 impl Shaft {
-    /// Returns none where the rotor does not allow it.
+    /// Creates the relations; `None` if the rotor cannot be diagnosed.
     fn new(
         scene: &Scene,
         plant: &Plant,
@@ -129,7 +129,7 @@ impl Shaft {
     }
 }
 
-/// A direction of the whitened residual with the share of it that is taken from a residual.
+/// A direction of the whitened residual with the share of it that is subtracted from a residual.
 #[derive(Clone)]
 struct Direction {
     unit: Vec<f64>,
@@ -160,10 +160,10 @@ impl Spectra {
 }
 
 impl<'a> Evidence<'a> {
-    /// Returns none where the rotor cannot be diagnosed. [`Evidence::weight_for`] comes next.
+    /// Creates the evidence; `None` if the rotor cannot be diagnosed. The next call must be [`Evidence::weight_for`].
     ///
     /// # Errors
-    /// A bearing that cannot be built, a rotor that cannot be reduced.
+    /// Returns an error if a bearing cannot be built or the rotor cannot be reduced.
     pub fn new(
         scene: &'a Scene,
         plant: &'a Plant,
@@ -272,7 +272,7 @@ impl<'a> Evidence<'a> {
         Evaluated::new(self.scene, self.plant, b, of, self.displaced(machine, b))
     }
 
-    /// Displacement of the rotor at bearing `b`: unbalance and load of the machine bend an elastic rotor.
+    /// Returns the displacement of the rotor at bearing `b`: unbalance and load of the machine bend an elastic rotor.
     fn displaced(&self, machine: &Machine, b: usize) -> Arc<Vec<Displacement<f64>>> {
         let (unbalance, load) = &self.given;
         if (machine.unbalance, machine.load) == (*unbalance, *load) {
@@ -339,7 +339,7 @@ impl<'a> Evidence<'a> {
         unknowns.iter().map(slope).collect()
     }
 
-    /// Adds what another mean stiffness requires for the part of the displacement that the filter took.
+    /// Adds the force that another mean stiffness requires for the part of the displacement that the filter removed.
     fn stiffen(&self, force: &mut [Vec<C>; D], own: &MeanStiffness) {
         for (k, w) in self.transform.lines.iter().enumerate() {
             let change = self.dynamic_stiffness(own, k, *w) - self.dynamic_stiffness(&self.reference, k, *w);
@@ -376,7 +376,7 @@ impl<'a> Evidence<'a> {
         Ok(about_centre)
     }
 
-    /// Load, unbalance, inertia and damping: what the rotor's motion requires, as a force with the opposite sign.
+    /// Returns load and unbalance, and the force that inertia and damping of the rotor's motion require with the opposite sign.
     fn rotor(&self, machine: &Machine) -> [Vec<C>; D] {
         let mut sum = self.shaft.dynamics.required(&self.transform.lines, &machine.damping, &self.displacement);
         for part in [
@@ -445,7 +445,7 @@ impl<'a> Evidence<'a> {
         self.tolerated(whitened(&self.whitening, force))
     }
 
-    /// Takes from a residual what the parameters that are not exactly known explain.
+    /// Subtracts from a residual the part that the uncertain parameters explain.
     fn tolerated(&self, mut residual: Vec<f64>) -> Vec<f64> {
         for Direction { unit, share } in &self.tolerance {
             let along = share * dot(unit, &residual);
@@ -454,8 +454,8 @@ impl<'a> Evidence<'a> {
         residual
     }
 
-    /// Returns how the residual of a machine changes by one deviation of each independent uncertain parameter beyond the change that is
-    /// taken from every residual: the same fault has another force where the bearing is stiffer.
+    /// Returns the change of the residual of a machine by one deviation of each independent uncertain parameter, less the change that
+    /// is subtracted from every residual: the same fault has another force where the bearing is stiffer.
     pub fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
         let mut slopes = unknowns.iter().map(|u| self.slope(spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
@@ -543,7 +543,7 @@ fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
 
 /// Returns the scalar product of two series of equal length.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight sums side by side.
+    // Eight independent sums allow vectorisation.
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
     let mut sums = [0.0; 8];

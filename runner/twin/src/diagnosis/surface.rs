@@ -33,12 +33,12 @@ const WIDTH: usize = 2 * L as usize + 1;
 const HARMONICS: usize = 10;
 /// Half widths of a spall that are tried, rad.
 const HALF_WIDTHS: [f64; 7] = [0.02, 0.03, 0.045, 0.065, 0.1, 0.15, 0.22];
-/// Places of a spall that are tried.
+/// Number of spall positions that are tried.
 const CENTRES: usize = 48;
 /// Angles of the cage within a pitch that are tried.
 const PHASES: usize = 48;
 
-/// The surface that carries an imperfection.
+/// Component of a bearing whose surface has an imperfection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     Outer,
@@ -62,7 +62,7 @@ pub struct Baseband {
 }
 
 impl Baseband {
-    /// Band of `orders` revolutions of the shaft on each side of a carrier.
+    /// Creates a band of `orders` orders of the shaft on each side of a carrier.
     pub fn new(e: &Evidence, orders: f64) -> Self {
         let bin = e.transform.lines[1];
         let half_width = (orders * e.motion.mean_speed().abs() / bin).ceil() as usize;
@@ -78,7 +78,7 @@ impl Baseband {
         Self { half_width, count, forward: rustfft::FftPlanner::new().plan_fft_forward(count), turns }
     }
 
-    /// Thins a series of the full rate, multiplied by the window.
+    /// Decimates a series of the full rate, multiplied by the window.
     pub fn thin(&self, e: &Evidence, of: impl Fn(usize) -> [C; D]) -> Coarse {
         let inverse = rustfft::FftPlanner::new().plan_fft_inverse(self.count);
         let mut values = vec![[C::new(0.0, 0.0); D]; self.count];
@@ -101,7 +101,7 @@ impl Baseband {
     }
 
     /// Returns the line nearest to `order` of the shaft, and the residual at the probes of a force at a bearing, a series times
-    /// `e^(2 pi i turns)`, for lines about it; none where the band leaves the lines in use.
+    /// `e^(2 pi i turns)`, for lines about it; `None` if the band exceeds the lines in use.
     pub fn column(
         &self,
         e: &Evidence,
@@ -338,7 +338,7 @@ impl Family {
     }
 
     /// Returns the spalls that explain most, one for each half width tried, best first, with their falls of chi-squared. `known` is
-    /// the angle of the cage where it is known, in pitches (of a ball: its azimuth in revolutions, but for whole pitches).
+    /// the angle of the cage if it is known, in pitches (for a ball: its azimuth in revolutions, except for whole pitches).
     pub fn spalls(&self, known: Option<f64>) -> Vec<(f64, SpallGuess)> {
         let is_ball = self.component == Component::Ball;
         // Balls: the two contacts make half a revolution of spin a period.
@@ -382,7 +382,7 @@ impl Family {
                 |phase: f64| products(phase).fold((0.0, 0.0), |(l, q), (_, _, linear, quad)| (l + linear.re, q + quad));
             return best(&mut phases.iter().filter_map(|&phase| of(phase, sums(phase))));
         }
-        // Another angle of the cage turns each harmonic as a whole.
+        // A change of the cage angle shifts the phase of each harmonic as a whole.
         let at_zero: Vec<_> = products(0.0).collect();
         let quadratic: f64 = at_zero.iter().map(|p| p.3).sum();
         let linear = |phase: f64| -> f64 {
@@ -446,6 +446,9 @@ fn half_sine(m: f64, w: f64) -> f64 {
     2.0 * w / (PI * PI) * shape
 }
 
+/// Peaks of the scan of slips about which further slips are tried.
+const REFINED: usize = 2;
+
 /// Returns the family at the slip that explains most.
 pub fn best_family(
     e: &Evidence,
@@ -460,23 +463,29 @@ pub fn best_family(
     let slip = from.machine.bearings[bearing].cage.slip;
     let bin = e.transform.lines[1];
     let step = bin / (e.motion.mean_speed().abs() * HARMONICS as f64 * e.plant.bearings[bearing].elements as f64);
-    // Balls that roll in a slipping cage slip with it.
-    let around = |peak: f64| (-2..=2).map(move |i| peak + 0.7 * step * f64::from(i));
-    let slips: Vec<f64> = if observable && component != Component::Ball {
-        vec![slip]
-    } else {
-        let peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
-        peaks.iter().flat_map(|(_, peak)| around(*peak)).collect()
-    };
-    let mut best: Option<(f64, Family)> = None;
-    for tried in slips {
+    let at = |tried: f64| {
+        // Balls that roll in a slipping cage slip with it.
         let cage_slip = if observable { slip } else { tried };
         let family = Family::new(e, band, &from.residual, compliance, component, tried, cage_slip);
-        let gain = family.gain();
-        if best.as_ref().is_none_or(|b| gain > b.0) {
-            best = Some((gain, family));
+        (family.gain(), family)
+    };
+    let mut best: Vec<(f64, Family)> = if observable && component != Component::Ball {
+        vec![at(slip)]
+    } else {
+        let peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
+        peaks.into_iter().map(|(_, peak)| at(peak)).collect()
+    };
+    let sort = |all: &mut Vec<(f64, Family)>| all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort(&mut best);
+    // The lines of the better peaks, between the steps of the scan.
+    if best.len() > 1 {
+        let peaks: Vec<f64> = best.iter().take(REFINED).map(|(_, family)| family.slip).collect();
+        for peak in peaks {
+            best.extend([-2, -1, 1, 2].map(|i| at(peak + 0.7 * step * f64::from(i))));
         }
+        sort(&mut best);
     }
+    let best = best.into_iter().next();
     best.map_or_else(
         || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] },
         |(_, family)| family,

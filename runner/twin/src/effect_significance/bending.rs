@@ -16,18 +16,18 @@ const BENT: f64 = 0.5;
 
 /// Predicted change by the bending of the shaft.
 pub struct Bending {
-    /// One entry a bearing, in the order of the scene.
+    /// One entry per bearing, in the order of the scene.
     entries: Vec<EffectSignificance>,
 }
 
 impl Bending {
-    /// Compares a flexible rotor with the rigid one, both on the tangents of the bearings at their static equilibrium; without entries
-    /// where the rotor is not flexible.
+    /// Compares a flexible rotor with the rigid one, both on bearings linearised at their static equilibrium; there are no entries if
+    /// the rotor is not flexible.
     ///
     /// The change of force is that of the static force plus that of the 1X amplitude, over the sum of both.
     ///
     /// # Errors
-    /// A parameter that the kernel rejects, modes that cannot be solved for.
+    /// Returns an error if the kernel rejects a parameter or the modes cannot be computed.
     pub fn new(scene: &Scene, plant: &Plant) -> Result<Self> {
         let Some(rigid) = plant.without_bending(scene)? else { return Ok(Self { entries: vec![] }) };
         let (flexible, rigid) = (Loads::new(scene, plant)?, Loads::new(scene, &rigid)?);
@@ -113,7 +113,7 @@ fn product(row: &[f64], q: &DVector<Complex<f64>>) -> Complex<f64> {
     row.iter().zip(q.iter()).map(|(a, x)| x * *a).sum()
 }
 
-/// Returns the largest change of the response over the largest response; none without a response.
+/// Returns the largest change of the response over the largest response; `None` without a response.
 fn response_change(flexible: &[Complex<f64>], rigid: &[Complex<f64>]) -> Option<f64> {
     let largest = flexible.iter().map(|z| z.norm()).fold(0.0, f64::max);
     let change = flexible.iter().zip(rigid).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);

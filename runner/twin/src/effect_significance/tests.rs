@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Scenes of the grid.
 const SCENES: u64 = 500;
-/// Changes below this are not worth a prediction.
+/// Changes below this are not compared.
 const LEAST: f64 = 1e-3;
 
 /// Numbers that look random and are the same everywhere: the fractional parts of multiples of irrational numbers.

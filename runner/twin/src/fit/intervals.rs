@@ -6,8 +6,8 @@ use crate::least_squares::Solution;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Standard deviations of chi-squared per reading above 1 up to which intervals are given: a true model exceeds them in one of
-/// a thousand recordings.
+/// Largest excess of chi-squared per reading over 1, in standard deviations, at which intervals are given: a true model exceeds it
+/// in one of a thousand recordings.
 const LARGEST_DEVIATION: f64 = 3.09;
 /// Relative standard uncertainty of the noise of a probe that is stated with two digits.
 const NOISE_UNCERTAINTY: f64 = 0.01;
@@ -130,7 +130,9 @@ pub(super) fn unbalance(
     (all, single)
 }
 
-/// Deviations beyond which a share `tail` of a normal distribution lies (Abramowitz and Stegun 1964, 26.2.23: 4.5e-4).
+/// Returns the number of standard deviations beyond which a share `tail` of a normal distribution lies.
+///
+/// The error is below 4.5e-4 (Abramowitz and Stegun 1964, 26.2.23).
 pub(super) fn quantile(tail: f64) -> f64 {
     let t = (-2.0 * tail.ln()).sqrt();
     t - (2.515_517 + t * (0.802_853 + t * 0.010_328)) / (1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308)))

@@ -1,9 +1,9 @@
 //! Maximum-likelihood estimates of the scene's parameters from a recording.
 //!
-//! Angle and slip of the cages come first, by the method of the diagnosis. Then the twin runs over the recording from an
-//! unknown initial state. The fit minimises the sum of squares of the residuals at
-//! the probes, in units of their noise, over the scene's unknowns and that state. Intervals come from the Jacobian and the
-//! residuals at the minimum, and are wider where the residuals are correlated.
+//! Angle and slip of the cages are estimated first, by the method of the diagnosis. Then the twin runs over the recording from an
+//! unknown initial state. The fit minimises the sum of squares of the residuals at the probes, in units of their noise, over the
+//! scene's unknowns and that state. Intervals are computed from the Jacobian and the residuals at the minimum, and are wider where the
+//! residuals are correlated.
 
 mod intervals;
 pub mod parameters;
@@ -31,9 +31,9 @@ pub use written::written;
 const STATE: [f64; 4] = [50e-6, 5e-4, 0.05, 0.5];
 /// Largest posterior uncertainty of an identifiable parameter, over the prior one.
 const IDENTIFIABLE: f64 = 0.3;
-/// Relative decrease of the sum of squares at which an early search ends, and at which the last one ends.
+/// Relative decrease of the sum of squares below which an early search ends.
 const NEAR: f64 = 1e-3;
-/// See [`NEAR`].
+/// Relative decrease of the sum of squares below which the last search ends.
 const THERE: f64 = 1e-7;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
@@ -46,7 +46,7 @@ pub struct Fitted {
     pub recording: String,
     /// Samples that were used.
     pub samples: usize,
-    /// Turns of the shaft in them.
+    /// Number of shaft revolutions in the samples.
     pub turns: f64,
     /// Sum of the squared residuals in units of the probes' noise: about the number of readings where the scene is true.
     pub chi_square: f64,
@@ -56,7 +56,7 @@ pub struct Fitted {
     pub chi_square_per_reading: f64,
     /// Largest chi-squared per reading by noise alone.
     pub largest_chi_square_per_reading: f64,
-    /// Whether chi-squared per reading is at most `largest_chi_square_per_reading`. Where it is not, no interval is given.
+    /// True if chi-squared per reading is at most `largest_chi_square_per_reading`; if false, no interval is given.
     pub consistent: bool,
     /// Residual at each probe before and after the fit, um rms.
     pub residuals: Vec<Residual>,
@@ -95,7 +95,7 @@ pub struct Estimate {
     pub given: f64,
     /// The fitted value.
     pub value: f64,
-    /// Lower end of its interval; none where the scene does not describe the recording.
+    /// Lower end of its interval; `None` if [`Fitted::consistent`] is false.
     pub low: Option<f64>,
     /// Upper end, as `low`.
     pub high: Option<f64>,
@@ -121,16 +121,16 @@ pub struct FitInput<'a> {
 /// Samples of a recording.
 #[derive(Debug)]
 pub struct RecordingSamples {
-    /// Those of the fit.
+    /// Samples of the fit.
     pub samples: Vec<Sample>,
-    /// Consecutive ones with a reading of every probe, from which the cages are estimated.
+    /// Consecutive samples with a reading of every probe, from which the cages are estimated.
     pub cage_samples: Vec<Sample>,
 }
 
 /// Reads the first `turns` turns of a recording, and as many as the cages need.
 ///
 /// # Errors
-/// Returns an error if the scene is invalid.
+/// Returns an error if the scene has no recording or the recording cannot be read.
 pub fn read(scene: &Scene, mut reader: Reader, turns: f64) -> Result<RecordingSamples> {
     let Some(recording) = &scene.recording else {
         return Err(FitError::NoRecording { file: scene.path.clone() }.into());
@@ -189,7 +189,7 @@ type Tied = Vec<usize>;
 /// after each iteration.
 ///
 /// # Errors
-/// As [`read`] and [`fit`].
+/// Returns the errors of [`read`] and [`fit`].
 pub fn fit_recording(
     scene: &Scene,
     reader: Reader,
@@ -211,7 +211,8 @@ pub fn fit_recording(
 /// Fits `groups` of the scene's numbers; calls `progress` after each iteration.
 ///
 /// # Errors
-/// A scene without rotor or parameters, a parameter that the kernel rejects.
+/// Returns an error if the scene has no rotor, no probes or no parameter to fit, if there is no sample, or if the kernel rejects a
+/// parameter.
 pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
     only_rotor(of.scene, "fit")?;
     only_observable(of.scene, "fit")?;
@@ -290,7 +291,7 @@ pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     })
 }
 
-/// Cages of a scene as the recording shows them.
+/// Cages of a scene as estimated from the recording.
 struct Cages {
     /// Angle and speed ratio of the observable ones.
     parameters: Vec<Parameter>,
@@ -422,13 +423,13 @@ impl Model<'_> {
         }
     }
 
-    /// Bounds of unknowns that move together: those of all.
+    /// Returns the bounds of unknowns that move together: the intersection of their bounds.
     fn bounds(&self, tied: &Tied) -> Bounds {
         let each = tied.iter().filter_map(|&i| self.unknown.get(i)).map(Parameter::unknown_bounds);
         each.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], [a, b]| [low.max(a), high.min(b)])
     }
 
-    /// Residuals by sample and probe, in units of the probes' noise; 0 for a missing reading.
+    /// Computes the residuals by sample and probe, in units of the probes' noise; 0 for a missing reading.
     fn residuals(&self, x: &[f64]) -> Result<Vec<f64>> {
         let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());
         let scene = with(self.of.scene, self.unknown, &values);
@@ -444,7 +445,7 @@ impl Model<'_> {
         for (i, sample) in self.of.samples.iter().enumerate() {
             let coordinates = twin.coordinates();
             for (p, (row, measured)) in self.rows.iter().zip(&sample.row.probes).enumerate() {
-                // The reader has taken the scene's own offset off.
+                // The reader has already subtracted the scene's own offset.
                 let more = probes[p].offset - given[p].offset;
                 let off = (measured - more - reading(row, coordinates)) / self.sigma[p];
                 left.push(if off.is_finite() { off.clamp(-1e6, 1e6) } else { 0.0 });
@@ -528,8 +529,8 @@ impl Model<'_> {
         }
     }
 
-    /// Returns true where the posterior uncertainty is below [`IDENTIFIABLE`] of the prior one. Unbalance always counts, and
-    /// cages, which are free only where the recording shows them.
+    /// Returns true if the posterior uncertainty is below [`IDENTIFIABLE`] of the prior one. Unbalance is always identified, and so
+    /// are cages, which are free only if they are observable.
     fn identified(&self, covariance: &DMatrix<f64>, i: usize) -> bool {
         use ParameterKind::{CageAngle, CageRatio, Couple, Unbalance};
         let always = matches!(self.unknown[i].kind, Unbalance(_) | Couple(_) | CageAngle(_) | CageRatio(_));

@@ -22,11 +22,11 @@ pub enum Group {
     Offset,
 }
 
-/// All of them.
+/// All groups.
 pub const ALL: [Group; 5] = [Group::Unbalance, Group::Clearance, Group::Damping, Group::Stiffness, Group::Offset];
 
 impl Group {
-    /// Returns the name as the command line has it.
+    /// Returns the name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -108,7 +108,7 @@ impl Parameter {
         if self.spread().is_some() { OPEN } else { self.bounds.map(|bound| bound / self.scale) }
     }
 
-    /// A positive parameter is fitted by its logarithm; this is the prior standard deviation of that.
+    /// Returns the prior standard deviation of the logarithm by which a positive parameter is fitted; `None` for other parameters.
     const fn spread(&self) -> Option<f64> {
         match self.kind {
             ParameterKind::Damping(_) => Some(1.0),
@@ -159,7 +159,7 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
         }
     }
     if groups.contains(&Group::Damping) {
-        // At least a fiftieth of the critical damping for the stiffness at rest.
+        // At least a fiftieth of the critical damping for the stiffness at the static equilibrium.
         for (k, entry) in [(0, 0), (1, 2), (2, 3)] {
             let mass = if k == 2 { rotor.diametral_inertia } else { rotor.mass };
             let critical = 2.0 * (mass * plant.stiffness[(entry, entry)].abs()).sqrt();
@@ -173,10 +173,10 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
     all
 }
 
-/// Share of the pitch of the elements that a cage of the diagnosis may be off at either end of its samples.
+/// Error of a cage angle from the diagnosis at either end of its samples, as a share of the element pitch.
 const CAGE_ERROR: f64 = 0.05;
 
-/// Returns the angle and the speed ratio of every observable cage; `turns` is the number of revolutions that show it.
+/// Returns the angle and the speed ratio of every observable cage; `turns` is the number of revolutions of the estimate.
 #[must_use]
 pub fn cage_parameters(scene: &Scene, plant: &Plant, cages: &[CageEstimate], turns: f64) -> Vec<Parameter> {
     let of = |(b, cage): (usize, &CageEstimate)| {
@@ -202,7 +202,7 @@ pub fn cage_parameters(scene: &Scene, plant: &Plant, cages: &[CageEstimate], tur
 }
 
 /// Returns the bounds that the scene's checks allow: a clearance leaves a free contact angle of 0 to 60 degrees, or, with the `lumped`
-/// model, may be an interference as deep.
+/// model, may be an interference of the same size.
 fn bounds(scene: &Scene, kind: ParameterKind) -> [f64; 2] {
     let ParameterKind::Clearance(b) = kind else { return OPEN };
     let Some((bearing, g)) = scene.bearings.get(b).and_then(|b| b.geometry.map(|g| (b, g))) else { return OPEN };
@@ -219,7 +219,7 @@ fn lever(plant: &Plant) -> f64 {
     plant.bearings.iter().map(|s| s.station.abs()).fold(0.02, f64::max)
 }
 
-/// Sum of the unbalances, and of each times its station.
+/// Returns the sum of the unbalances, kg m, and the sum of each times its station, kg m^2, along X and Y.
 fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
     let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
     for one in unbalances {
@@ -231,7 +231,7 @@ fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
     (force, couple)
 }
 
-/// Unbalances in two planes with this sum and couple.
+/// Returns the unbalances in two planes, at the stations `planes` (m), with this sum (kg m) and couple (kg m^2).
 #[must_use]
 pub fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbalance; 2] {
     let [near, far] = planes;
@@ -241,7 +241,7 @@ pub fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbal
     [at(first, near), at(second, far)]
 }
 
-/// Two planes that are apart: the outermost bearings', or 10 cm.
+/// Returns the stations of two planes, m: those of the outermost bearings or, if these coincide, two stations 0.1 m apart.
 #[must_use]
 pub fn planes(scene: &Scene) -> [f64; 2] {
     let stations = || scene.bearings.iter().map(|b| b.station);
@@ -249,7 +249,7 @@ pub fn planes(scene: &Scene) -> [f64; 2] {
     if far - near > 1e-3 { [near, far] } else { [near - 0.05, near + 0.05] }
 }
 
-/// The scene with these values, SI, in the places of `parameters`.
+/// Returns the scene with these values, SI, of `parameters`.
 #[must_use]
 pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
     let mut scene = scene.clone();
@@ -305,7 +305,7 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
 }
 
 impl ParameterKind {
-    /// As the scene names it, and the unit for people with its size in SI.
+    /// Returns the name in the scene, the displayed unit, and the size of that unit in SI.
     #[must_use]
     pub fn name(self, scene: &Scene) -> (String, &'static str, f64) {
         let bearing = |b: usize| scene.bearings.get(b).map_or("", |b| b.name.as_str());

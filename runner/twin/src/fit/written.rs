@@ -1,4 +1,4 @@
-//! The fitted scene, as a scene.
+//! Writes fitted values into the text of a scene.
 
 use super::Fitted;
 use super::parameters::{ParameterKind, planes, two_planes};
@@ -9,7 +9,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 /// Returns `text`, the scene's file, with the fitted numbers; parameters that are not identifiable keep their value.
 ///
 /// # Errors
-/// A text that is no TOML, or whose tables have another form than the fitted values need.
+/// Returns an error if the text is not TOML or its tables have another form than the fitted values require.
 pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, FitError> {
     let form = |expected| FitError::Form { file: scene.path.clone(), expected };
     let syntax = |source| FitError::Syntax { file: scene.path.clone(), source };
@@ -81,7 +81,7 @@ fn reduction(scene: &Scene, bearing: usize) -> f64 {
     mounting.map_or(0.0, |mounting| mounting.operating().reduction())
 }
 
-/// Puts a key into the table of a bearing; the error is the expected form.
+/// Sets a key in the table of a bearing; the error is the expected form.
 fn put(document: &mut DocumentMut, bearing: usize, key: &str, item: Item) -> Result<(), &'static str> {
     let tables = document.get_mut("bearing").and_then(Item::as_array_of_tables_mut);
     let table = tables.and_then(|tables| tables.iter_mut().nth(bearing)).ok_or("bearings as [[bearing]]")?;
@@ -89,7 +89,7 @@ fn put(document: &mut DocumentMut, bearing: usize, key: &str, item: Item) -> Res
     Ok(())
 }
 
-/// Puts a damping into the rotor's list; the error is the expected form.
+/// Sets a damping in the rotor's list; the error is the expected form.
 fn damping(document: &mut DocumentMut, group: usize, found: f64) -> Result<(), &'static str> {
     let rotor: &mut dyn TableLike = document.get_mut("rotor").and_then(Item::as_table_like_mut).ok_or("[rotor]")?;
     let zeros = || value(Array::from_iter([0.0; 5]));

@@ -1,10 +1,10 @@
 //! Evaluation of one machine by one recording.
 
 use super::machine::Machine;
-use super::row::{Diagnosis, IndicatorValue, Row, State};
+use super::row::{DiagnosisRow, IndicatorValue, Row, State};
 use crate::caught::caught;
 use crate::error::{Error, Result, with_causes};
-use crate::outcome::{Estimate, FaultParameters, Finding, LimitLine, Outcome, ProbeOutcome};
+use crate::outcome::{Diagnosis, Estimate, FaultParameters, LimitLine, Outcome, ProbeOutcome};
 use crate::printable;
 use crate::replay::{Options, open, replay};
 
@@ -13,7 +13,7 @@ use crate::replay::{Options, open, replay};
 pub struct Evaluation {
     /// Row of the table of outcomes.
     pub row: Row,
-    /// Outcome with the data of a report; none where the row has an error.
+    /// Outcome with the data of a report; `None` if the row has an error.
     pub outcome: Option<Outcome>,
 }
 
@@ -45,12 +45,12 @@ fn empty(machine: &Machine) -> Row {
         error: None,
         duration_s: None,
         mean_speed_rpm: None,
-        // Before the files are read: a file that changes meanwhile is read again by the next run.
+        // Computed before the files are read, so that the next run evaluates a file again that changes meanwhile.
         inputs: machine.fingerprint(),
     }
 }
 
-/// Evaluates with a tolerated error of the force, as [`Options::error`].
+/// Evaluates a machine as [`evaluate`] does, with a tolerated error of the force, as [`Options::error`].
 #[must_use]
 pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation {
     let mut row = empty(machine);
@@ -68,7 +68,7 @@ pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation 
     };
     row.state = state(&outcome);
     row.verdict.clone_from(&outcome.verdict);
-    row.diagnoses = outcome.findings.iter().map(diagnosis).collect();
+    row.diagnoses = outcome.diagnoses.iter().map(diagnosis).collect();
     row.indicators = indicators(&outcome);
     row.duration_s = finite(outcome.record.duration_s);
     row.mean_speed_rpm = finite(outcome.record.mean_speed_rpm);
@@ -98,36 +98,36 @@ fn state(outcome: &Outcome) -> State {
         State::Limit
     } else if !outcome.not_judged.is_empty() {
         State::NotJudged
-    } else if !outcome.findings.is_empty() {
-        State::Finding
+    } else if !outcome.diagnoses.is_empty() {
+        State::Fault
     } else {
         State::Normal
     }
 }
 
-/// Rounds to nine digits, which JSON and CSV return exactly; none of a number that is not finite.
+/// Rounds to nine digits, which JSON and CSV return exactly; `None` if the number is not finite.
 fn finite(value: f64) -> Option<f64> {
     let rounded = || format!("{value:.8e}").parse().ok();
     if value.is_finite() { rounded() } else { None }
 }
 
-fn diagnosis(finding: &Finding) -> Diagnosis {
-    let size = size(&finding.parameters);
-    Diagnosis {
-        fault: finding.kind,
-        form: finding.parameters.form,
-        bearing: finding.bearing.clone(),
+fn diagnosis(diagnosis: &Diagnosis) -> DiagnosisRow {
+    let size = size(&diagnosis.parameters);
+    DiagnosisRow {
+        fault: diagnosis.kind,
+        form: diagnosis.parameters.form,
+        bearing: diagnosis.bearing.clone(),
         size: size.and_then(|(size, _)| finite(size.value)),
         size_low: size.and_then(|(size, _)| finite(size.low)),
         size_high: size.and_then(|(size, _)| finite(size.high)),
         size_unit: size.map_or("", |(_, unit)| unit).to_owned(),
-        level_db: finite(finding.level_db).unwrap_or(0.0),
-        confidence: finite(finding.confidence).unwrap_or(0.0),
-        sentence: finding.sentence.clone(),
+        level_db: finite(diagnosis.level_db).unwrap_or(0.0),
+        confidence: finite(diagnosis.confidence).unwrap_or(0.0),
+        sentence: diagnosis.sentence.clone(),
     }
 }
 
-/// Returns the estimate that [`FaultParameters::size`] takes, with its unit.
+/// Returns the estimate of [`FaultParameters::size`] with its unit.
 fn size(parameters: &FaultParameters) -> Option<(Estimate, &'static str)> {
     let p = parameters;
     let sizes = [
@@ -140,7 +140,7 @@ fn size(parameters: &FaultParameters) -> Option<(Estimate, &'static str)> {
     sizes.into_iter().find_map(|(size, unit)| Some((size?, unit)))
 }
 
-/// Indicators of the probes or sensors; those with a limit first.
+/// Returns the indicators of the probes or sensors; those with a limit come first.
 fn indicators(outcome: &Outcome) -> Vec<IndicatorValue> {
     let mut all: Vec<IndicatorValue> = Vec::new();
     for line in &outcome.pictures.limits {
@@ -185,7 +185,7 @@ fn limited(outcome: &Outcome, line: &LimitLine) -> Option<IndicatorValue> {
     })
 }
 
-/// Name, unit and value of the indicators of a whole recording, with the names of a scene's limits.
+/// Returns name, unit and value of the indicators of a whole recording, with the names of a scene's limits.
 fn values(probe: &ProbeOutcome) -> [(&'static str, &'static str, f64); 7] {
     let list = |of: fn(&crate::outcome::TabularList) -> f64| probe.list.as_ref().map_or(f64::NAN, of);
     [
@@ -199,7 +199,7 @@ fn values(probe: &ProbeOutcome) -> [(&'static str, &'static str, f64); 7] {
     ]
 }
 
-/// Modulation of the envelope at each sensor by the lines of each bearing, where there is one.
+/// Returns the modulations of the envelope above 0 at each sensor by the lines of each bearing.
 fn modulations(outcome: &Outcome) -> Vec<IndicatorValue> {
     const COMPONENTS: [&str; 4] = ["outer-race", "inner-race", "element", "cage"];
     let of_sensor = |sensor: &crate::outcome::baseline::BaselineSensor| {

@@ -60,7 +60,7 @@ const fn numbers(row: &Row) -> [Option<f64>; 2] {
 /// Writes rows as Parquet; diagnoses, indicators and tags are JSON text.
 ///
 /// # Errors
-/// A writer that fails.
+/// Returns an error if the writer fails.
 pub fn parquet<'a>(out: impl Write + Send, rows: impl IntoIterator<Item = &'a Row>) -> Result<(), FleetError> {
     let rows: Vec<&Row> = rows.into_iter().collect();
     let mut words = TEXTS.map(|_| Vec::with_capacity(rows.len()));
@@ -125,7 +125,7 @@ fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, serde_json::Error> {
 /// Writes rows as CSV with the columns of [`parquet()`].
 ///
 /// # Errors
-/// A writer that fails.
+/// Returns an error if the writer fails.
 pub fn csv<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> Result<(), FleetError> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(TEXTS.iter().chain(&NUMBERS)).map_err(failed)?;
@@ -136,10 +136,10 @@ pub fn csv<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> Resu
     writer.flush().map_err(failed)
 }
 
-/// Writes trends as CSV, one row a quantity.
+/// Writes trends as CSV, one row per quantity.
 ///
 /// # Errors
-/// A writer that fails.
+/// Returns an error if the writer fails.
 pub fn trends_csv(out: impl Write, trends: &[Trend]) -> Result<(), FleetError> {
     let mut writer = csv::Writer::from_writer(out);
     let header = [

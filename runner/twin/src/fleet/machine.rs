@@ -31,7 +31,7 @@ pub struct Machine {
     pub name: String,
     /// Its scene.
     pub scene: SceneSource,
-    /// Path of the recording; that of the scene where none.
+    /// Path of the recording; `None` for the recording of the scene.
     pub recording: Option<PathBuf>,
     /// The recording as the table names it, part of the row's key; empty where it is that of the scene.
     pub recording_name: String,
@@ -69,7 +69,7 @@ impl Machine {
     /// Reads the scene.
     ///
     /// # Errors
-    /// The first error of the scene.
+    /// Returns the first error of the scene.
     pub fn read_scene(&self) -> Result<Scene, SceneError> {
         match &self.scene {
             SceneSource::Path(path) => read_file(path),
@@ -77,8 +77,8 @@ impl Machine {
         }
     }
 
-    /// Returns a number that changes with the row of the table and with size or modification time of the files that it names, by
-    /// which a stored row is found to be out of date.
+    /// Returns a hash, in hexadecimal digits, that changes with the row of the table and with the size or modification time of the
+    /// files that it names. A stored row with another hash is out of date.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut hash = Fnv::default();
@@ -110,7 +110,7 @@ impl Machine {
     }
 }
 
-/// FNV-1a.
+/// Hash of 64 bits by FNV-1a.
 struct Fnv(u64);
 
 impl Default for Fnv {
@@ -121,13 +121,13 @@ impl Default for Fnv {
 
 impl Fnv {
     fn add(&mut self, text: &str) {
-        // The end of a text is part of it.
+        // The terminator, which UTF-8 text cannot contain, separates consecutive texts.
         for byte in text.bytes().chain([0xff]) {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
         }
     }
 
-    /// Adds size and modification time of a file. Its path is left out, so that a folder that moves stays valid.
+    /// Adds size and modification time of a file. Its path is excluded, so that the hash stays valid if the folder is moved.
     fn add_file(&mut self, path: &Path) {
         let stamp = |about: &Metadata| Some(about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?.as_nanos());
         let about = path.metadata().ok();

@@ -29,7 +29,7 @@ pub use evaluation::{Evaluation, evaluate, evaluate_with, failed};
 pub use files::{csv, parquet, trends_csv};
 pub use machine::{Machine, SceneSource, report_names};
 pub use rank::{current, worst_first};
-pub use row::{Diagnosis, IndicatorValue, Key, Row, State};
+pub use row::{DiagnosisRow, IndicatorValue, Key, Row, State};
 pub use run::{Settings, run};
 pub use store::{Store, lock};
 pub use table::{Cells, machines, read_table};

@@ -22,8 +22,8 @@ pub fn worst_first(a: &Row, b: &Row) -> Ordering {
         .then_with(|| a.key().cmp(&b.key()))
 }
 
-/// Returns the row of each machine that stands for its present condition, worst first: the latest one, or the worst one where
-/// a row of the machine has no time.
+/// Returns the row with the present condition of each machine, worst first: the latest row, or the worst row if a row of the machine
+/// has no time.
 #[must_use]
 pub fn current<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<&'a Row> {
     let mut all: Vec<&Row> = rows.into_iter().collect();

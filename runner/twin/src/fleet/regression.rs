@@ -19,7 +19,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Fits the line; none of fewer than three points or of points at one `x`.
+    /// Fits the line; `None` for fewer than three points or for points at one `x`.
     pub(super) fn fit(points: &[(f64, f64)]) -> Option<Self> {
         if points.len() < 3 {
             return None;
@@ -31,7 +31,7 @@ impl Line {
         let sxx = sum(|dx, _| dx * dx);
         let slope = sum(|dx, dv| dx * dv) / sxx;
         let squares: f64 = points.iter().map(|p| (p.1 - mean_value - slope * (p.0 - mean_x)).powi(2)).sum();
-        // The sums are rounded: a constant has no slope.
+        // Rounding errors of the sums must not give a constant a significant slope.
         let deviation = (squares / (n - 2.0)).sqrt().max(4.0 * f64::EPSILON * mean_value.abs());
         let t = student_t(points.len() - 2);
         let line = Self {
@@ -50,7 +50,7 @@ impl Line {
     }
 
     /// Returns the `x` at which a rising line reaches `value`, with its 90 % interval by Fieller's theorem: where the confidence band of
-    /// the line contains `value`. None where the slope is not significantly above 0, because the interval is then infinite.
+    /// the line contains `value`. `None` if the slope is not significantly above 0, because the interval is then infinite.
     pub(super) fn reaches(&self, value: f64) -> Option<[f64; 3]> {
         if !self.rises() {
             return None;

@@ -1,6 +1,6 @@
 //! One row of the table of outcomes.
 
-use crate::outcome::{FaultForm, FindingKind};
+use crate::outcome::{FaultForm, FaultKind};
 use crate::recording::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,7 +13,8 @@ pub enum State {
     /// A limit of the scene was crossed; exit code 3 of `replay`.
     Limit,
     /// A fault is diagnosed.
-    Finding,
+    #[serde(alias = "finding")]
+    Fault,
     /// The recording is not plausible for the scene; exit code 4 of `replay`.
     Implausible,
     /// Scene, recording or baseline cannot be used.
@@ -27,14 +28,14 @@ pub enum State {
 impl State {
     /// All states, worst first.
     pub const ALL: [Self; 6] =
-        [Self::Limit, Self::Finding, Self::Implausible, Self::Error, Self::NotJudged, Self::Normal];
+        [Self::Limit, Self::Fault, Self::Implausible, Self::Error, Self::NotJudged, Self::Normal];
 
     /// Returns its name in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Limit => "limit",
-            Self::Finding => "finding",
+            Self::Fault => "fault",
             Self::Implausible => "implausible",
             Self::Error => "error",
             Self::NotJudged => "not-judged",
@@ -60,9 +61,9 @@ pub struct Key {
 
 /// Diagnosis of a fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Diagnosis {
+pub struct DiagnosisRow {
     /// Kind of fault.
-    pub fault: FindingKind,
+    pub fault: FaultKind,
     /// Form of a surface fault.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub form: Option<FaultForm>,
@@ -78,12 +79,12 @@ pub struct Diagnosis {
     /// Upper end of the interval.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size_high: Option<f64>,
-    /// um, mrad or g mm; empty without a size.
+    /// Unit of the size: um, mrad or g mm; empty without a size.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub size_unit: String,
-    /// Level of the evidence, as [`Finding::level_db`](crate::outcome::Finding::level_db).
+    /// Level of the evidence, as [`Diagnosis::level_db`](crate::outcome::Diagnosis::level_db).
     pub level_db: f64,
-    /// 0 to 1.
+    /// Confidence, 0 to 1.
     pub confidence: f64,
     /// The diagnosis as a sentence.
     pub sentence: String,
@@ -97,7 +98,7 @@ pub struct Diagnosis {
 pub struct IndicatorValue {
     /// Name, as `indicator` of a limit in a scene.
     pub name: String,
-    /// um, or empty for a number.
+    /// Unit: um, or empty for a dimensionless value.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
     /// Column of the probe or sensor.
@@ -146,7 +147,7 @@ pub struct Row {
     /// Verdict as a sentence; empty where there is an error instead.
     pub verdict: String,
     /// Diagnoses, strongest first.
-    pub diagnoses: Vec<Diagnosis>,
+    pub diagnoses: Vec<DiagnosisRow>,
     /// Indicators of each probe.
     pub indicators: Vec<IndicatorValue>,
     /// Further columns of the table of machines.
@@ -168,7 +169,7 @@ impl Row {
         Key { machine: self.machine.clone(), recording: self.recording.clone() }
     }
 
-    /// Returns the indicator with the largest value over its limit, a crossed one first; none without limits.
+    /// Returns the indicator with the largest value over its limit, a crossed one first; `None` without limits.
     #[must_use]
     pub fn worst_indicator(&self) -> Option<&IndicatorValue> {
         let limited = self.indicators.iter().filter(|one| one.limit.is_some());
@@ -179,20 +180,20 @@ impl Row {
     }
 }
 
-impl Diagnosis {
+impl DiagnosisRow {
     /// Returns the name of the fault with its form, such as `outer-race spall`.
     #[must_use]
     pub fn name(&self) -> String {
         let fault = match self.fault {
-            FindingKind::OuterRace => "outer-race",
-            FindingKind::InnerRace => "inner-race",
-            FindingKind::Element => "element",
-            FindingKind::Cage => "cage",
-            FindingKind::Unbalance => "unbalance",
-            FindingKind::Misalignment => "misalignment",
-            FindingKind::Clearance => "clearance",
-            FindingKind::Load => "load",
-            FindingKind::Other => "other",
+            FaultKind::OuterRace => "outer-race",
+            FaultKind::InnerRace => "inner-race",
+            FaultKind::Element => "element",
+            FaultKind::Cage => "cage",
+            FaultKind::Unbalance => "unbalance",
+            FaultKind::Misalignment => "misalignment",
+            FaultKind::Clearance => "clearance",
+            FaultKind::Load => "load",
+            FaultKind::Other => "other",
         };
         match self.form {
             Some(FaultForm::Spall) => format!("{fault} spall"),
@@ -203,6 +204,7 @@ impl Diagnosis {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 pub(super) mod tests {
     use super::*;
 
@@ -232,8 +234,8 @@ pub(super) mod tests {
     }
 
     pub fn with_diagnosis(machine: &str, level_db: f64) -> Row {
-        let diagnosis = Diagnosis {
-            fault: FindingKind::OuterRace,
+        let diagnosis = DiagnosisRow {
+            fault: FaultKind::OuterRace,
             form: Some(FaultForm::Spall),
             bearing: Some("DE".to_owned()),
             size: Some(level_db / 10.0),
@@ -244,6 +246,12 @@ pub(super) mod tests {
             confidence: 1.0,
             sentence: "Damage of the outer race of DE.".to_owned(),
         };
-        Row { diagnoses: vec![diagnosis], ..row(machine, State::Finding) }
+        Row { diagnoses: vec![diagnosis], ..row(machine, State::Fault) }
+    }
+
+    #[test]
+    fn rows_of_a_former_version_are_read() {
+        let stored = serde_json::to_string(&row("fan", State::Fault)).unwrap().replace("\"fault\"", "\"finding\"");
+        assert_eq!(serde_json::from_str::<Row>(&stored).unwrap().state, State::Fault);
     }
 }

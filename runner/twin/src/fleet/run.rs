@@ -18,13 +18,13 @@ pub struct Settings {
     pub force_error: Option<f64>,
 }
 
-/// Evaluates `machines`, `settings.jobs` in parallel, and adds their rows to the store as they come.
+/// Evaluates `machines`, `settings.jobs` in parallel, and adds each row to the store when it is complete.
 ///
 /// `finish` is called in the thread of each evaluation before its row is stored, for example to write a report; its panic becomes the
 /// error of the row. `progress` is called after each stored row.
 ///
 /// # Errors
-/// The first error of `finish` or of the store; earlier rows stay in the store.
+/// Returns the first error of `finish`, of the store or of the start of a thread; earlier rows stay in the store.
 pub fn run(
     machines: &[&Machine],
     store: &mut Store,
@@ -56,7 +56,7 @@ pub fn run(
             let thread = std::thread::Builder::new().name("fleet".to_owned()).spawn_scoped(scope, || work(sender));
             thread.map_err(Error::from).inspect_err(|_| stop())?;
         }
-        // The receiver ends with the last thread.
+        // The channel closes when the last thread drops its sender.
         drop(sender);
         loop {
             let left = store.flush_if_due().map_err(Error::from).inspect_err(|_| stop())?;

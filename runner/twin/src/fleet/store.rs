@@ -15,10 +15,10 @@ const MAX_ROWS: usize = 64;
 /// Time after which the rows that are not on disk are written as a part.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 
-/// Locks the folder of the results of a fleet, which is created where it does not exist.
+/// Locks the folder of the results of a fleet, which is created if it does not exist.
 ///
 /// # Errors
-/// A folder that cannot be written, or that another process has locked.
+/// Returns an error if the folder cannot be written or another process has locked it.
 pub fn lock(folder: &Path) -> Result<FolderLock, FleetError> {
     Ok(FolderLock::acquire(folder, ".fleet.lock")?)
 }
@@ -32,15 +32,15 @@ pub struct Store {
     parts: BTreeMap<u64, PathBuf>,
     rows: HashMap<Key, Row>,
     waiting: Vec<Key>,
-    /// Time at which the first of them was added.
+    /// Time at which the first waiting row was added.
     since: Option<Instant>,
 }
 
 impl Store {
-    /// Opens the store of a folder, which is created where it does not exist, and reads its rows.
+    /// Opens the store of a folder, which is created if it does not exist, and reads its rows.
     ///
     /// # Errors
-    /// A folder that cannot be written, a part that cannot be read.
+    /// Returns an error if the folder cannot be read or written, or if a part cannot be read.
     pub fn open(folder: &Path) -> Result<Self, FleetError> {
         let failed = |source| FleetError::Write { file: folder.to_owned(), source };
         std::fs::create_dir_all(folder).map_err(failed)?;
@@ -48,7 +48,7 @@ impl Store {
         for entry in std::fs::read_dir(folder).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
             if path.extension() == Some(OsStr::new("new")) {
-                // Rest of a process that was killed.
+                // A process that was killed left an incomplete part.
                 std::fs::remove_file(&path).map_err(failed)?;
             } else if let Some(number) = number(&path) {
                 parts.insert(number, path);
@@ -67,10 +67,10 @@ impl Store {
         self.rows.get(key)
     }
 
-    /// Adds a row; writes a part where enough rows wait.
+    /// Adds a row; writes a part if enough rows wait.
     ///
     /// # Errors
-    /// A part that cannot be written.
+    /// Returns an error if a part cannot be written.
     pub fn add(&mut self, row: Row) -> Result<(), FleetError> {
         self.waiting.push(row.key());
         self.rows.insert(row.key(), row);
@@ -78,10 +78,11 @@ impl Store {
         if self.waiting.len() >= MAX_ROWS { self.flush() } else { self.flush_if_due().map(drop) }
     }
 
-    /// Writes the waiting rows as a part where the first of them was added two seconds ago; returns the time until then.
+    /// Writes the waiting rows as a part if the first of them was added at least two seconds ago; returns the time until the next
+    /// check is due.
     ///
     /// # Errors
-    /// A part that cannot be written.
+    /// Returns an error if a part cannot be written.
     pub fn flush_if_due(&mut self) -> Result<Duration, FleetError> {
         let left = self.since.map_or(LONGEST_WAIT, |since| LONGEST_WAIT.saturating_sub(since.elapsed()));
         if !left.is_zero() {
@@ -94,7 +95,7 @@ impl Store {
     /// Writes the waiting rows as a part.
     ///
     /// # Errors
-    /// A part that cannot be written.
+    /// Returns an error if the part cannot be written.
     pub fn flush(&mut self) -> Result<(), FleetError> {
         self.since = None;
         let keys = std::mem::take(&mut self.waiting);
@@ -108,11 +109,12 @@ impl Store {
         Ok(())
     }
 
-    /// Replaces all parts by one: the rows of `order` in this order, then all others. A process that is killed meanwhile leaves parts with
-    /// equal rows, of which [`Store::open`] takes one.
+    /// Replaces all parts by one: the rows of `order` in this order, then all others.
+    ///
+    /// A process that is killed meanwhile leaves parts with equal rows; [`Store::open`] keeps one of each.
     ///
     /// # Errors
-    /// A part that cannot be written or removed.
+    /// Returns an error if a part cannot be written or removed.
     pub fn compact(&mut self, order: &[Key]) -> Result<(), FleetError> {
         self.flush()?;
         if self.rows.is_empty() {
@@ -143,7 +145,7 @@ fn write<'a>(path: &Path, rows: impl IntoIterator<Item = &'a Row>) -> Result<(),
     Ok(())
 }
 
-/// Number of a part; none of another file.
+/// Returns the number of a part; `None` for another file.
 fn number(path: &Path) -> Option<u64> {
     path.file_name()?.to_str()?.strip_prefix("part-")?.strip_suffix(".parquet")?.parse().ok()
 }

@@ -22,7 +22,7 @@ const LARGEST_FILE: u64 = 256 << 20;
 pub struct Cells {
     /// The row.
     pub position: TablePosition,
-    /// One cell a column.
+    /// One cell per column.
     pub cells: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ pub struct Cells {
 /// scene is a path, or, with a line break, the text of a scene. Relative paths start from the folder of the table.
 ///
 /// # Errors
-/// A file that cannot be read, and the first error in the table.
+/// Returns an error if the file cannot be read, or the first error in the table.
 pub fn read_table(file: &Path) -> Result<Vec<Machine>, FleetError> {
     let failed = |source| FleetError::Read { file: file.to_owned(), source };
     let bytes = read_bytes(file, LARGEST_FILE).map_err(failed)?;
@@ -40,11 +40,12 @@ pub fn read_table(file: &Path) -> Result<Vec<Machine>, FleetError> {
     machines(file, header, &columns, rows)
 }
 
-/// Returns the machines of a table. `file` stands in messages, and relative paths start from its folder; `header` is the position of
-/// the names of the columns.
+/// Returns the machines of a table.
+///
+/// Error messages contain `file`, and relative paths start from its folder; `header` is the position of the names of the columns.
 ///
 /// # Errors
-/// The first error in the table.
+/// Returns the first error in the table.
 pub fn machines(
     file: &Path,
     header: TablePosition,
@@ -149,7 +150,7 @@ fn parquet(file: &Path) -> Result<Text, FleetError> {
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Names of the columns and the rows of a Parquet file.
+/// Returns the names of the columns and the rows of a Parquet file.
 fn rows_of(file: &Path) -> Result<(Vec<String>, Vec<Vec<String>>), Failure> {
     let reader = SerializedFileReader::new(File::open(file)?)?;
     let schema = reader.metadata().file_metadata().schema_descr();

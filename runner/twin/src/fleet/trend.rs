@@ -50,7 +50,7 @@ pub struct Crossing {
     pub time: Time,
     /// Lower end of the interval, not before the last snapshot.
     pub earliest: Time,
-    /// Upper end of the interval; none beyond the year 9999.
+    /// Upper end of the interval; `None` beyond the year 9999.
     pub latest: Option<Time>,
 }
 
@@ -73,7 +73,7 @@ pub struct Trend {
     pub slope_high: f64,
     /// Time of the first snapshot beyond the limit.
     pub crossed_on: Option<Time>,
-    /// Time at which the line reaches a limit that no snapshot has crossed; none where the slope is not significantly above 0.
+    /// Time at which the line reaches a limit that no snapshot has crossed; `None` if the slope is not significantly above 0.
     pub crosses_on: Option<Crossing>,
 }
 
@@ -102,7 +102,7 @@ struct Series {
 ///
 /// A crossing is extrapolated only where the slope is above 0 at a significance of 5 % (one-sided, Student's t with `n - 2` degrees of
 /// freedom): otherwise the data agree with a quantity that never reaches the limit, and the interval of the crossing has no
-/// upper end. The interval is Fieller's. Rows without a time are left out.
+/// upper end. The interval is Fieller's. Rows without a time are ignored.
 #[must_use]
 pub fn trends<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<Trend> {
     let mut all: BTreeMap<(&str, Quantity), Series> = BTreeMap::new();
@@ -119,7 +119,7 @@ pub fn trends<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Vec<Trend> {
     all.into_iter().filter_map(|((machine, quantity), series)| trend(machine, quantity, series)).collect()
 }
 
-/// Quantities of a row with value, limit and whether the limit is crossed.
+/// Returns the quantities of a row with value, limit and whether the limit is crossed.
 fn quantities(row: &Row) -> impl Iterator<Item = (Quantity, f64, Option<f64>, bool)> {
     let indicators = row.indicators.iter().map(|one| {
         let (kind, name, unit) = ("indicator".to_owned(), one.name.clone(), one.unit.clone());

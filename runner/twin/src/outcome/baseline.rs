@@ -1,6 +1,6 @@
 //! Baseline: the residual of a machine in good order, written by `--learn` and compared with by `--baseline`.
 
-use super::{Calibration, FaultForm, Finding, FindingKind};
+use super::{Calibration, Diagnosis, FaultForm, FaultKind};
 use crate::scene::bounded::read_text;
 use crate::scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};
@@ -74,7 +74,7 @@ pub struct Baseline {
 #[serde(deny_unknown_fields)]
 pub struct KnownFault {
     /// Kind.
-    pub kind: FindingKind,
+    pub kind: FaultKind,
     /// Bearing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
@@ -142,22 +142,22 @@ impl Baseline {
     }
 
     /// Stores the faults of the machine.
-    pub fn set_faults(&mut self, findings: &[Finding]) {
-        let known = |finding: &Finding| {
-            let (bearing, form) = (finding.bearing.clone(), finding.parameters.form);
-            Some(KnownFault { kind: finding.kind, bearing, form, size: finding.parameters.size()? })
+    pub fn set_faults(&mut self, diagnoses: &[Diagnosis]) {
+        let known = |diagnosis: &Diagnosis| {
+            let (bearing, form) = (diagnosis.bearing.clone(), diagnosis.parameters.form);
+            Some(KnownFault { kind: diagnosis.kind, bearing, form, size: diagnosis.parameters.size()? })
         };
-        self.faults = findings.iter().filter_map(known).collect();
+        self.faults = diagnoses.iter().filter_map(known).collect();
     }
 
     /// Returns true for a fault that the machine had when the baseline was learned, and that has not grown.
     #[must_use]
-    pub fn contains_fault(&self, finding: &Finding) -> bool {
+    pub fn contains_fault(&self, diagnosis: &Diagnosis) -> bool {
         let same = |known: &KnownFault| {
-            let is_larger = finding.parameters.size().is_none_or(|size| size > GROWTH * known.size);
-            known.kind == finding.kind
-                && known.bearing == finding.bearing
-                && known.form == finding.parameters.form
+            let is_larger = diagnosis.parameters.size().is_none_or(|size| size > GROWTH * known.size);
+            known.kind == diagnosis.kind
+                && known.bearing == diagnosis.bearing
+                && known.form == diagnosis.parameters.form
                 && !is_larger
         };
         self.faults.iter().any(same)

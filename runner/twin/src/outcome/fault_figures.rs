@@ -1,6 +1,8 @@
-//! Data of the figures of one finding.
+//! Data of the figures of one diagnosis.
 
-/// Data of the figures of one finding. A figure without data is not drawn.
+use serde::{Deserialize, Serialize};
+
+/// Data of the figures of one diagnosis. A figure without data is not drawn.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FaultFigures {
     /// Force at the bearing by its direction; none where no component of a bearing is damaged at one place.
@@ -12,7 +14,9 @@ pub struct FaultFigures {
 }
 
 /// Frame of reference in which a force is described.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum ReferenceFrame {
     /// Fixed, as the outer ring: angles from +X.
     #[default]
@@ -56,7 +60,7 @@ pub struct ForceSpectrum {
     pub unexplained: Vec<(f64, f64)>,
     /// The same of the force that the fault adds.
     pub explained: Vec<(f64, f64)>,
-    /// Orders of the lines that the finding explains, strongest first.
+    /// Orders of the lines that the diagnosis explains, strongest first.
     pub lines: Vec<f64>,
 }
 

@@ -4,8 +4,8 @@
 
 pub mod baseline;
 mod calibration;
+mod diagnosis;
 mod fault_figures;
-mod finding;
 mod implausibility;
 mod pictures;
 mod rotor;
@@ -14,8 +14,11 @@ mod snapshots;
 mod timing;
 
 pub use calibration::{CalibratedParameter, Calibration, ParameterName};
+pub use diagnosis::{
+    Diagnosis, Estimate, EvidenceSource, FaultForm, FaultKind, FaultParameters, Precession, UnexplainedLine,
+    VibrationLine,
+};
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
-pub use finding::{Estimate, EvidenceSource, FaultForm, FaultParameters, Finding, FindingKind, VibrationLine};
 pub use implausibility::Implausibility;
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit,
@@ -64,8 +67,9 @@ pub struct Outcome {
     pub implausible: Vec<Implausibility>,
     /// Reasons why there is no verdict, such as quantities that are not measured.
     pub not_judged: Vec<String>,
-    /// Findings on the machine, strongest first; empty where there is none.
-    pub findings: Vec<Finding>,
+    /// Diagnosed faults, strongest first; empty where there is none.
+    #[serde(rename = "findings")]
+    pub diagnoses: Vec<Diagnosis>,
     /// Figures of the diagnosis; none where the recording was not diagnosed.
     pub diagnosis: Option<DiagnosisOutcome>,
     /// Snapshots in the order of their files; empty without `sequence = "snapshots"`.
@@ -106,7 +110,7 @@ impl Outcome {
         for station_mm in probes.chain(planes).chain(bearings).chain(orbits) {
             *station_mm += origin_mm;
         }
-        self.findings = self.findings.into_iter().map(|finding| finding.with_station_as_drawn(scene)).collect();
+        self.diagnoses = self.diagnoses.into_iter().map(|diagnosis| diagnosis.with_station_as_drawn(scene)).collect();
         self
     }
 }

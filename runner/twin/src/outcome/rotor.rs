@@ -32,7 +32,7 @@ pub struct RotorOutcome {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use crate::outcome::rotor_drawing::tests::SCENE;
-    use crate::outcome::{BearingOutcome, Estimate, FaultParameters, Finding, FindingKind, Outcome, ProbeOutcome};
+    use crate::outcome::{BearingOutcome, Diagnosis, Estimate, FaultKind, FaultParameters, Outcome, ProbeOutcome};
     use crate::scene::read::read_str;
     use std::path::Path;
 
@@ -40,8 +40,8 @@ mod tests {
     fn an_outcome_has_the_stations_of_the_scene() {
         let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
         let estimate = |value: f64| Estimate { value, low: value - 1.0, high: value + 1.0 };
-        let unbalance = Finding {
-            kind: FindingKind::Unbalance,
+        let unbalance = Diagnosis {
+            kind: FaultKind::Unbalance,
             bearing: None,
             line_hz: 0.0,
             order: 1.0,
@@ -57,12 +57,12 @@ mod tests {
         let outcome = Outcome {
             probes: vec![probe(Some(45.0)), probe(None)],
             bearings: vec![BearingOutcome { station_mm: -10.0, ..BearingOutcome::default() }],
-            findings: vec![unbalance],
+            diagnoses: vec![unbalance],
             ..Outcome::default()
         }
         .with_stations_as_drawn(&scene);
         let expected = scene.rotor.unwrap().centre_of_mass * 1e3 - 10.0;
-        let found = outcome.findings[0].parameters.station_mm.unwrap();
+        let found = outcome.diagnoses[0].parameters.station_mm.unwrap();
         for station in [outcome.probes[0].station_mm, outcome.bearings[0].station_mm, found.value, found.low + 1.0] {
             assert!((station - expected).abs() < 1e-9, "{station} {expected}");
         }

@@ -1,6 +1,6 @@
 //! Snapshots of vibration and their trends.
 
-use super::FindingKind;
+use super::FaultKind;
 use serde::Serialize;
 
 /// One snapshot: a short recording of its own.
@@ -46,7 +46,7 @@ pub struct LineLevel {
     /// Name of the bearing.
     pub bearing: String,
     /// Component.
-    pub component: FindingKind,
+    pub component: FaultKind,
     /// Mean level of the line and its first two multiples above their surroundings, in the band where that is the greatest.
     pub level_db: f64,
 }
@@ -64,7 +64,7 @@ pub struct SnapshotTrend {
     pub bearing: Option<String>,
     /// Component of a line.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub component: Option<FindingKind>,
+    pub component: Option<FaultKind>,
     /// Median of the last tenth over that of the first tenth, dB.
     pub growth_db: f64,
     /// Number of the snapshot from which the values stay above those of the first tenth, where chance does not explain it.

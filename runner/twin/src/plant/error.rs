@@ -180,14 +180,14 @@ pub enum PlantError {
 }
 
 impl PlantError {
-    /// Whether command line or scene are wrong, whatever the command does with the plant.
+    /// Returns true where the command line or the scene is wrong, in every command.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
         matches!(self, Self::Substeps { .. })
     }
 }
 
-/// Names the part of the scene in an error of the kernel.
+/// Returns a function that adds the part of the scene to an error of the kernel.
 pub(super) fn rejected(part: &str) -> impl FnOnce(InvalidParameter) -> PlantError {
     move |source| PlantError::Parameter { part: part.to_owned(), source }
 }

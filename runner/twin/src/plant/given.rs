@@ -8,7 +8,7 @@ use ballrace::rotor::SystemMatrices;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
 
-/// Reading of a probe per unit of a coordinate, below which it is the rounding of an angle.
+/// Smallest reading of a probe per unit of a coordinate; smaller values are rounding errors of the probe's angle.
 const MIN_READING: f64 = 1e-9;
 
 /// The matrices of a scene's `[system]`, and how its bearings are attached.
@@ -20,7 +20,7 @@ pub struct Given {
     stiffness: DMatrix<f64>,
     load: Vec<f64>,
     system: System,
-    /// Five extended vectors of each bearing.
+    /// Displacement of each bearing, inner ring against outer ring, per unit of each coordinate.
     pub extended: Vec<[Vec<f64>; 5]>,
 }
 
@@ -111,13 +111,13 @@ impl Given {
         planes
     }
 
-    /// Number of coordinates.
+    /// Returns the number of coordinates.
     #[must_use]
     pub fn order(&self) -> usize {
         self.mass.nrows()
     }
 
-    /// Its matrices, load and unbalance.
+    /// Returns the matrices, the load and the unbalance of the system.
     #[must_use]
     pub fn scales(&self) -> Scales {
         let mut unbalance = vec![[0.0; 2]; self.order()];

@@ -39,10 +39,10 @@ pub trait SystemTask<R> {
 pub type RigidSystem<const N: usize> =
     RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
-/// Selection of the bearing of a mounted bearing: cold or moving.
+/// Function that returns the kernel's bearing of a mounted bearing: [`MountedBearing::cold`] or [`MountedBearing::moving`].
 pub type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
-/// An unused position of the system: no force.
+/// A bearing without force, for an unused position of the system.
 struct Nothing;
 
 impl Bearing<f64> for Nothing {
@@ -113,8 +113,8 @@ impl<const D: usize> ReactingElement<D> for MountedElement<D> {
 }
 
 impl Plant {
-    /// Runs `task` with a system that has at least the scene's coordinates and bearings. Idle ones change nothing; each pair
-    /// of counts is compiled separately.
+    /// Runs `task` with a system that has at least the scene's coordinates and bearings. Unused ones have no effect; each
+    /// pair of counts is compiled separately.
     pub(super) fn with_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
         match self.layout.order {
             small if small <= MAX_OBSERVED => self.with_observed_machine(hold, task),
@@ -126,7 +126,7 @@ impl Plant {
 
     /// Runs `task` as [`Plant::with_machine`], with at most [`MAX_OBSERVED`] coordinates.
     pub(super) fn with_observed_machine<R>(&self, hold: Hold, task: impl SystemTask<R>) -> Result<R> {
-        // Each arm is a function of its own: together their local variables would fill one stack frame with those of all.
+        // Each arm calls a function that is not inlined: one stack frame with the local variables of all arms is too large.
         match (self.layout.order, self.bearings.len()) {
             (_, 1) if self.layout.is_rigid() => self.rigid::<R, 1>(hold, task),
             (_, 2) if self.layout.is_rigid() => self.rigid::<R, 2>(hold, task),

@@ -79,7 +79,7 @@ pub enum MatrixProblem {
     Shape(#[from] std::num::TryFromIntError),
 }
 
-/// Reads a matrix of real numbers; of a MATLAB file the first of these variables that it has.
+/// Reads a matrix of real numbers; from a MATLAB file, the first of `variables` that it contains.
 ///
 /// # Errors
 /// A file that cannot be read, is of another format, or holds something else than a matrix of finite numbers.
@@ -119,7 +119,7 @@ fn market(text: &str) -> Result<DMatrix<f64>, MatrixProblem> {
     let ["%%matrixmarket", "matrix", format, "real" | "integer", symmetry] = words.as_slice() else {
         return Err(MatrixProblem::Market("another header"));
     };
-    // The value of the opposite element over that of the given one.
+    // Ratio of the element (j, i) to the stored element (i, j).
     let opposite = match *symmetry {
         "general" => None,
         "symmetric" => Some(1.0),

@@ -42,11 +42,11 @@ pub const MAX_SUBSTEPS: u32 = 10_000;
 const MM: f64 = 1e3;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
-/// Frequency that holds a coordinate without stiffness, over the highest natural frequency.
+/// Frequency of the artificial spring on a coordinate without stiffness, over the highest natural frequency.
 const UNHELD: f64 = 1e-6;
-/// Singular value over the largest below which rows are the same.
+/// Singular value, over the largest matrix element, below which rows are linearly dependent.
 const SAME_ROW: f64 = 1e-10;
-/// Number of equilibria over one ball pitch whose mean is a linearised bearing.
+/// Number of equilibria over one ball pitch whose mean determines a linearised bearing.
 const PITCH_SAMPLES: u32 = 16;
 
 /// Rotor and bearings of a scene, with their static equilibrium.
@@ -128,7 +128,7 @@ impl Plant {
             plant = plant.linearised(&linearised)?;
         }
         plant.damping = &plant.stiffness * plant.proportional_damping;
-        // A bearing's tangent may be a little off symmetry at speed; damping is not.
+        // The tangent stiffness of a bearing may be slightly unsymmetric at speed; the damping matrix is symmetric.
         plant.damping = 0.5 * (&plant.damping + plant.damping.transpose());
         plant.warn(scene)?;
         Ok(plant)
@@ -231,7 +231,7 @@ impl Plant {
         self.with_machine(MountedBearing::cold, RestTask { start, at })
     }
 
-    /// Returns the plant with the shaft of a flexible rotor taken as rigid, with its damping proportional to the mass; none of another rotor.
+    /// Returns the plant with a flexible rotor as a rigid one, with its damping proportional to the mass; `None` for another rotor.
     ///
     /// # Errors
     /// As [`Plant::try_new`].
@@ -298,7 +298,7 @@ impl Plant {
         if self.layout.is_given() { self.displacement(0, coordinates) } else { first_five(coordinates) }
     }
 
-    /// Returns mass and inertia of a flexible rotor, and the error of its reduced model; none of another rotor.
+    /// Returns mass and inertia of a flexible rotor, and the error of its reduced model; `None` for another rotor.
     #[must_use]
     pub fn rotor_outcome(&self, scene: &Scene) -> Option<RotorOutcome> {
         let (rotor, reduction) = (scene.rotor.as_ref()?, self.reduction?);
@@ -330,7 +330,7 @@ impl Plant {
     pub fn deflections(&self, rows: &[Vec<f64>]) -> Result<DMatrix<f64>> {
         let n = self.layout.order;
         let symmetric = 0.5 * (&self.stiffness + self.stiffness.transpose());
-        // A spring of 1e-6 of the highest frequency holds what nothing else does.
+        // A weak spring holds the coordinates that have no stiffness.
         let held = symmetric + self.scales()?.mass * (UNHELD * self.highest_frequency).powi(2);
         let compliance = held.try_inverse().ok_or(PlantError::SingularStiffness)?;
         let rows = DMatrix::from_fn(rows.len(), n, |p, i| rows[p].get(i).copied().unwrap_or(0.0));
@@ -363,7 +363,7 @@ impl Plant {
 
     fn find_highest_frequency(&self) -> Result<f64> {
         let square = if self.layout.is_given() || self.layout.flexible().is_some() {
-            // The trace of many coordinates is a poor bound: the largest eigenvalue with a margin.
+            // The trace is a poor bound for many coordinates; the largest eigenvalue needs a margin only.
             1.5 * largest_real(&self.frequency_squares()?)
         } else {
             let mass = self.scales()?.mass;
@@ -397,7 +397,7 @@ impl Plant {
     /// Returns the default step of the integrator, s.
     #[must_use]
     fn own_step(&self) -> f64 {
-        // The trace overestimates the highest frequency, which leaves room for contact that stiffens under load.
+        // The trace overestimates the highest frequency, which is a margin for contacts that stiffen under load.
         self.integration.method.largest_phase() / self.highest_frequency().max(1e-9)
     }
 
@@ -464,8 +464,8 @@ fn largest_real(all: &[Complex<f64>]) -> f64 {
 }
 
 impl Method {
-    /// Returns the product of step and highest natural frequency: Runge-Kutta's relative frequency error there is its 4th power over
-    /// 120, 5e-4, Newmark's and Verlet's its square over 12 and 24, 3e-3 and 2e-3, and far less where the rotor moves.
+    /// Returns the product `x` of step and highest natural frequency. The relative frequency error at `x` is `x^4 / 120` = 5e-4 for
+    /// Runge-Kutta, `x^2 / 12` = 3e-3 for Newmark and `x^2 / 24` = 2e-3 for Verlet; it is far smaller at the rotor's low frequencies.
     const fn largest_phase(self) -> f64 {
         match self {
             Self::RungeKutta => 0.5,

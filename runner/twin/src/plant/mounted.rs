@@ -24,13 +24,13 @@ pub struct MountedBearing {
     pub kinematics: Kinematics,
     /// Displacement by preload.
     pub offset: Displacement<f64>,
-    /// The scene's model; of moving balls the lumped one that they become without mass.
+    /// The scene's model; for moving balls the lumped model, which is their limit without mass.
     pub bearing: AnyBearing<f64>,
     /// Description of the model.
     pub description: String,
     /// Balls that are coordinates of the system.
     pub balls: Option<Balls>,
-    /// The quasi-static model cold and with the few steps of a warm start.
+    /// The quasi-static model for a cold start, and with the few solver steps of a warm start.
     solved: Option<ColdAndFew>,
 }
 
@@ -41,7 +41,7 @@ impl MountedBearing {
     /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
     pub fn new(scene: &Scene, bearing: &BearingScene) -> Result<Self> {
         let model = match (bearing.model, &bearing.linear) {
-            // Made from the other model first, replaced once the rotor's rest is known.
+            // The source model is replaced by its tangent once the rotor's equilibrium is known.
             (Model::Linear, Some(Linear::Of(source))) => *source,
             (model, _) => model,
         };
@@ -103,7 +103,7 @@ fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
     Ok(ColdAndFew { cold, few: build::solved_in(bearing, WARM_STEPS)? })
 }
 
-/// The bearing with its preload: displaced as given, or until it reacts with the force given.
+/// Returns the bearing with its preload, and the offset: the given displacement, or the one at which it reacts with the given force.
 fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing(scene, bearing, model)?;
     match build::preload_offset(scene, bearing, &plain)? {

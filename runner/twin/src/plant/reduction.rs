@@ -1,4 +1,4 @@
-//! Number of elastic coordinates of a flexible rotor: as many as the scene requires, with the error that is left.
+//! Number of elastic coordinates of a flexible rotor: the fewest with an allowed error.
 
 use super::error::Result;
 use super::system::{Body, Rows, add_loads};
@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Elastic coordinates in each plane, at most.
+/// Largest number of elastic coordinates in each plane.
 const MAX_ELASTIC: usize = 5;
 /// Largest relative errors of frequencies, static deflection and response.
 const ALLOWED: [f64; 3] = [5e-3, 1e-2, 1e-2];
@@ -28,7 +28,7 @@ pub struct ReductionError {
     pub frequency: f64,
     /// Largest error of the static displacement of bearings and probes over the largest displacement.
     pub deflection: f64,
-    /// The same of the response to the unbalance at the nominal speed.
+    /// Largest error of the response to the unbalance at the nominal speed, over the largest response.
     pub response: f64,
 }
 
@@ -79,7 +79,7 @@ fn highest_line(scene: &Scene, mounted: &[MountedBearing]) -> f64 {
 }
 
 impl Plant {
-    /// Returns the coordinates with `elastic` of them in each plane of a flexible rotor; those of another rotor as they are.
+    /// Returns the layout with `elastic` elastic coordinates in each plane of a flexible rotor; for another rotor the unchanged layout.
     ///
     /// # Errors
     /// A rotor that cannot be reduced.

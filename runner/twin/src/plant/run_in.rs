@@ -11,7 +11,7 @@ pub struct RunIn {
     twin: Box<dyn Twin>,
     /// Shaft motion at the end.
     drive: ShaftMotion<f64>,
-    /// s
+    /// Sample period, s.
     sample_period: f64,
     /// Number of all samples.
     samples: f64,
@@ -20,7 +20,7 @@ pub struct RunIn {
 }
 
 impl RunIn {
-    /// Starts a twin at rest, [`Plant::settling_time`] before the shaft is at `revolutions` and moves as `drive` states.
+    /// Starts a twin at rest, [`Plant::settling_time`] before the shaft is at `revolutions`, at the speed of `drive`.
     ///
     /// # Errors
     /// A parameter that the kernel rejects.

@@ -90,7 +90,7 @@ impl Layout {
         self.order == RIGID && matches!(*self.body, Body::Rigid)
     }
 
-    /// Returns true for a system that the scene gives by its matrices: no coordinate has a meaning that is known.
+    /// Returns true for a system that the scene gives by its matrices; the meaning of its coordinates is unknown.
     #[must_use]
     pub fn is_given(&self) -> bool {
         self.given().is_some()
@@ -114,7 +114,7 @@ impl Layout {
         }
     }
 
-    /// Number of coordinates of the rotor, without those of supports and balls.
+    /// Returns the number of coordinates of the rotor, without those of supports and balls.
     #[must_use]
     pub const fn rotor_order(&self) -> usize {
         self.rotor_order
@@ -343,7 +343,7 @@ pub struct Scales {
 /// Rejects a scene with a system instead of a rotor.
 ///
 /// # Errors
-/// Such a scene.
+/// [`PlantError::NoRotorButSystem`] for a scene with a system.
 pub fn only_rotor(scene: &Scene, command: &str) -> Result<()> {
     if scene.system.is_some() {
         return Err(PlantError::NoRotorButSystem { file: scene.path.clone(), command: command.to_owned() });
@@ -354,7 +354,7 @@ pub fn only_rotor(scene: &Scene, command: &str) -> Result<()> {
 /// Rejects a scene whose motion cannot be compared with a recording: one with moving balls.
 ///
 /// # Errors
-/// Such a scene.
+/// [`PlantError::MovingBalls`] for a scene with a bearing of moving balls.
 pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
     match scene.bearings.iter().find(|b| b.model == crate::scene::Model::Dynamic) {
         Some(b) => Err(PlantError::MovingBalls {
@@ -394,7 +394,7 @@ fn stations(unbalances: &[Unbalance]) -> usize {
 /// Distance within which unbalances are in one plane, m.
 const SAME_PLANE: f64 = 1e-6;
 
-/// Returns two planes for the unbalance of an elastic rotor: those of the scene's two largest ones, else of disks, else within the bearings.
+/// Returns two planes for the unbalance of an elastic rotor: those of its largest unbalances, else of disks, else between the bearings.
 #[must_use]
 pub fn unbalance_planes(rotor: &Rotor, bearings: [f64; 2]) -> [f64; 2] {
     let mut unbalances: Vec<&Unbalance> = rotor.unbalance.iter().collect();

@@ -22,7 +22,7 @@ pub trait Twin {
     fn wrench(&self, i: usize, at: &BearingKinematicState<f64>) -> Wrench<f64>;
     /// Sets the first coordinates and rates.
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
-    /// Turns the cage of bearing `i`.
+    /// Turns the cage of bearing `i` by an angle.
     fn turn_cage(&mut self, i: usize, by: Phase);
 }
 
@@ -41,7 +41,7 @@ pub fn first_five(coordinates: &[f64]) -> Displacement<f64> {
 pub struct Step {
     /// Integration method.
     pub method: Method,
-    /// s
+    /// Length of the step, s.
     pub length: f64,
 }
 

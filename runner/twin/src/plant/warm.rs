@@ -18,8 +18,8 @@ pub struct ColdAndFew {
     pub few: Arc<dyn Solved<f64>>,
 }
 
-/// Starts each solution from the last one: for one twin with consecutive samples. Its result differs from that of a cold
-/// start by less than the residual of a converged ball; it starts cold where the last sample does not lead to equilibrium.
+/// A bearing that starts each solution from the last one, for the consecutive samples of one twin. Its result differs from that
+/// of a cold start by less than the residual of a converged ball. It makes a cold start where the warm start does not converge.
 pub struct Warm {
     solved: ColdAndFew,
     offset: Displacement<f64>,
@@ -27,7 +27,7 @@ pub struct Warm {
 }
 
 impl Warm {
-    /// `offset` is the displacement by preload.
+    /// Creates the bearing of one twin; `offset` is the displacement by preload.
     pub fn new(solved: ColdAndFew, offset: Displacement<f64>) -> Self {
         Self { solved, offset, balls: Mutex::default() }
     }
@@ -44,7 +44,7 @@ impl Warm {
     }
 }
 
-/// Room for as many balls as a scene may have.
+/// Largest number of balls of a bearing in a scene.
 const BALLS: usize = 64;
 
 impl Bearing<f64> for Warm {

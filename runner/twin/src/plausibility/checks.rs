@@ -21,7 +21,8 @@ const TOO_SMALL: f64 = 1e-4;
 const PROBE_RATIO: f64 = 50.0;
 /// Ratio of backward and forward 1X from which an orbit counts as backward.
 const BACKWARD: f64 = 3.0;
-/// Amplitude of 1X over its standard deviation by noise from which its direction is known: one in 1e6 by chance.
+/// Ratio of the 1X amplitude to its standard deviation by noise above which its direction is significant; noise exceeds it once in
+/// 1e6 times.
 const CLEAR: f64 = 5.0;
 /// Samples per period of the inner ball pass that a spectrum needs.
 const SAMPLES_PER_PASS: f64 = 2.56;
@@ -36,7 +37,7 @@ pub(crate) struct ReadingLimits {
     pub outside: Vec<f64>,
 }
 
-/// Figures of a recording beside its scene.
+/// Statistics of a recording, with its scene.
 struct Checked<'a> {
     scene: &'a Scene,
     recording: &'a Recording,
@@ -62,7 +63,7 @@ pub(super) fn of_readings(evidence: &Evidence) -> Vec<Implausibility> {
     all
 }
 
-/// Radial probes that all measure one direction.
+/// Returns an implausibility if all radial probes measure one direction.
 pub(super) fn directions(scene: &Scene) -> Option<Implausibility> {
     let probes = &scene.recording.as_ref()?.probes;
     let angles: Vec<f64> = probes.iter().filter_map(|probe| probe.direction.angle()).collect();
@@ -142,7 +143,7 @@ fn speed(checked: &Checked) -> Option<Implausibility> {
     })
 }
 
-/// A rate too low for the ball pass of a bearing.
+/// Returns an implausibility if the sampling rate is too low for the inner-race ball pass of a bearing.
 fn rate(checked: &Checked) -> Option<Implausibility> {
     let [_, mean, _] = checked.evidence.collected.speeds().rpm()?;
     let bearings = checked.scene.bearings.iter().filter_map(|bearing| {
@@ -159,7 +160,7 @@ fn rate(checked: &Checked) -> Option<Implausibility> {
     })
 }
 
-/// A column that only rises or only falls.
+/// Returns an implausibility if a column only rises or only falls.
 fn monotonic(checked: &Checked) -> Option<Implausibility> {
     let column = checked.evidence.collected.monotonic()?;
     let reading = checked.readings.get(column)?;
@@ -323,8 +324,8 @@ fn backward(planes: &[Plane]) -> Option<Implausibility> {
     })
 }
 
-/// A radial probe whose motion is far larger or smaller than that of the others: within a plane, and between planes where
-/// the shaft is rigid.
+/// Returns an implausibility if the motion at a radial probe is far larger or smaller than at the others: within a plane, and
+/// between planes where the rotor is rigid.
 fn unequal(checked: &Checked) -> Option<Implausibility> {
     let is_rigid = checked.scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none());
     let radial: Vec<usize> = (0..checked.readings.len()).filter(|i| checked.readings[*i].radial.is_some()).collect();
@@ -347,7 +348,7 @@ fn odd_one(mut group: Vec<ProbeMotion>) -> Option<Implausibility> {
     group.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let (small, large, middle) = (group.first()?, group.last()?, group.get(group.len() / 2)?);
     (large.rms > PROBE_RATIO * small.rms).then(|| {
-        // The one that is farther from the others.
+        // The outlier has the larger ratio to the median.
         let is_large = large.rms * small.rms > middle.rms * middle.rms;
         let (odd, other) = if is_large { (large, small) } else { (small, large) };
         Implausibility {

@@ -18,15 +18,15 @@ const LARGEST_ORDER: f64 = 24.0;
 const FLOOR_WIDTH: f64 = 1.0;
 /// Relative distance of a ball-pass line from pure rolling: cages slip by up to 2 %, and the contact angle changes with the load.
 const SLIP: RangeInclusive<f64> = 0.97..=1.01;
-/// Power over the local floor from which a line is there. Of 1e4 bins of noise, one reaches 20 by chance.
+/// Power over the local floor above which a line is present. One of 1e4 bins of noise reaches 20 by chance.
 const PRESENT: f64 = 100.0;
-/// Power over the local floor below which no line is there.
+/// Power over the local floor below which a line is absent.
 const ABSENT: f64 = 10.0;
-/// Least share of one line in the variance of the readings from which a shaft that turns must be its cause.
+/// Smallest share of one line in the variance of the readings for which a rotating shaft must be its cause.
 const DOMINANT: f64 = 0.3;
-/// Harmonics of the lines of races and balls that are taken for possible.
+/// Number of harmonics of the lines of races and balls that a bearing may have.
 const HARMONICS: i32 = 4;
-/// Distance from the shaft speed within which a line is 1X, of a speed that is not measured.
+/// Relative distance from the shaft speed within which a line is 1X, for a speed that is not measured.
 const NEAR_SPEED: f64 = 0.03;
 /// Bins of a line under the Hann window to either side.
 const LINE_WIDTH: f64 = 2.0;
@@ -180,7 +180,7 @@ fn harmonics_of_shaft() -> impl Iterator<Item = RangeInclusive<f64>> {
     (1..=2 * LARGEST_ORDER as u32).map(|n| 0.5 * f64::from(n)).map(|order| order..=order)
 }
 
-/// A line that carries the motion, and that no part of the machine turns at.
+/// Returns an implausibility if no line of the machine explains the dominant line of the spectrum.
 fn shaft_speed(evidence: &Evidence, spectrum: &OrderSpectrum, lines: &Lines) -> Option<Implausibility> {
     let [_, mean, _] = evidence.collected.speeds().rpm()?;
     let (bin, share) = spectrum.share.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -211,7 +211,7 @@ fn shaft_speed(evidence: &Evidence, spectrum: &OrderSpectrum, lines: &Lines) -> 
     })
 }
 
-/// A ball-pass line that fits another number of elements, where the one of the scene is absent.
+/// Returns an implausibility for each bearing whose ball-pass line is absent while that of another number of elements is present.
 fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec<Implausibility> {
     let wrong = lines.bearings.iter().enumerate().filter_map(|(i, bearing)| {
         let others = lines.bearings.iter().enumerate().filter(|(j, _)| *j != i).flat_map(|(_, other)| &other.lines);
@@ -229,7 +229,7 @@ fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec
         let counts = (bearing.elements / 2).max(3)..=bearing.elements + bearing.elements / 2;
         let seen: Vec<usize> =
             counts.filter(|count| *count != bearing.elements && pass(*count) > ABSENT).collect();
-        // A comb of lines at every multiple of the cage speed is no number of elements.
+        // Lines at several multiples of the cage speed do not determine a number of elements.
         let [count] = seen.as_slice() else { return None };
         let speed = scene.shaft.speed.range().1.abs() / TAU;
         (pass(*count) > PRESENT).then(|| {

@@ -1,4 +1,4 @@
-//! Figures of readings and speed over a recording.
+//! Statistics of readings and speed over a recording.
 
 use super::checks::SPEED_FACTOR;
 use crate::recording::status::SampleStatus;
@@ -26,7 +26,7 @@ pub struct ReadingSummary {
     pub mean: f64,
     /// Root of the mean square about the mean.
     pub rms: f64,
-    /// Greatest less least.
+    /// Greatest minus least reading.
     pub peak_to_peak: f64,
     /// Amplitude and phase lag (degrees) of the line at shaft speed; none without a shaft angle.
     pub one_x: Option<[f64; 2]>,
@@ -126,7 +126,7 @@ fn readings(row: &Row) -> impl Iterator<Item = &f64> {
     row.probes.iter().chain(&row.sensors).chain(&row.temperatures)
 }
 
-/// Figures of all columns and of the shaft speed.
+/// Statistics of all columns and of the shaft speed.
 pub(crate) struct Collector {
     /// Number of probes and sensors, which come first.
     signals: usize,

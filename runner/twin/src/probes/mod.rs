@@ -109,7 +109,7 @@ impl PoseSolver {
     }
 }
 
-/// Rms distance of the radial probes from their mean station, or 1 m where there is none.
+/// Returns the rms distance (m) of the radial probes from their mean station, or 1 m where there is none.
 fn length_scale(probes: &[Probe]) -> f64 {
     let stations: Vec<f64> = probes.iter().filter(|p| p.direction != Direction::Axial).map(|p| p.station).collect();
     let n = stations.len().max(1) as f64;
@@ -118,7 +118,7 @@ fn length_scale(probes: &[Probe]) -> f64 {
     if spread > 0.0 { spread } else { 1.0 }
 }
 
-/// Largest ratio of a bearing's radial position error to the probe noise behind it.
+/// Returns the largest ratio of a bearing's radial position error to the probe noise that causes it.
 fn noise_gain(inverse: &[[f64; 5]], bearings: &[f64]) -> f64 {
     bearings
         .iter()

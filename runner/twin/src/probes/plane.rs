@@ -2,12 +2,13 @@
 
 use crate::scene::{Direction, Probe};
 
-/// Two radial probes at one station, or at the same coordinates of a `[system]`, that are not parallel, with the matrix from their readings to X and Y.
+/// Two radial probes that are not parallel, at one station or at the same coordinates of a `[system]`, with the matrix from their
+/// readings to X and Y.
 #[derive(Debug, Clone)]
 pub struct Plane {
     /// Indices of the two probes.
     pub probes: [usize; 2],
-    /// Along Z, m.
+    /// Station along Z, m.
     pub station: f64,
     inverse: [[f64; 2]; 2],
 }

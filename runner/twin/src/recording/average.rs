@@ -27,8 +27,8 @@ impl Average {
         Self { size: size as u64, period: 1.0 / rate, group: None, sums: Vec::new() }
     }
 
-    /// Takes a sample in; gives the mean of the group that is whole with it or was left unfinished before it, and the memory
-    /// of a row that is no longer needed.
+    /// Adds a sample; returns the mean of the group that it completes, or of the unfinished group before it, and a row whose memory
+    /// can be used again.
     pub(super) fn take(&mut self, sample: Sample) -> (Option<Sample>, Option<Row>) {
         if self.size == 1 {
             return (Some(sample), None);
@@ -61,7 +61,7 @@ impl Average {
         (done, Some(spare.row))
     }
 
-    /// The group that was begun, if there is one.
+    /// Ends the current group, where there is one, and returns its mean; the readings are NaN where a sample is missing.
     pub(super) fn close(&mut self) -> Option<Sample> {
         let Group { number, count, mut middle } = self.group.take()?;
         let share = if count == self.size { 1.0 / self.size as f64 } else { f64::NAN };

@@ -72,7 +72,7 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
     Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene })
 }
 
-/// Rows from which the step is learned.
+/// Number of rows from which the step is determined.
 pub const LEARN: usize = 1000;
 
 /// Share of the difference between stamp and grid by which the grid is corrected at each sample. It averages the rounding of
@@ -102,10 +102,10 @@ pub enum ClockError {
     TooFew,
     /// The median step is not above 0.
     NotRising {
-        /// s
+        /// Median step, s.
         step: f64,
     },
-    /// Printed with too few decimals to distinguish samples.
+    /// The stamps have too few decimals to distinguish samples.
     Coarse {
         /// Number of stamps that repeat the previous one.
         repeated: usize,
@@ -139,7 +139,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Learns the step from the first stamps of a recording (NaN where there is none).
+    /// Determines the step from the first stamps of a recording, s (NaN where there is none).
     ///
     /// # Errors
     /// Stamps that give no step above 0.
@@ -161,19 +161,19 @@ impl Grid {
         Ok(Self { step, at: first - (lead + 1) as f64 * step, stamp: f64::NAN, next: 0 })
     }
 
-    /// Nominal step, s.
+    /// Returns the nominal step, s.
     #[must_use]
     pub const fn step(&self) -> f64 {
         self.step
     }
 
-    /// Number of the sample that comes next, when nothing is missing.
+    /// Returns the number of the next sample, if none is missing.
     #[must_use]
     pub const fn next(&self) -> u64 {
         self.next
     }
 
-    /// Time of that sample by the grid, s.
+    /// Returns the time of the next sample by the grid, s.
     #[must_use]
     pub fn next_time(&self) -> f64 {
         self.at + self.step
@@ -214,7 +214,7 @@ impl Grid {
         self.at = match missing {
             _ if stamp.is_nan() => due,
             0 => due + FOLLOW * (stamp - due),
-            // Over a gap the time stamp alone counts.
+            // The grid has no information on the clock within a gap.
             _ => stamp,
         };
         if !stamp.is_nan() {
@@ -230,7 +230,7 @@ fn median(steps: &[f64]) -> Option<f64> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Mean of the steps that are one sample long, given about how long that is.
+/// Returns the mean of the steps between 0.5 and 1.5 times `about`, those of one sample.
 fn mean_near(steps: &[f64], about: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for step in steps.iter().filter(|step| **step > 0.5 * about && **step < 1.5 * about) {
@@ -240,8 +240,8 @@ fn mean_near(steps: &[f64], about: f64) -> f64 {
     if count > 0.0 { sum / count } else { about }
 }
 
-/// Least-squares line through stamps over sample numbers: the rounding of printed stamps averages out
-/// far better than in a mean of steps, which rests on the first and the last of them alone.
+/// Returns the slope of the least-squares line through stamps over sample numbers. The rounding of printed stamps averages out
+/// far better than in a mean of steps, which depends on the first and the last stamp only.
 fn slope(stamps: &[f64], about: f64) -> f64 {
     let mut points: Vec<(f64, f64)> = Vec::with_capacity(stamps.len());
     let origin = stamps.first().copied().unwrap_or(0.0);

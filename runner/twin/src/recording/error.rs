@@ -4,7 +4,7 @@ use crate::printable::name;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Longest list of columns that a message carries.
+/// Largest number of column names in a message.
 const COLUMNS_SHOWN: usize = 30;
 
 /// Error that stops the reading of a recording; other flaws are counted in the ledger.
@@ -32,7 +32,7 @@ pub enum RecordingError {
         /// The path.
         file: PathBuf,
     },
-    /// Several files, of which the scene does not state how they follow each other.
+    /// Several files whose sequence the scene does not state.
     #[error(
         "{file}: {count} files from {first} to {last} without [recording] sequence, expected \"continuous\" where each file goes on where the one before ends, or \"snapshots\" where an unknown time is between them"
     )]
@@ -276,7 +276,7 @@ impl RecordingError {
     }
 }
 
-/// Returns an error of reading for content that a file may not have.
+/// Returns a read error for unsupported or invalid content of a file.
 pub(super) fn refuse(found: impl Into<String>) -> io::Error {
     io::Error::other(found.into())
 }

@@ -14,9 +14,9 @@ use super::format;
 use crate::printable::name as printable;
 use crate::scene::{Recording, Sequence};
 
-/// Endings of text, without those of compressed files.
+/// Extensions of text files, without those of compressed files.
 const TEXTS: [&str; 5] = ["csv", "txt", "tsv", "dat", "asc"];
-/// Endings of compressed files.
+/// Extensions of compressed files.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
 /// Number of names in a note.
 const NAMES_SHOWN: usize = 3;
@@ -121,7 +121,7 @@ pub fn shown(path: &Path) -> String {
     printable(&path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()).to_string()
 }
 
-/// Returns the ending of a readable file in lower case, empty for one that has none or digits only; none for other files.
+/// Returns the extension of a readable file in lower case, empty for one that has none or digits only; `None` for other files.
 fn kind(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_string_lossy().to_lowercase();
     if name.starts_with('.') {

@@ -41,7 +41,7 @@ pub enum Flaw {
 }
 
 impl Flaw {
-    /// Samples one after the other are one occurrence.
+    /// Returns true for a kind of which consecutive samples are one occurrence.
     const fn joins_neighbours(self) -> bool {
         matches!(self, Self::MissingValue | Self::ImplausibleSpeed | Self::ReadingOutOfRange)
     }
@@ -274,7 +274,7 @@ fn places(count: u64) -> String {
     if count > 1 { format!(" in {count} places") } else { String::new() }
 }
 
-/// ` at 0.105 um`; micrometres because a probe's reading is of that order whatever its unit.
+/// Returns text such as ` at 0.105 um`; micrometres because a probe's reading is of that order in any unit.
 fn at_reading(occurrence: &Occurrence) -> String {
     // Six digits: the conversion to metres and back leaves rounding in the last of the seventeen.
     let rounded = |reading: f64| format!("{:.5e}", reading * 1e6).parse::<f64>().ok();

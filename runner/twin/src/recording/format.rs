@@ -10,7 +10,7 @@ use super::table::Table;
 use super::{csv, hdf5, mat, npy, npz, parquet, tdms, uff, wav};
 use crate::scene::FileLayout;
 
-/// Opens a file of one format.
+/// Function that opens a file of one format.
 type Open = fn(File, &Path, FileLayout) -> Result<Box<dyn Table>, RecordingError>;
 
 /// Identification of a binary format.
@@ -42,14 +42,14 @@ const FORMATS: [Format; 12] = [
     Format { goes_on: (5, b"\0\0\0"), ..format("tdms", b"TDSm", |file, path, _| tdms::open(file, path)) },
 ];
 
-/// Returns true for the ending of a binary format.
+/// Returns true for the extension of a binary format.
 pub(super) fn is_ending(ending: &str) -> bool {
     FORMATS.iter().any(|format| format.ending == ending)
 }
 
 /// Number of bytes that identify a format.
 const IDENTIFICATION: u64 = 32;
-/// Endings of formats whose arrays have an orientation.
+/// Extensions of formats whose arrays have an orientation.
 const ORIENTED: [&str; 2] = ["npy", "npz"];
 
 /// Opens a file of any format and returns its size, where that is comparable with the bytes read. The format is detected from
@@ -75,7 +75,7 @@ pub(super) fn open(
     };
     let mut unpacked = compression.unpack(file, path)?;
     let begin = first_bytes(&mut unpacked).map_err(|cause| compressed::failed(path, cause))?;
-    // The name without the ending of the compression.
+    // The extension of the compression hides that of the format.
     let inner = path.with_extension("");
     let format = identified(&begin, &inner, layout)?;
     let whole = Cursor::new(begin).chain(unpacked);

@@ -9,7 +9,7 @@ use super::flaws::FlawSummary;
 use super::{Reader, Row};
 use crate::scene::{Clock, Direction, FileLayout, Probe, Recording, RotationSource};
 
-/// Bytes of memory beyond which the tests never come, damaged files and all.
+/// Upper bound of the memory of the tests, bytes, damaged files included.
 const MAX_MEMORY: u64 = 1 << 30;
 
 pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
@@ -26,7 +26,7 @@ pub(super) fn probe(column: &str, metres_per_unit: f64) -> Probe {
     }
 }
 
-/// Columns in metres at 1 kHz.
+/// Returns a recording with columns in metres at 1 kHz.
 pub(super) fn recording(columns: &[&str]) -> Recording {
     Recording {
         average: 1,
@@ -72,7 +72,7 @@ impl Trial {
     }
 }
 
-/// The values of the columns, row by row, of a sound file.
+/// Returns the values of the columns, row by row, of a file without flaws.
 pub(super) fn values(bytes: &[u8], columns: &[&str]) -> Vec<Vec<f64>> {
     let (rows, flaws) = Trial::new().read(bytes, &recording(columns)).unwrap();
     assert!(flaws.is_empty(), "{flaws:?}");
@@ -80,7 +80,7 @@ pub(super) fn values(bytes: &[u8], columns: &[&str]) -> Vec<Vec<f64>> {
     rows.into_iter().map(|row| row.probes).collect()
 }
 
-/// Message about a file, without its path.
+/// Returns the error message for a file, without its path.
 pub(super) fn error(bytes: &[u8], recording: &Recording) -> String {
     let message = Trial::new().read(bytes, recording).unwrap_err().to_string();
     assert!(!message.contains('\n'), "one sentence: {message}");
@@ -128,7 +128,7 @@ pub(super) fn damaged(bytes: &[u8], columns: &[&str]) {
     assert!(most < MAX_MEMORY, "{most} bytes");
 }
 
-/// Peak memory of the process, where the system reports it.
+/// Returns the peak memory of the process, bytes; 0 where the system does not report it.
 fn most_memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -1,8 +1,8 @@
 //! HDF5 files as recordings, MATLAB files of version 7.3 among them: vectors, and columns of matrices, by their paths, such as
 //! `/rig/x` and `/rig/m[:,1]`, or `bearing.gs` and `m(:,2)` of MATLAB. Those that the scene names are held in memory.
 //!
-//! Format: The HDF Group, HDF5 File Format Specification, version 3.0. Read are superblocks 0 to 3, both forms of object
-//! headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under a B-tree
+//! Format: The HDF Group, HDF5 File Format Specification, version 3.0. The reader supports superblocks 0 to 3, both forms of
+//! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under a B-tree
 //! of version 1, with the filters deflate, shuffle and Fletcher-32.
 
 mod data;
@@ -31,7 +31,7 @@ pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 const LARGEST: u64 = 1 << 30;
 /// Largest compression ratio of deflate.
 const TIGHTEST: u64 = 1032;
-/// Address of an object that is not there.
+/// Address of an absent object.
 const UNDEFINED: u64 = u64::MAX;
 
 /// A file, read at addresses from its superblock.

@@ -22,7 +22,7 @@ const EXPECTED: &str = "a MATLAB file of version 5 with vectors of equal length"
 
 /// Largest number of bytes of all vectors, which are held in memory.
 const LARGEST: u64 = 1 << 30;
-/// Largest number of columns, or rows where those are longer, of a matrix that are listed.
+/// Largest number of columns of a matrix that are listed, or of rows where the rows are longer.
 const MAX_COLUMNS: u64 = 4096;
 
 /// The vectors of a file.
@@ -130,7 +130,7 @@ impl Sparse {
         if rows.max(columns) > most {
             return Err(too_large(rows, columns, most));
         }
-        // A row number and a value for each element, columns, and three heads with what fills them up.
+        // A row number and a value for each element, the columns, and three headers with their padding.
         let longest = self.before + 12 * (rows * columns) as u64 + 4 * columns as u64 + 64;
         let mut bytes = Vec::new();
         self.element.open(file)?.take(longest).read_to_end(&mut bytes)?;
@@ -161,7 +161,7 @@ impl Sparse {
     }
 }
 
-/// Type and bytes of a part of a variable in memory; its padding is passed over.
+/// Returns type and bytes of the next part of a variable in memory, and skips its padding.
 fn part<'a>(bytes: &mut Bytes<'a>) -> io::Result<(u32, &'a [u8])> {
     let before = bytes.rest.len();
     let kind = bytes.u32()?;
@@ -199,7 +199,7 @@ impl Vector {
         }
     }
 
-    /// Reads its numbers.
+    /// Reads the numbers as bytes of the file.
     fn load(&self, file: &mut File) -> io::Result<(Number, Vec<u8>)> {
         let size = u64::from(self.number.bytes);
         let mut source = self.element.open(file)?;

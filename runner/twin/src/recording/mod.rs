@@ -44,7 +44,7 @@ use status::SampleStatus;
 /// One sample as read from the file, before the shaft's angle is known.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Row {
-    /// Counted from 0 in samples of the nominal rate: a gap in the time stamps makes it jump.
+    /// Number of the sample at the nominal rate, from 0; over a gap in the time stamps it rises by more than 1.
     pub index: u64,
     /// Line of the file, for messages; in a file without lines the number of the row, from 1.
     pub line: u64,
@@ -60,7 +60,7 @@ pub struct Row {
     pub rotation: f64,
 }
 
-/// One sample that the replay works on.
+/// One sample with angle, speed and acceleration of the shaft.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample {
     /// Row of the file.
@@ -70,9 +70,9 @@ pub struct Sample {
     /// Whole turns below `angle` since the keyphasor first passed: total revolutions = `revolution + angle`, so -1
     /// before the first pulse of a shaft that turns forward.
     pub revolution: i64,
-    /// rad/s
+    /// Shaft speed, rad/s.
     pub speed: f64,
-    /// rad/s^2
+    /// Angular acceleration of the shaft, rad/s^2.
     pub acceleration: f64,
     /// Flags of reading and angle.
     pub status: SampleStatus,

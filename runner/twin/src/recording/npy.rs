@@ -19,7 +19,7 @@ const EXPECTED: &str = "an NPY file of one row for each sample, of integers or o
 /// Largest number of columns.
 const MOST: u64 = 1 << 16;
 
-/// Fewest samples of an array whose rows are taken for channels, and number of rows that no longer are.
+/// Smallest number of samples of an array whose rows are read as channels, and smallest number of rows that are not.
 const MIN_SAMPLES: u64 = 1001;
 const MAX_CHANNELS: u64 = 64;
 
@@ -133,7 +133,7 @@ fn number(kind: &PlainType) -> Option<Number> {
 /// Returns columns without names; `is_apart` for columns that are stored one after the other.
 fn array(number: Number, start: u64, [rows, columns]: [u64; 2], is_apart: bool) -> Vec<Lane> {
     let size = u64::from(number.bytes);
-    // The product of a hostile shape saturates, and the comparison with the length of the file rejects it.
+    // The product of an invalid shape saturates, and the comparison with the length of the file rejects it.
     let [first, stride] =
         if is_apart { [rows.saturating_mul(size), size] } else { [size, columns.saturating_mul(size)] };
     let run = |column: u64| Run::once(number, start.saturating_add(column.saturating_mul(first)), stride, rows);

@@ -10,16 +10,16 @@ use super::table::{Cells, Table, equal_lengths};
 /// Bytes read at once.
 const BLOCK: u64 = 1 << 16;
 
-/// How a number is written.
+/// Format of a stored number, and its conversion `scale * stored + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Number {
     pub(super) kind: Kind,
-    /// 1 to 8; 4 or 8 of a float.
+    /// Size in bytes: 1 to 8; 4 or 8 for a float.
     pub(super) bytes: u8,
     pub(super) big_endian: bool,
-    /// Multiplied to what is written ...
+    /// Factor of the stored number.
     pub(super) scale: f64,
-    /// ... and then added.
+    /// Summand after the multiplication.
     pub(super) offset: f64,
 }
 
@@ -29,7 +29,7 @@ pub(super) enum Kind {
     Signed,
     Unsigned,
     Float,
-    /// Unsigned with its zero in the middle.
+    /// Offset binary: unsigned, with zero in the middle of the range.
     Centred,
 }
 
@@ -58,7 +58,7 @@ impl Number {
     }
 }
 
-/// `count` numbers `stride` bytes apart, and that again `repeats` times, `every` bytes apart.
+/// Positions of numbers in a file: `count` numbers `stride` bytes apart, in `repeats` groups `every` bytes apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
     pub(super) number: Number,
@@ -70,7 +70,7 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// Without repetition.
+    /// Creates a run without repetition.
     pub(super) const fn once(number: Number, start: u64, stride: u64, count: u64) -> Self {
         Self { number, start, stride, count, every: 0, repeats: 1 }
     }
@@ -79,14 +79,14 @@ impl Run {
         self.count.checked_mul(self.repeats)
     }
 
-    /// End of its last number.
+    /// Returns the offset of the end of the last number.
     fn end(&self) -> Option<u64> {
         let inner = self.count.checked_sub(1)?.checked_mul(self.stride)?;
         let outer = self.repeats.checked_sub(1)?.checked_mul(self.every)?;
         self.start.checked_add(inner)?.checked_add(outer)?.checked_add(self.number.bytes.into())
     }
 
-    /// The same as one even row where that is possible: single numbers would be fetched one by one.
+    /// Returns an equal run without repetition where that is possible: repeated single numbers would be read one by one.
     const fn straightened(self) -> Self {
         if self.count == 1 && self.repeats > 1 {
             Self { stride: self.every, count: self.repeats, repeats: 1, ..self }
@@ -96,7 +96,7 @@ impl Run {
     }
 }
 
-/// One column of a file: what it is called and where its numbers lie.
+/// One column of a file: its name and the positions of its numbers.
 pub(super) struct Lane {
     pub(super) name: String,
     pub(super) unit: Option<String>,
@@ -108,7 +108,7 @@ pub(super) struct Lane {
 }
 
 impl Lane {
-    /// One even row of numbers.
+    /// Creates a column of a single run.
     pub(super) fn even(name: String, run: Run) -> Self {
         Self { name, unit: None, rate: None, runs: vec![run], refused: None }
     }
@@ -128,7 +128,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Columns alone, of a file that is not cut short.
+    /// Creates the layout of a complete file that has columns only.
     pub(super) const fn of(lanes: Vec<Lane>, expected: &'static str) -> Self {
         Self { lanes, torn: false, expected, scalars: vec![], notes: vec![] }
     }
@@ -149,7 +149,7 @@ pub(super) struct Numbers {
     bytes: Vec<u8>,
 }
 
-/// A column that is read: its runs, and the block at hand.
+/// A column that is read: its runs and the current block.
 struct Column {
     runs: Vec<Run>,
     run: usize,
@@ -170,7 +170,7 @@ impl Numbers {
         RecordingError::Format { file: self.path.clone(), found, expected: self.layout.expected }
     }
 
-    /// The runs of a lane, all of which lie within the file.
+    /// Returns the runs of a column; an error where one of them is not within the file.
     fn column(&self, lane: &Lane, size: u64) -> Result<Column, RecordingError> {
         if let Some(reason) = &lane.refused {
             return Err(self.wrong(format!("`{}`: {reason}", lane.name)));
@@ -184,7 +184,7 @@ impl Numbers {
         Ok(Column { runs, run: 0, repeat: 0, at: 0, block: Vec::new(), next: 0 })
     }
 
-    /// Rate of the channels, which must be the same for all that define one.
+    /// Returns the rate of the channels, Hz, which must be the same for all that define one.
     fn common_rate(&self, lanes: &[&Lane]) -> Result<Option<f64>, RecordingError> {
         let mut rates = lanes.iter().filter_map(|lane| Some((&lane.name, lane.rate?)));
         let Some((name, rate)) = rates.next() else { return Ok(None) };
@@ -279,7 +279,7 @@ impl Column {
         value.ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
     }
 
-    /// The next block; empty at the end.
+    /// Reads the next block; it is empty at the end.
     fn fetch(&mut self, file: &mut File, bytes: &mut Vec<u8>) -> io::Result<()> {
         self.block.clear();
         self.next = 0;

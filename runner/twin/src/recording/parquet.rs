@@ -25,7 +25,7 @@ const EXPECTED: &str = "a Parquet file with flat columns of numbers";
 /// Values decoded at once.
 const BLOCK: usize = 4096;
 
-/// A file, a row group of it and a block of each column at hand.
+/// A file with its current row group and the current block of each column.
 struct ParquetTable {
     path: PathBuf,
     reader: SerializedFileReader<File>,
@@ -34,7 +34,7 @@ struct ParquetTable {
     selected: Vec<Column>,
     /// The row group to open next.
     group: usize,
-    /// Rows that the one at hand still has.
+    /// Number of rows left in the current row group.
     left: u64,
     row: u64,
     bytes_read: u64,
@@ -163,7 +163,7 @@ impl ParquetTable {
     }
 }
 
-/// The next block of a column.
+/// Reads the next block of a column.
 fn decode(reader: &mut ColumnReader, field: &Field) -> Decoded<Vec<f64>> {
     use ColumnReader as Of;
     match reader {
@@ -178,7 +178,7 @@ fn decode(reader: &mut ColumnReader, field: &Field) -> Decoded<Vec<f64>> {
     }
 }
 
-/// Numbers in their rows; NaN for a null.
+/// Reads the next numbers, one for each row; NaN for a null.
 fn block<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     field: &Field,

@@ -2,16 +2,17 @@
 
 use super::flaws::Position;
 
-/// A probe is stuck when it repeats one reading exactly for at least this many samples ...
+/// Smallest number of consecutive, exactly equal readings of a stuck probe.
 const STUCK_SAMPLES: u64 = 64;
 
-/// Shortest duration of that, s: the coarse readings of a slow machine in a fast recorder stay constant for shorter times.
+/// Shortest duration of the equal readings of a stuck probe, s. The coarse readings of a slow machine in a fast recorder
+/// stay constant for shorter times.
 const STUCK_TIME: f64 = 0.01;
 
-/// A probe is clipped when at least this many samples lie exactly at its highest (or lowest) reading ...
+/// Smallest number of samples of a clipped probe exactly at its highest (or lowest) reading.
 const CLIPPED_SAMPLES: u64 = 32;
 
-/// ... and that many times as many as at the reading next to it. A sine in coarse steps has 1.4 times as many.
+/// Smallest ratio of that number to the number of samples at the next reading. A sine in coarse steps has a ratio of 1.4.
 const CLIPPED_RATIO: u64 = 8;
 
 /// Classification of a reading.
@@ -55,7 +56,7 @@ struct Extreme {
 /// Samples exactly at the highest or lowest reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clipped {
-    /// m
+    /// Reading at which the probe is clipped, m.
     pub reading: f64,
     /// Number of samples.
     pub samples: u64,
@@ -64,7 +65,7 @@ pub struct Clipped {
 }
 
 impl ProbeWatch {
-    /// A probe sampled at `rate`, Hz.
+    /// Creates the detection for a probe sampled at `rate`, Hz.
     #[must_use]
     pub fn new(rate: f64) -> Self {
         Self {
@@ -77,7 +78,7 @@ impl ProbeWatch {
         }
     }
 
-    /// Adds a reading. It is not NaN: a missing reading does not end a run.
+    /// Adds a reading (m), which is not NaN, and returns its state. A missing reading is not added and does not end a run.
     pub fn see(&mut self, reading: f64, at: Position) -> ReadingState {
         if reading == self.reading {
             self.run += 1;
@@ -90,7 +91,7 @@ impl ProbeWatch {
             return ReadingState::StillStuck;
         }
         if self.run == self.limit {
-            // A stuck probe is not a clipped one as well.
+            // The readings of a stuck probe do not count as clipped.
             self.highest.forget(reading, self.run - 1);
             self.lowest.forget(reading, self.run - 1);
             return ReadingState::Stuck { since: self.since, samples: self.run };
@@ -100,7 +101,7 @@ impl ProbeWatch {
         ReadingState::Good
     }
 
-    /// The levels at which the probe clips, from all readings so far.
+    /// Returns the levels at which the probe is clipped, from all readings so far.
     pub fn clipped(&self) -> impl Iterator<Item = Clipped> {
         let highest = self.highest.clipped(-self.lowest.level);
         let lowest = self.lowest.clipped(-self.highest.level);
@@ -140,7 +141,8 @@ impl Extreme {
         }
     }
 
-    /// `opposite`: the other extreme in this one's sign. A signal of two levels is not clipped but coarse.
+    /// Returns the level where it is clipped. `opposite` is the other extreme, times the sign of this one. A signal of two levels is
+    /// coarse, not clipped.
     fn clipped(&self, opposite: f64) -> Option<Clipped> {
         let many = self.count >= CLIPPED_SAMPLES && self.count >= CLIPPED_RATIO * self.next_count;
         let varies = self.next_level > opposite;

@@ -27,15 +27,15 @@ use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, Temperatur
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
 
-/// A recording, row by row, whatever its format.
+/// A recording of any format, read row by row.
 ///
 /// Flaws of single readings, rows and time stamps are counted in [`flaws`](Self::flaws):
 ///
 /// - A cell that is NaN or empty is a missing reading.
 /// - In a short row the last cell is missing too: it may be a part of a number.
 /// - A row whose time stamp repeats or goes back is left out. A row whose time stamp is missing is the next sample.
-/// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until it moves its
-///   readings are missing (those before went out as they were, and are counted).
+/// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until they change, its
+///   readings are missing. The equal readings before are returned unchanged and are counted.
 pub struct Reader<'a> {
     name: PathBuf,
     size: Option<u64>,
@@ -68,7 +68,7 @@ struct Wanted {
 struct Column {
     place: usize,
     unit: f64,
-    /// Taken off, in SI.
+    /// Subtracted after the conversion, in SI.
     offset: f64,
 }
 
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
         Self::from_reader(Box::new(file), path, size, recording)
     }
 
-    /// As [`open`](Self::open), from any source of CSV text; `name` stands in messages.
+    /// Opens any source of CSV text as [`open`](Self::open) does; `name` is its name in messages.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
         Self::new(csv::open(reader, name, recording.layout)?, name, size, recording)
     }
 
-    /// As [`open`](Self::open), from columns in memory, which are not copied; `name` stands in messages.
+    /// Opens columns in memory as [`open`](Self::open) does, without copying them; `name` is their name in messages.
     ///
     /// # Errors
     /// As [`open`](Self::open); columns of the scene that differ in length.
@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
         Ok(reader)
     }
 
-    /// Sampling rate, Hz: the scene's, or learned from the first time stamps.
+    /// Returns the sampling rate, Hz: the scene's, or that of the first time stamps.
     #[must_use]
     pub fn rate(&self) -> f64 {
         match &self.timing {
@@ -216,13 +216,13 @@ impl<'a> Reader<'a> {
         &self.files
     }
 
-    /// Names of all columns of the file.
+    /// Returns the names of all columns of the file.
     #[must_use]
     pub fn columns(&self) -> &[String] {
         self.table.columns()
     }
 
-    /// Bytes read, and bytes in all where that is known.
+    /// Returns the number of bytes read, and the total number where it is known.
     #[must_use]
     pub fn progress(&self) -> (u64, Option<u64>) {
         (self.table.bytes_read(), self.size)
@@ -287,7 +287,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The next row of the file, read ahead or not; gives the number of whole cells.
+    /// Sets `row` to the next row of the file, read ahead or not; returns the number of complete cells.
     fn fetch(&mut self, row: &mut Row) -> Result<Option<usize>, RecordingError> {
         match self.ahead.pop_front() {
             Some(parsed) => {
@@ -494,7 +494,7 @@ impl Wanted {
         Ok(())
     }
 
-    /// The values of a row: in SI, those of sensors in the unit of the column.
+    /// Sets the values of a row: in SI, those of sensors in the unit of the column.
     fn fill(&self, values: &[f64], row: &mut Row) {
         let mut values = values.iter();
         let mut next = |column: &Column| values.next().map_or(f64::NAN, |value| value * column.unit - column.offset);
@@ -536,7 +536,7 @@ fn rate(table: &mut dyn Table, recording: &Recording, file: &Path) -> Result<Opt
     Err(stated(format!("{rate} Hz"), "a rate above 0"))
 }
 
-/// Index of a column that the scene names.
+/// Returns the index of a column that the scene names.
 fn find(table: &dyn Table, column: &str, file: &Path) -> Result<usize, RecordingError> {
     let names = table.columns();
     let mut places = (0..names.len()).filter(|place| table.is_called(*place, column.trim()));

@@ -137,7 +137,7 @@ pub enum RotationError {
         column: String,
         /// Pulses from gap to gap.
         found: u64,
-        /// The same by the scene.
+        /// Pulses from gap to gap by the scene.
         expected: u64,
         /// Teeth and absent teeth of the wheel.
         pulses_per_turn: u64,
@@ -230,12 +230,12 @@ struct Output {
 }
 
 impl Output {
-    /// A sample at a measured angle.
+    /// Adds a sample at a measured angle.
     fn deliver(&mut self, row: Row, motion: Motion) {
         self.deliver_with(row, motion, SampleStatus::default());
     }
 
-    /// A sample whose angle has these flags.
+    /// Adds a sample whose angle has these flags.
     fn deliver_with(&mut self, row: Row, motion: Motion, status: SampleStatus) {
         let Motion { total, speed, acceleration } = motion;
         self.count += 1;
@@ -401,7 +401,7 @@ impl Tracker {
         }
     }
 
-    /// Mean speed over the delivered samples, rad/s; none before the first.
+    /// Returns the mean speed over the delivered samples, rad/s; `None` before the first.
     #[must_use]
     pub fn mean_speed(&self) -> Option<f64> {
         (self.output.count > 0).then(|| self.output.sum / self.output.count as f64)
@@ -419,15 +419,15 @@ impl Tracker {
         self.output.range.map(|range| range.1)
     }
 
-    /// Pulses missed and pulses too many.
+    /// Returns the flaws of the keyphasor or the speed column so far, such as missing and spurious pulses.
     #[must_use]
     pub const fn flaws(&self) -> &FlawLedger {
         &self.output.ledger
     }
 }
 
-/// Largest magnitude of a shaft speed that a reading of a speed column can have, rad/s: [`SPEED_MARGIN`] times the scene's
-/// fastest, or [`FASTEST`] where the scene's shaft stands still.
+/// Returns the largest plausible magnitude of a reading of a speed column, rad/s: [`SPEED_MARGIN`] times the scene's fastest
+/// speed, or [`FASTEST`] where the scene's shaft stands still.
 fn largest_speed(speed: Speed) -> f64 {
     let (slow, fast) = speed.range();
     let scene = slow.abs().max(fast.abs());

@@ -8,7 +8,7 @@ pub(super) const EXPECTED: &str = "a number, or NaN or nothing where the reading
 
 /// Columns of a file and its rows, one after another.
 pub(super) trait Table: Send {
-    /// Names of all columns.
+    /// Returns the names of all columns.
     fn columns(&self) -> &[String];
 
     /// Returns true where this column has the scene's name.
@@ -46,7 +46,7 @@ pub(super) trait Table: Send {
         Vec::new()
     }
 
-    /// Announces the column of time stamps, before [`select`](Self::select).
+    /// Sets the column of time stamps; called before [`select`](Self::select).
     fn set_time(&mut self, _place: usize) {}
 
     /// Date of the first row, from which the time stamps count; none where they are seconds.
@@ -94,7 +94,7 @@ pub(super) struct Cells {
     pub(super) whole: usize,
 }
 
-/// Checks that the columns which the scene names have as many values as each other, and some.
+/// Checks that the columns of the scene have the same number of values, at least one; returns that number.
 pub(super) fn equal_lengths(file: &Path, columns: &[(&str, u64)]) -> Result<u64, RecordingError> {
     let first = columns.first().map_or(0, |(_, length)| *length);
     if first > 0 && columns.iter().all(|(_, length)| *length == first) {

@@ -115,7 +115,7 @@ impl LeadIn {
     }
 }
 
-/// Reads a segment; gives its end and whether numbers are missing there.
+/// Reads a segment; returns its end, and true where numbers are missing there.
 fn segment(file: &mut File, start: u64, size: u64, objects: &mut Objects) -> io::Result<(u64, bool)> {
     let lead = LeadIn::read(file, start, size)?;
     let big_endian = lead.has(BIG_ENDIAN);
@@ -155,7 +155,7 @@ struct Object {
     index: Option<Index>,
     runs: Vec<Run>,
     unit: Option<String>,
-    /// s
+    /// Sampling interval, s.
     increment: Option<f64>,
     scales: Scales,
 }
@@ -269,7 +269,7 @@ fn append(runs: &mut Vec<Run>, run: Run) {
 }
 
 impl Object {
-    /// Whether the object has data in the segment.
+    /// Reads the index of the object; returns true where it has data in the segment.
     fn read_index(&mut self, bytes: &mut Bytes<'_>) -> io::Result<bool> {
         match bytes.u32()? {
             NO_DATA => return Ok(false),
@@ -291,7 +291,7 @@ impl Object {
         Ok(true)
     }
 
-    /// One count a row, in one buffer: what an analogue channel has.
+    /// Reads the index of an analogue channel: one count a row, in one buffer.
     fn read_scaler(&self, bytes: &mut Bytes<'_>) -> io::Result<Index> {
         let (_kind, _dimension, values) = (bytes.u32()?, bytes.u32()?, bytes.u64()?);
         let scalers = bytes.u32()?;
@@ -330,7 +330,7 @@ impl Object {
         Ok(())
     }
 
-    /// As a column, where it is a channel.
+    /// Returns the column of a channel; `None` for a file or a group.
     fn lane(mut self) -> Option<Lane> {
         let name = channel(&self.path)?;
         let raw = self.index.and_then(|index| index.raw);
@@ -358,7 +358,7 @@ fn channel(path: &str) -> Option<String> {
 
 const STRING: u32 = 0x20;
 
-/// Bytes of one value; nothing where they differ.
+/// Returns the number of bytes of one value; `None` for a type without a fixed number.
 const fn element(kind: u32) -> Option<u64> {
     Some(match kind {
         0 => 0,

@@ -52,7 +52,7 @@ struct Response {
     label: Option<String>,
     unit: Option<String>,
     count: u64,
-    /// s
+    /// Sampling interval, s.
     spacing: f64,
     form: Form,
     /// Offset of the values.
@@ -112,7 +112,7 @@ impl Lines {
         if count as u64 == LONGEST_LINE {
             return Err(refuse("a line of more than 4096 characters"));
         }
-        // Characters beyond ASCII are those of Windows.
+        // The format has no encoding; Latin-1 accepts every byte.
         self.text = bytes.iter().map(|byte| char::from(*byte)).collect::<String>().trim_end().to_owned();
         Ok(count > 0)
     }
@@ -151,7 +151,7 @@ impl Lines {
         }
     }
 
-    /// Reads the head of data set 58 and skips binary values; the reason for which a data set is not read.
+    /// Reads the head of data set 58 and skips binary values; returns the reason where the data set cannot be used.
     fn response(&mut self, kind: &str) -> io::Result<Result<Response, String>> {
         let mut head = Vec::new();
         for _ in 0..HEAD {
@@ -176,7 +176,7 @@ impl Lines {
             if float != "2" || !matches!(order, "1" | "2") {
                 return Ok(Err(format!("floats of form {float} in byte order {order} in data set 58b")));
             }
-            // `SeekFrom::Current` would wrap where the length is hostile.
+            // `SeekFrom::Current` would wrap where the length is invalid.
             let end = start.checked_add(length).ok_or(io::ErrorKind::UnexpectedEof)?;
             if end > self.reader.get_ref().metadata()?.len() {
                 return Err(io::ErrorKind::UnexpectedEof.into());

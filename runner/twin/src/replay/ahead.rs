@@ -4,7 +4,7 @@
 use super::notices::Notices;
 use super::range::ReadingRange;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
+use crate::diagnosis::{self, DiagnosisInput, DiagnosisResult};
 use crate::error::Result;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Implausibility};
@@ -17,7 +17,7 @@ use crate::scene::{Recording, Scene};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Most rows that are read before the shaft is found to turn.
+/// Largest number of samples, averaged ones counted once, that are read ahead.
 const MAX_ROWS: usize = 1 << 18;
 
 /// The beginning of a recording.
@@ -98,7 +98,7 @@ impl Ahead {
         recording: &Recording,
         calibration: Option<&Calibration>,
         progress: &dyn Fn(f64),
-    ) -> Result<Option<Diagnosis>> {
+    ) -> Result<Option<DiagnosisResult>> {
         if diagnosis::not_applicable(scene, &self.samples).is_some() {
             return Ok(None);
         }

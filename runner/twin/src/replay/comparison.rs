@@ -50,7 +50,7 @@ impl SampleReadings {
         }
     }
 
-    /// True where every probe has a reading.
+    /// Returns true where every probe has a reading.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         !self.measured.iter().any(|y| y.is_nan())

@@ -9,7 +9,7 @@ use crate::campbell;
 use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{
-    DiagnosisOutcome, Finding, FindingKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing,
+    Diagnosis, DiagnosisOutcome, FaultKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing,
 };
 use crate::plant::Plant;
 use crate::plausibility::{Evidence, implausible};
@@ -135,31 +135,32 @@ impl Pipeline<'_> {
         if let Some(diagnosis) = &mut diagnosed {
             diagnosis.notes.extend(self.follow_up(&mut diagnosis.outcome));
         }
-        let (mut findings, mut diagnosis_notes) =
-            diagnosed.as_ref().map_or_else(Default::default, |d| (d.findings.clone(), d.notes.clone()));
+        let (mut diagnoses, mut diagnosis_notes) =
+            diagnosed.as_ref().map_or_else(Default::default, |d| (d.diagnoses.clone(), d.notes.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
         learned.calibration.clone_from(&self.calibration);
-        learned.set_faults(&findings);
+        learned.set_faults(&diagnoses);
         if let Some(baseline) = &self.baseline {
-            let (known, new) = findings.into_iter().partition(|finding| baseline.contains_fault(finding));
-            findings = new;
-            let known: Vec<Finding> = known;
-            diagnosis_notes.extend(known.iter().map(|finding| format!("As in the baseline: {}", finding.sentence)));
+            let (known, new) = diagnoses.into_iter().partition(|diagnosis| baseline.contains_fault(diagnosis));
+            diagnoses = new;
+            let known: Vec<Diagnosis> = known;
+            diagnosis_notes.extend(known.iter().map(|diagnosis| format!("As in the baseline: {}", diagnosis.sentence)));
         }
         if implausible.is_empty() {
-            findings = join(findings, std::mem::take(&mut vibration.findings), diagnosed.is_some());
+            diagnoses = join(diagnoses, std::mem::take(&mut vibration.diagnoses), diagnosed.is_some());
         }
         learned.sensors = vibration.learned;
         diagnosis_notes.extend(vibration.notes);
         if self.baseline.is_none()
             && let Some(reason) = clearance_is_estimated(scene)
         {
-            let imitated = |finding: &Finding| matches!(finding.kind, FindingKind::Clearance | FindingKind::Load);
-            let (uncertain, known): (Vec<Finding>, Vec<Finding>) = findings.into_iter().partition(imitated);
-            findings = known;
-            diagnosis_notes
-                .extend(uncertain.iter().map(|finding| format!("Not a finding, as {reason}: {}", finding.sentence)));
-            if findings.is_empty() && !uncertain.is_empty() {
+            let imitated = |diagnosis: &Diagnosis| matches!(diagnosis.kind, FaultKind::Clearance | FaultKind::Load);
+            let (uncertain, known): (Vec<Diagnosis>, Vec<Diagnosis>) = diagnoses.into_iter().partition(imitated);
+            diagnoses = known;
+            diagnosis_notes.extend(
+                uncertain.iter().map(|diagnosis| format!("Not a diagnosis, as {reason}: {}", diagnosis.sentence)),
+            );
+            if diagnoses.is_empty() && !uncertain.is_empty() {
                 not_judged.push(reason);
             }
         }
@@ -198,7 +199,7 @@ impl Pipeline<'_> {
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             verdict: verdict::verdict(
-                &findings,
+                &diagnoses,
                 &probes,
                 &implausible,
                 &not_judged,
@@ -217,7 +218,7 @@ impl Pipeline<'_> {
             bearings: self.force.outcomes(bearings),
             timing: self.timing.finish(),
             observer,
-            findings,
+            diagnoses,
             diagnosis: diagnosed.map(|d| d.outcome),
             events,
             flaws: facts.flaws,

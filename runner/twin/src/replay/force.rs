@@ -104,9 +104,10 @@ impl ForceStage {
         &self.evaluated
     }
 
-    /// Adds the forces of bearing `i` to its sums, with the noise band where `noise` gives the probes and the change of the displacement
-    /// per metre of the reading of each; returns the forces and the load
-    /// on element 1.
+    /// Adds the forces of bearing `i` to its sums; returns the forces and the load on element 1.
+    ///
+    /// The noise band is computed where `noise` contains the probes and a function that returns the change of the displacement per
+    /// metre of the reading of each.
     pub(super) fn accumulate(
         &mut self,
         i: usize,
@@ -126,7 +127,7 @@ impl ForceStage {
         Some((force, first_load))
     }
 
-    /// Sums of every bearing.
+    /// Returns the sums of every bearing.
     pub(super) fn bearings(&self) -> &[BearingForces] {
         &self.bearings
     }

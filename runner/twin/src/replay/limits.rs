@@ -77,7 +77,7 @@ pub struct LimitStatus {
     /// The bearing, for the line of a race.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
-    /// um, or empty.
+    /// Unit of value and limit: um, or empty for a dimensionless indicator.
     pub unit: &'static str,
     /// Value of the last block of 16 revolutions; none before it.
     pub value: Option<f64>,
@@ -360,7 +360,8 @@ impl LimitMonitor {
         });
     }
 
-    /// Ends a block of residuals with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's residual, m.
+    /// Ends a block of residuals with the sample `index` at `time`; `amplitude` returns the amplitude of a followed line in the
+    /// residual of a probe, m.
     pub fn close_residuals(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
         let Some((start, figures)) = self.residuals.close(index, time) else { return };
         self.evaluate(start, time, |monitored| match monitored.limit.indicator {
@@ -379,7 +380,7 @@ impl LimitMonitor {
         self.end_crossings(end, false);
     }
 
-    /// Does the same for limits on residuals.
+    /// Ends the crossings of limits on residuals and drops their unfinished block, as [`Self::interrupt_readings`].
     pub fn interrupt_residuals(&mut self) {
         let end = self.residuals.interrupt();
         self.end_crossings(end, true);

@@ -8,7 +8,7 @@ const INTERVAL: f64 = 10.0;
 pub struct Notice {
     /// Kind, as in the event log.
     pub kind: &'static str,
-    /// Time in the recording's time.
+    /// Time of the recording, s.
     pub time_s: f64,
     /// The notice as a sentence.
     pub sentence: String,

@@ -110,7 +110,7 @@ impl FigureCollector {
         }
     }
 
-    /// Returns true while the force traces take samples in.
+    /// Returns true while the force traces record samples.
     #[must_use]
     pub fn shows_forces(&self) -> bool {
         self.open(TURNS)
@@ -120,7 +120,7 @@ impl FigureCollector {
         self.revolutions <= turns && self.samples <= MOST
     }
 
-    /// The pictures' data.
+    /// Returns the data of the figures; `speed_hz` is the mean shaft speed.
     #[must_use]
     pub fn finish(
         mut self,
@@ -206,7 +206,7 @@ fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
     Orbit { name, station_mm: plane.station * 1e3, probes, ..Orbit::default() }
 }
 
-/// 1X and the lines of every bearing; bearings of the same shape share theirs.
+/// Returns 1X and the lines of every bearing; bearings with equal orders share a line.
 #[must_use]
 pub fn marked_lines(mounted: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];

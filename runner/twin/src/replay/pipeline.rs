@@ -23,14 +23,14 @@ use super::startup::{Queued, RunInProgress, Search, SearchResult, Startup};
 use super::timing::Ledger;
 use super::totals::Totals;
 use super::twin::TwinStage;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::DiagnosisResult;
 use crate::diagnosis::block::Block;
 use crate::effect_significance;
 use crate::error::Result;
 use crate::observer::CageTracker;
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{Calibration, Finding, Implausibility};
+use crate::outcome::{Calibration, Diagnosis, Implausibility};
 use crate::output::OutputError;
 use crate::plant::{AXIAL, MAX_OBSERVED, Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
@@ -73,7 +73,7 @@ pub(super) struct Pipeline<'a> {
     /// Samples for a diagnosis.
     pub(super) block: Block,
     /// Diagnosis of the whole recording, where it was made before.
-    pub(super) diagnosed: Option<Diagnosis>,
+    pub(super) diagnosed: Option<DiagnosisResult>,
     /// Diagnosis in live operation.
     pub(super) running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
@@ -550,13 +550,13 @@ impl<'a> Pipeline<'a> {
     /// Returns the faults that the last diagnoses found, of shaft motion and of vibration.
     pub(super) fn faults(&self) -> FaultState {
         FaultState {
-            shaft_motion: self.running_diagnosis.as_ref().map(RunningDiagnosis::findings).unwrap_or_default(),
-            vibration: self.vibration.as_ref().map(RunningVibration::findings).unwrap_or_default(),
+            shaft_motion: self.running_diagnosis.as_ref().map(RunningDiagnosis::diagnoses).unwrap_or_default(),
+            vibration: self.vibration.as_ref().map(RunningVibration::diagnoses).unwrap_or_default(),
         }
     }
 
-    /// Returns these faults as findings, each fault once.
-    pub(super) fn findings(&self) -> Vec<Finding> {
+    /// Returns these faults as diagnoses, each fault once.
+    pub(super) fn diagnoses(&self) -> Vec<Diagnosis> {
         let FaultState { shaft_motion, vibration } = self.faults();
         join(shaft_motion, vibration, self.running_diagnosis.is_some())
     }
@@ -571,7 +571,7 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Returns the state of the diagnosis of shaft motion; that of a diagnosis which is not made outside live operation.
+    /// Returns the state of the diagnosis of shaft motion; [`DiagnosisState::NotMade`] outside live operation.
     pub(super) fn diagnosis_state(&self) -> DiagnosisState {
         self.running_diagnosis.as_ref().map(RunningDiagnosis::state).unwrap_or_default()
     }

@@ -2,10 +2,10 @@
 
 use super::notices::Notices;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Diagnosis, DiagnosisInput};
+use crate::diagnosis::{self, DiagnosisInput, DiagnosisResult};
 use crate::observer::{CagePosition, CageTracker, found_position};
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{Calibration, FaultFigures, Finding, FindingKind, Implausibility};
+use crate::outcome::{Calibration, Diagnosis, FaultFigures, FaultKind, Implausibility};
 use crate::plant::Plant;
 use crate::plausibility::implausible_samples;
 use crate::recording::Sample;
@@ -16,9 +16,9 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Share of one core that diagnoses take: the thread rests four times as long as it worked.
+/// Largest share of one core that diagnoses use: each one is followed by a pause of four times its duration.
 pub(super) const SHARE: f64 = 0.2;
-/// Diagnoses in a row without a fault after which it has ended: one may miss a fault near its threshold.
+/// Number of consecutive diagnoses without a fault after which it has ended; a single one may miss a fault near its threshold.
 const MISSED: u32 = 2;
 
 /// Machine and probes of a diagnosis on the thread.
@@ -53,7 +53,7 @@ impl Machine {
 
 /// Result of a diagnosis on the thread.
 enum Judged {
-    Diagnosed(Diagnosis),
+    Diagnosed(DiagnosisResult),
     /// The probes do not determine the motion.
     Undetermined,
     /// The samples cannot be of the scene's machine.
@@ -88,14 +88,14 @@ pub enum DiagnosisState {
 #[serde(default)]
 pub struct FaultState {
     /// Faults found in the motion of the shaft.
-    pub shaft_motion: Vec<Finding>,
+    pub shaft_motion: Vec<Diagnosis>,
     /// Faults found in the vibration.
-    pub vibration: Vec<Finding>,
+    pub vibration: Vec<Diagnosis>,
 }
 
 /// A fault that the last diagnoses found.
 struct OpenFault {
-    finding: Finding,
+    diagnosis: Diagnosis,
     /// Diagnoses since the last one that found it.
     missed: u32,
 }
@@ -119,13 +119,13 @@ impl Running {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Returns what the thread returned.
+    /// Returns the result of the thread.
     fn join(&mut self) -> std::thread::Result<Result<Judged, BuildError>> {
         self.thread.take().map_or_else(|| Err(Box::new("joined before")), JoinHandle::join)
     }
 
-    /// Hands the cages that `diagnosis` found in `scene` over to the tracker, which is at `turns` now.
-    fn hand_over(&self, diagnosis: &Diagnosis, scene: &Scene, turns: f64, tracker: &mut CageTracker) {
+    /// Sets the tracker, which is at `turns`, to the cages that `diagnosis` found in `scene`.
+    fn hand_over(&self, diagnosis: &DiagnosisResult, scene: &Scene, turns: f64, tracker: &mut CageTracker) {
         if tracker.interruptions() != self.interruptions {
             return;
         }
@@ -143,11 +143,11 @@ impl Running {
 pub(super) struct RunningDiagnosis {
     machine: Arc<Machine>,
     running: Option<Running>,
-    /// No diagnosis begins before.
+    /// Time before which no diagnosis begins.
     rests_until: Option<Instant>,
     state: DiagnosisState,
     /// The last diagnosis, and the time of its last sample, s.
-    last: Option<(Diagnosis, f64)>,
+    last: Option<(DiagnosisResult, f64)>,
     baseline: Option<Baseline>,
     faults: OpenFaults,
 }
@@ -177,12 +177,12 @@ impl RunningDiagnosis {
     }
 
     /// Returns the faults that the last diagnoses found.
-    pub(super) fn findings(&self) -> Vec<Finding> {
-        self.faults.findings()
+    pub(super) fn diagnoses(&self) -> Vec<Diagnosis> {
+        self.faults.diagnoses()
     }
 
     /// Continues with the faults of an earlier process.
-    pub(super) fn restore(&mut self, faults: &[Finding]) {
+    pub(super) fn restore(&mut self, faults: &[Diagnosis]) {
         self.faults = OpenFaults::new(faults);
     }
 
@@ -192,13 +192,14 @@ impl RunningDiagnosis {
     }
 
     /// Takes the last diagnosis and the time of its last sample, s.
-    pub(super) fn take(&mut self) -> Option<(Diagnosis, f64)> {
+    pub(super) fn take(&mut self) -> Option<(DiagnosisResult, f64)> {
         self.last.take()
     }
 
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
     ///
-    /// `time` and total revolutions of the last sample; the cages are followed from where a diagnosis finds them.
+    /// `time` (s) and `turns` are time and total revolutions of the last sample. The cages are tracked from the positions that a
+    /// diagnosis finds.
     pub(super) fn poll(
         &mut self,
         block: &Block,
@@ -213,12 +214,12 @@ impl RunningDiagnosis {
                 Ok(Ok(Judged::Diagnosed(diagnosis))) => {
                     running.hand_over(&diagnosis, &self.machine.scene, turns, cages);
                     self.state = DiagnosisState::Made { time_s: running.time };
-                    let is_new = |finding: &Finding| {
-                        finding.kind != FindingKind::Other
-                            && !self.baseline.as_ref().is_some_and(|b| b.contains_fault(finding))
+                    let is_new = |diagnosis: &Diagnosis| {
+                        diagnosis.kind != FaultKind::Other
+                            && !self.baseline.as_ref().is_some_and(|b| b.contains_fault(diagnosis))
                     };
-                    let new = diagnosis.findings.iter().filter(|finding| is_new(finding)).cloned();
-                    let new = new.map(|finding| finding.with_station_as_drawn(&self.machine.scene)).collect();
+                    let new = diagnosis.diagnoses.iter().filter(|diagnosis| is_new(diagnosis)).cloned();
+                    let new = new.map(|diagnosis| diagnosis.with_station_as_drawn(&self.machine.scene)).collect();
                     self.faults.report(new, running.time, notices);
                     self.last = Some((diagnosis, running.time));
                 }
@@ -279,34 +280,34 @@ pub(super) struct OpenFaults {
 
 impl OpenFaults {
     /// Creates the list of faults that an earlier process found.
-    pub(super) fn new(faults: &[Finding]) -> Self {
-        Self { open: faults.iter().map(|finding| OpenFault { finding: finding.clone(), missed: 0 }).collect() }
+    pub(super) fn new(faults: &[Diagnosis]) -> Self {
+        Self { open: faults.iter().map(|diagnosis| OpenFault { diagnosis: diagnosis.clone(), missed: 0 }).collect() }
     }
 
     /// Returns the faults that the last diagnoses found.
-    pub(super) fn findings(&self) -> Vec<Finding> {
-        self.open.iter().map(|open| open.finding.clone()).collect()
+    pub(super) fn diagnoses(&self) -> Vec<Diagnosis> {
+        self.open.iter().map(|open| open.diagnosis.clone()).collect()
     }
 
-    /// Compares the findings of a diagnosis, whose samples end at `time` (s), with those before.
-    pub(super) fn report(&mut self, findings: Vec<Finding>, time: f64, notices: &mut Notices) {
+    /// Compares the diagnoses of a diagnosis, whose samples end at `time` (s), with those before.
+    pub(super) fn report(&mut self, diagnoses: Vec<Diagnosis>, time: f64, notices: &mut Notices) {
         self.open.iter_mut().for_each(|open| open.missed += 1);
-        for finding in findings {
+        for diagnosis in diagnoses {
             // The figures belong to a report.
-            let finding = Finding { figures: FaultFigures::default(), ..finding };
-            match self.open.iter_mut().find(|open| open.finding.is_same_fault(&finding)) {
+            let diagnosis = Diagnosis { figures: FaultFigures::default(), ..diagnosis };
+            match self.open.iter_mut().find(|open| open.diagnosis.is_same_fault(&diagnosis)) {
                 Some(open) => {
-                    notices.add_always("fault-size", time, finding.sentence.clone());
-                    *open = OpenFault { finding, missed: 0 };
+                    notices.add_always("fault-size", time, diagnosis.sentence.clone());
+                    *open = OpenFault { diagnosis, missed: 0 };
                 }
                 None => {
-                    notices.add_always("fault-found", time, finding.sentence.clone());
-                    self.open.push(OpenFault { finding, missed: 0 });
+                    notices.add_always("fault-found", time, diagnosis.sentence.clone());
+                    self.open.push(OpenFault { diagnosis, missed: 0 });
                 }
             }
         }
         for ended in self.open.extract_if(.., |open| open.missed >= MISSED) {
-            notices.add_always("fault-ended", time, format!("No longer found: {}", ended.finding.sentence));
+            notices.add_always("fault-ended", time, format!("No longer found: {}", ended.diagnosis.sentence));
         }
     }
 }
@@ -316,8 +317,8 @@ mod tests {
     use super::*;
     use crate::outcome::FaultParameters;
 
-    fn finding(kind: FindingKind, bearing: &str) -> Finding {
-        Finding {
+    fn diagnosis(kind: FaultKind, bearing: &str) -> Diagnosis {
+        Diagnosis {
             kind,
             bearing: Some(bearing.to_owned()),
             line_hz: 1.0,
@@ -327,6 +328,7 @@ mod tests {
             evidence: vec![],
             vibration: None,
             parameters: FaultParameters::default(),
+            lines: vec![],
             figures: FaultFigures::default(),
             sentence: format!("{kind:?} of {bearing}"),
         }
@@ -335,10 +337,10 @@ mod tests {
     #[test]
     fn a_fault_is_found_followed_and_ended() {
         let (mut faults, mut notices) = (OpenFaults::default(), Notices::default());
-        let outer = || finding(FindingKind::OuterRace, "DE");
-        let seen = [vec![outer()], vec![outer(), finding(FindingKind::Unbalance, "DE")], vec![outer()], vec![], vec![]];
-        for (i, findings) in seen.into_iter().enumerate() {
-            faults.report(findings, i as f64, &mut notices);
+        let outer = || diagnosis(FaultKind::OuterRace, "DE");
+        let seen = [vec![outer()], vec![outer(), diagnosis(FaultKind::Unbalance, "DE")], vec![outer()], vec![], vec![]];
+        for (i, diagnoses) in seen.into_iter().enumerate() {
+            faults.report(diagnoses, i as f64, &mut notices);
         }
         let events: Vec<(&str, f64)> = notices.take().iter().map(|n| (n.kind, n.time_s)).collect();
         let expected = [

@@ -6,7 +6,7 @@ use super::running_diagnosis::{OpenFaults, SHARE};
 use super::second::{SensorSecond, StatisticsOfSensors};
 use crate::error::Result;
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{Finding, FindingKind};
+use crate::outcome::{Diagnosis, FaultKind};
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene};
 use crate::vibration::signals::{Evaluation, Signals};
@@ -41,7 +41,7 @@ pub(super) struct RunningVibration {
     seconds: StatisticsOfSensors,
     work: Work,
     /// Faults of the last block, which the next one confirms.
-    candidates: Vec<(FindingKind, Option<String>)>,
+    candidates: Vec<(FaultKind, Option<String>)>,
     faults: OpenFaults,
     last: Evaluation,
 }
@@ -122,26 +122,26 @@ impl RunningVibration {
         self.work = Work::Resting(Instant::now() + started.elapsed().mul_f64(1.0 / SHARE - 1.0));
         match &found.not_judged {
             Some(reason) => notices.add("sensors-not-judged", time, || format!("Sensors: no verdict: {reason}.")),
-            None => self.report(&found.findings, time, notices),
+            None => self.report(&found.diagnoses, time, notices),
         }
         self.last = found;
     }
 
     /// Reports the faults that two blocks in a row show: one block in many thousands shows a line by chance.
-    fn report(&mut self, findings: &[Finding], time: f64, notices: &mut Notices) {
-        let fault = |finding: &Finding| (finding.kind, finding.bearing.clone());
-        let before = std::mem::replace(&mut self.candidates, findings.iter().map(fault).collect());
-        let confirmed = findings.iter().filter(|finding| before.contains(&fault(finding))).cloned().collect();
+    fn report(&mut self, diagnoses: &[Diagnosis], time: f64, notices: &mut Notices) {
+        let fault = |diagnosis: &Diagnosis| (diagnosis.kind, diagnosis.bearing.clone());
+        let before = std::mem::replace(&mut self.candidates, diagnoses.iter().map(fault).collect());
+        let confirmed = diagnoses.iter().filter(|diagnosis| before.contains(&fault(diagnosis))).cloned().collect();
         self.faults.report(confirmed, time, notices);
     }
 
     /// Returns the faults of the last blocks.
-    pub fn findings(&self) -> Vec<Finding> {
-        self.faults.findings()
+    pub fn diagnoses(&self) -> Vec<Diagnosis> {
+        self.faults.diagnoses()
     }
 
     /// Continues with the faults of an earlier process.
-    pub fn restore(&mut self, faults: &[Finding]) {
+    pub fn restore(&mut self, faults: &[Diagnosis]) {
         self.faults = OpenFaults::new(faults);
     }
 
@@ -158,7 +158,7 @@ impl RunningVibration {
     /// Returns the faults and the envelope spectra of the last block.
     pub fn conclusion(&mut self) -> Evaluation {
         let mut last = std::mem::take(&mut self.last);
-        last.findings = self.findings();
+        last.diagnoses = self.diagnoses();
         last.notes.clear();
         last.not_judged = None;
         last
@@ -213,7 +213,7 @@ mod tests {
                     vibration.add(&row, notices);
                     index += 1;
                 }
-                // The rest is that of the clock on the wall.
+                // The pause is in wall-clock time.
                 vibration.work = Work::Resting(Instant::now());
                 return index;
             }
@@ -227,14 +227,14 @@ mod tests {
         let mut notices = Notices::default();
         let outer = 4.5 * (1.0 - 7.94 / 39.04);
         let index = run(&mut vibration, outer, 1000, &mut notices);
-        assert!(notices.take().is_empty() && vibration.findings().is_empty());
+        assert!(notices.take().is_empty() && vibration.diagnoses().is_empty());
         let index = run(&mut vibration, outer, index, &mut notices);
         let found = notices.take();
         assert!(found.len() == 1 && found[0].kind == "fault-found", "{found:?}");
         assert!(found[0].sentence.starts_with("Outer race of DE"), "{found:?}");
         assert_eq!(vibration.conclusion().envelopes.len(), 1);
         let index = run(&mut vibration, 1e-9, index, &mut notices);
-        assert!(notices.take().is_empty() && vibration.findings().len() == 1);
+        assert!(notices.take().is_empty() && vibration.diagnoses().len() == 1);
         run(&mut vibration, 1e-9, index, &mut notices);
         let found = notices.take();
         assert!(found.len() == 1 && found[0].kind == "fault-ended", "{found:?}");

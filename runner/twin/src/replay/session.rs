@@ -8,11 +8,11 @@ use super::running_diagnosis::{DiagnosisState, FaultState};
 use super::second::Second;
 use super::snapshot::Snapshot;
 use super::temperature::TemperatureMonitor;
-use crate::diagnosis::{CageEstimate, Diagnosis};
+use crate::diagnosis::{CageEstimate, DiagnosisResult};
 use crate::error::{Error, ReplayError, Result};
 use crate::observer::CageTracker;
 use crate::options::Options;
-use crate::outcome::{Calibration, Event, Finding, Implausibility, Outcome};
+use crate::outcome::{Calibration, Diagnosis, Event, Implausibility, Outcome};
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 /// Time without a keyphasor pulse after which a shaft counts as standing still in live operation, s.
 const LONGEST_PULSE_WAIT: f64 = 10.0;
 
-/// A replay in progress: rows go in, the outcome comes at the end.
+/// A replay in progress: rows are added one by one, and the outcome is returned at the end.
 pub struct Replay<'a> {
     scene: &'a Scene,
     tracker: Tracker,
@@ -205,8 +205,8 @@ impl<'a> Replay<'a> {
 
     /// Returns the faults that the last diagnoses found, each once, strongest first.
     #[must_use]
-    pub fn findings(&self) -> Vec<Finding> {
-        self.pipeline.findings()
+    pub fn diagnoses(&self) -> Vec<Diagnosis> {
+        self.pipeline.diagnoses()
     }
 
     /// Returns the state of the diagnosis.
@@ -255,7 +255,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
-    pub(super) fn set_diagnosis(&mut self, diagnosis: Diagnosis) {
+    pub(super) fn set_diagnosis(&mut self, diagnosis: DiagnosisResult) {
         self.pipeline.diagnosed = Some(diagnosis);
     }
 

@@ -12,7 +12,7 @@ pub const KEPT: usize = 4096;
 pub struct SnapshotSample {
     /// Readings.
     pub measured: Vec<f64>,
-    /// The twin's.
+    /// Readings of the twin.
     pub twin: Vec<f64>,
     /// True where the keyphasor passed since the previous sample.
     pub passed: bool,
@@ -21,7 +21,7 @@ pub struct SnapshotSample {
 /// State of a replay at one moment.
 #[derive(Debug, Clone, Default)]
 pub struct Snapshot {
-    /// Time of the last sample in the recording's time.
+    /// Time of the last sample in the recording, s.
     pub time_s: f64,
     /// Present shaft speed.
     pub speed_rpm: f64,

@@ -53,7 +53,7 @@ impl Standstill {
         self.reason.as_ref().filter(|reason| matches!(reason, RotationError::ImplausibleSpeed { .. }))
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub(super) const fn samples(&self) -> u64 {
         self.samples
     }
@@ -151,7 +151,7 @@ pub(super) struct Measured<'a> {
     pub(super) observation: Observation,
     /// Rows delivered by the reader.
     pub(super) rows: u64,
-    /// Hz
+    /// Sampling rate, Hz.
     pub(super) rate: f64,
     /// Source of the shaft angle.
     pub(super) angle_source: String,

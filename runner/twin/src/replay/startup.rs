@@ -186,7 +186,7 @@ impl Startup {
         }
     }
 
-    /// Number of items that wait for the twin.
+    /// Returns the number of items in the queue.
     pub(super) fn waiting(&self) -> usize {
         self.queue.len()
     }
@@ -318,7 +318,7 @@ impl Search {
     }
 }
 
-/// Returns what a finished search found.
+/// Returns the result of a finished search.
 ///
 /// # Errors
 /// Those of the search.
@@ -331,7 +331,7 @@ struct RunInPair {
     plants: [Arc<Plant>; 2],
     /// On the scene's bearings and on linear springs.
     twins: [RunIn; 2],
-    /// s
+    /// Sample period, s.
     period: f64,
     revolutions: f64,
 }

@@ -8,7 +8,7 @@ use crate::catalogue::Listed;
 pub struct Bearing {
     /// Unique among the bearings.
     pub name: String,
-    /// m along Z from the rotor's centre of mass
+    /// Station along Z from the rotor's centre of mass, m.
     pub station: f64,
     /// Thrust direction it carries.
     pub facing: Facing,
@@ -16,7 +16,7 @@ pub struct Bearing {
     pub model: Model,
     /// Rolling elements, 3 to 64.
     pub elements: usize,
-    /// rad, at shaft angle 0
+    /// Azimuth of the first element at shaft angle 0, rad.
     pub first_element_azimuth: f64,
     /// Cage speed over shaft speed, when given.
     pub cage_ratio: Option<f64>,
@@ -96,13 +96,13 @@ pub struct FromCatalogue {
 /// `support = { mass, stiffness_x, stiffness_y, stiffness_xy, damping }`
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
-    /// kg, above 0
+    /// Mass, kg, above 0.
     pub mass: f64,
-    /// N/m along X and Y, above 0
+    /// Stiffness along X and Y, N/m, above 0.
     pub stiffness: [f64; 2],
-    /// N/m between X and Y
+    /// Cross-coupled stiffness between X and Y, N/m.
     pub cross_stiffness: f64,
-    /// N s/m along both, 0 or more
+    /// Damping along X and along Y, N s/m, 0 or more.
     pub damping: f64,
 }
 
@@ -209,14 +209,14 @@ pub enum Model {
     Angular,
     /// Every ball in equilibrium between both races, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
     QuasiStatic,
-    /// The same from a table, at a small fixed cost.
+    /// The quasi-static model interpolated in a table, at a small fixed cost.
     Tabulated,
     /// Elements with a mass of their own that moves along their radius (`docs/src/models.md#balls-with-mass`).
     Dynamic,
 }
 
 impl Model {
-    /// All of them, cheapest first, as a scene names them.
+    /// All models by their names in a scene.
     pub const ALL: [(&'static str, Self); 6] = [
         ("linear", Self::Linear),
         ("lumped", Self::Lumped),
@@ -226,7 +226,7 @@ impl Model {
         ("dynamic", Self::Dynamic),
     ];
 
-    /// As a scene names it.
+    /// Returns the name of the model in a scene.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
@@ -236,19 +236,19 @@ impl Model {
 /// Ball, races and material of one bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// m
+    /// Ball diameter, m, above 0.
     pub ball_diameter: f64,
-    /// m
+    /// Pitch diameter, m, above the ball diameter.
     pub pitch_diameter: f64,
-    /// groove radius / ball diameter, above 0.5
+    /// Groove radius of the inner race over ball diameter, above 0.5 and at most 1.
     pub inner_conformity: f64,
-    /// groove radius / ball diameter, above 0.5
+    /// Groove radius of the outer race over ball diameter, above 0.5 and at most 1.
     pub outer_conformity: f64,
     /// How the free contact angle is given.
     pub fit: FreeAngle,
-    /// Pa
+    /// Young's modulus of balls and races, Pa, above 0.
     pub youngs_modulus: f64,
-    /// 0 or more, below 0.5
+    /// Poisson's ratio of balls and races, 0 or more and below 0.5.
     pub poissons_ratio: f64,
     /// Density of the balls, kg/m^3, above 0
     pub density: f64,
@@ -298,13 +298,13 @@ pub struct Law {
 /// Separate axial elements of the lumped model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axial {
-    /// N/m^exponent, above 0
+    /// Contact stiffness, N/m^exponent, above 0.
     pub stiffness: f64,
-    /// 1 to 3
+    /// Exponent of the load-deflection law, 1 to 3.
     pub exponent: f64,
-    /// m
+    /// Axial play, m.
     pub play: f64,
-    /// m, 0 or more
+    /// Radius at which the elements act, m, 0 or more.
     pub radius: f64,
 }
 
@@ -353,11 +353,11 @@ pub struct Wave {
 pub struct Defect {
     /// Surface.
     pub surface: Surface,
-    /// rad, centre, from the surface's own zero
+    /// Azimuth of the centre from the zero of the surface, rad.
     pub azimuth: f64,
-    /// rad, above 0
+    /// Half of the angular width, rad, above 0 and at most pi.
     pub half_width: f64,
-    /// m, above 0
+    /// Depth, m, above 0.
     pub depth: f64,
     /// Section along the race.
     pub shape: DefectShape,

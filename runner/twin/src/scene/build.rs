@@ -154,7 +154,7 @@ fn part(scene: &BearingScene, surface: Surface) -> BearingComponent {
     }
 }
 
-/// Surface deviations; none where the scene names neither.
+/// Returns the surface deviations; `None` for a bearing without waviness and damage.
 fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviation<M, Vec<Feature<T>>>> {
     let features = features(scene);
     (!features.is_empty()).then(|| SurfaceDeviation::new(features))

@@ -31,7 +31,7 @@ pub struct UnknownKey {
     pub found: String,
 }
 
-/// Puts `value` at `key` of a scene: names and indices such as `rotor.load[1]`; a bearing by its index or its name.
+/// Sets the value at `key` of a scene: names and indices such as `rotor.load[1]`; a bearing by its index or its name.
 ///
 /// # Errors
 /// A key that leads to no place of the scene.

@@ -122,7 +122,7 @@ impl Indicator {
         ("inner-race", Self::InnerRace),
     ];
 
-    /// As a scene names it, and whether it is a length.
+    /// Returns the name of the indicator in a scene, and true where it is a length.
     #[must_use]
     pub fn name(self) -> (&'static str, bool) {
         let name = Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name);
@@ -201,7 +201,7 @@ pub enum Speed {
 }
 
 impl Speed {
-    /// At `time` (s, 0 or more), rad/s.
+    /// Returns the speed at `time` (s, 0 or more), rad/s.
     #[must_use]
     pub fn at(self, time: f64) -> f64 {
         match self {
@@ -213,7 +213,7 @@ impl Speed {
         }
     }
 
-    /// The speed at which rest positions and preloads are taken: the constant or mean one, or that before a ramp.
+    /// Returns the speed at which static equilibria and preloads are computed, rad/s: the constant or mean speed, or that before a ramp.
     #[must_use]
     pub fn nominal(self) -> f64 {
         match self {
@@ -232,7 +232,7 @@ impl Speed {
         (a.min(b), a.max(b))
     }
 
-    /// Revolutions from time 0 to `time` (s, 0 or more).
+    /// Returns the revolutions from time 0 to `time` (s, 0 or more).
     #[must_use]
     pub fn revolutions(self, time: f64) -> f64 {
         use std::f64::consts::TAU;
@@ -253,21 +253,21 @@ impl Speed {
 /// `[rotor]`: a rotor about its centre of mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
-    /// kg, above 0
+    /// Mass, kg, above 0.
     pub mass: f64,
-    /// kg m^2, above 0
+    /// Diametral moment of inertia about the centre of mass, kg m^2, above 0.
     pub diametral_inertia: f64,
-    /// kg m^2, 0 or more
+    /// Polar moment of inertia, kg m^2, 0 or more.
     pub polar_inertia: f64,
-    /// N s/m (three) and N m s/rad (two), each 0 or more
+    /// Damping of the rotor: N s/m (three) and N m s/rad (two), each 0 or more.
     pub damping: [f64; 5],
-    /// s, times the stiffness; 0 or more
+    /// Factor of the stiffness in the damping, s, 0 or more.
     pub proportional_damping: f64,
-    /// N/m (three) and N m/rad (two), each 0 or more: springs on the rotor itself
+    /// Springs on the rotor itself: N/m (three) and N m/rad (two), each 0 or more.
     pub stiffness: [f64; 5],
-    /// m/s^2
+    /// Acceleration of gravity along X, Y and Z, m/s^2.
     pub gravity: [f64; 3],
-    /// N (three) and N m (two): constant load on the rotor, as one at the centre of mass
+    /// Constant load on the rotor, reduced to the centre of mass: N (three) and N m (two).
     pub load: [f64; 5],
     /// Unbalances; empty when the rotor is balanced.
     pub unbalance: Vec<Unbalance>,

@@ -239,7 +239,7 @@ impl<'a> Node<'a> {
         self.within(dimension, "of 0 or more", |x| x >= 0.0)
     }
 
-    /// The value, and the assumed unit of a bare number.
+    /// Returns the text of the value, with the SI unit of a bare number.
     pub fn shown_quantity(&self, dimension: Dimension) -> String {
         match self.bare_number() {
             Some(_) => format!("{} (a bare number is in {})", self.shown(), dimension.si_unit()),
@@ -334,7 +334,7 @@ impl<'a> Node<'a> {
         Ok(values)
     }
 
-    /// Returns the table with whatever keys it has: they have been checked before.
+    /// Returns the table without a check of its keys, for tables that have been checked before.
     pub fn any_table(&self) -> Read<Table<'a>> {
         let Content::Table(content) = self.content else { return Err(self.refuse("a table")) };
         Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content, defaults: None })
@@ -439,7 +439,7 @@ impl<'a> Table<'a> {
         span.unwrap_or(self.span.clone())
     }
 
-    /// Unknown keys are looked for first: a misspelt key would otherwise be reported as a missing one.
+    /// Rejects unknown keys before values are read: a misspelt key would otherwise be reported as a missing one.
     fn check_keys(&self, keys: &[&str]) -> Read<()> {
         for (key, _) in self.content.iter() {
             if keys.contains(&key) {
@@ -483,7 +483,7 @@ fn nearest<'k>(key: &str, keys: &[&'k str]) -> Option<&'k str> {
     (least <= tolerated).then_some(known)
 }
 
-/// Levenshtein's distance; `key` is cut, because a key may be as long as the file.
+/// Returns the Levenshtein distance; `key` is cut, because a key may be as long as the file.
 fn distance(key: &str, known: &str) -> usize {
     let known: Vec<char> = known.chars().collect();
     let mut row: Vec<usize> = (0..=known.len()).collect();

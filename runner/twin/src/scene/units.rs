@@ -175,7 +175,7 @@ impl Dimension {
         }
     }
 
-    /// The SI unit that a bare number has.
+    /// Returns the SI unit of a bare number.
     pub fn si_unit(self) -> String {
         match self {
             Self::ContactStiffness(n) => format!("N/m^{}", short(n)),
@@ -247,23 +247,34 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, Mismatch> {
     if value.is_finite() { Ok(value) } else { Err(mismatch("is too large a number")) }
 }
 
-/// Metres in one unit of a recording's column, such as `um`, `mil`, `mm` or `m`.
+/// Returns the metres in one unit of a recording's column, such as `um`, `mil`, `mm` or `m`.
+///
+/// # Errors
+/// A text that is no unit of length.
 pub fn length_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Length, "a unit of length: um, mil, mm or m")
 }
 
-/// Radians per second in one unit of a recording's column, `rpm` or `rad/s`. `Hz` is refused: turns or radians per
-/// second differ by 2 pi, and the name does not distinguish them.
+/// Returns the radians per second in one unit of a recording's column, such as `rpm` or `rad/s`.
+///
+/// # Errors
+/// A text that is no unit of speed. `Hz` is one: revolutions and radians per second differ by 2 pi, and it does not distinguish them.
 pub fn speed_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Speed, "a unit of speed of rotation: rpm, rev/s or rad/s")
 }
 
-/// Volts in one unit of a recording's column, `V` or `mV`.
+/// Returns the volts in one unit of a recording's column, `V` or `mV`.
+///
+/// # Errors
+/// A text that is no unit of voltage.
 pub fn voltage_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Voltage, "a unit of voltage: V or mV")
 }
 
-/// Hertz in one unit of a sampling rate in a recording.
+/// Returns the hertz in one unit of a sampling rate in a recording.
+///
+/// # Errors
+/// A text that is no unit of frequency.
 pub fn frequency_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Frequency, "a unit of frequency: Hz or kHz")
 }
@@ -389,7 +400,7 @@ fn multiply(product: &mut (f64, Powers), side: &str, sign: f64, wanted: Dimensio
     Ok(())
 }
 
-/// A written power. One that means the law's exponent is taken as exactly that: with `exponent = 1.1111`, `N/mm^1.111`
+/// Parses a power. One near the law's exponent is replaced by it: with `exponent = 1.1111`, `N/mm^1.111`
 /// must not be off by `1000^0.0001`.
 fn power_of(text: &str, wanted: Dimension) -> Result<f64, String> {
     let power: f64 = text

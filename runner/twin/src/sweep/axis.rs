@@ -4,7 +4,7 @@ use crate::error::{Error, Result, SweepError};
 use crate::scene::units::{self, Dimension, Mismatch};
 use toml_edit::Value;
 
-/// Most values of one key.
+/// Largest number of values of one key.
 const MAX_VALUES: usize = 100_000;
 
 /// Forms of `--over`.
@@ -13,9 +13,9 @@ const FORM: &str = "KEY=FROM..TO:COUNT (such as shaft.speed=500rpm..10000rpm:200
 /// One key and its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// As `shaft.speed` or `bearing[0].radial_play`; a bearing also by its name, `bearing.DE.radial_play`.
+    /// Key, such as `shaft.speed` or `bearing[0].radial_play`; a bearing also by its name, `bearing.DE.radial_play`.
     pub key: String,
-    /// In `unit`.
+    /// Values in `unit`.
     pub values: Vec<f64>,
     /// Unit of the ends; empty for plain numbers.
     pub unit: String,
@@ -98,7 +98,7 @@ fn by_count(from: f64, to: f64, count: f64) -> Result<Vec<f64>, String> {
         return Err(format!("a count of 2 to {MAX_VALUES}"));
     }
     let last = count - 1.0;
-    // The ends exactly, whatever the step rounds to.
+    // The values are interpolated, so that rounding errors of the step do not accumulate.
     Ok((0..count as usize).map(|i| from + (to - from) * (i as f64 / last)).collect())
 }
 

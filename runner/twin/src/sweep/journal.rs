@@ -47,7 +47,7 @@ pub fn read(path: &Path, sweep: &str) -> Result<BTreeMap<usize, Chain>, SweepErr
     Ok(done)
 }
 
-/// A program that is stopped may leave half a line at the end.
+/// Returns the complete lines: a program that is stopped may leave an incomplete line at the end.
 fn whole_lines(text: &str) -> impl Iterator<Item = &str> {
     text.get(..text.rfind('\n').map_or(0, |end| end + 1)).unwrap_or_default().lines()
 }
@@ -76,8 +76,8 @@ impl Journal {
     /// A file that cannot be written.
     pub fn add(&mut self, chain: Chain) -> Result<(), SweepError> {
         let line = serde_json::to_string(&chain)? + "\n";
-        // As a reader parses it, so that results do not depend on whether the sweep was stopped in between. What
-        // cannot be read again, such as a figure that is no number, is never written.
+        // The chain as a reader parses it, so that results do not depend on whether the sweep was stopped in between.
+        // A result that cannot be read again, such as NaN, is not written.
         let chain: Chain = serde_json::from_str(line.trim_end()).map_err(SweepError::NotFinite)?;
         let failed = |source| SweepError::Write { file: self.path.clone(), source };
         self.file.write_all(line.as_bytes()).map_err(failed)?;

@@ -28,9 +28,9 @@ pub struct Measure {
     pub settle: Option<f64>,
     /// Number of section periods.
     pub periods: usize,
-    /// Whether the section is taken once a turn of the shaft instead of once a ball pass.
+    /// True where the section is taken once a revolution of the shaft instead of once a ball pass.
     pub by_shaft: bool,
-    /// Whether the largest Lyapunov exponent is computed.
+    /// True where the largest Lyapunov exponent is computed.
     pub lyapunov: bool,
 }
 
@@ -41,16 +41,16 @@ pub struct Figures {
     pub speed_rpm: f64,
     /// Steps that overflowed.
     pub held: u64,
-    /// um along X, Y, Z.
+    /// Peak-to-peak displacement along X, Y, Z, um.
     pub peak_to_peak: [f64; 3],
-    /// um along X, Y, Z.
+    /// Mean displacement along X, Y, Z, um.
     pub mean: [f64; 3],
     /// Amplitudes along X and Y, um: at the shaft's speed, at the ball pass, at a half and at a third of the section's
     /// frequency.
     pub lines: [[f64; 2]; 4],
     /// Period of the motion in section periods; none where it does not repeat within twelve.
     pub period: Option<usize>,
-    /// 1/s.
+    /// Largest Lyapunov exponent, 1/s.
     pub lyapunov: Option<f64>,
     /// X and Y at each section, um.
     pub section: Vec<[f64; 2]>,
@@ -66,9 +66,9 @@ pub struct Figures {
 pub struct EffectChange {
     /// The scene's name of the bearing.
     pub bearing: String,
-    /// As `EffectSignificance::effect` names it.
+    /// Name of the effect, as in `EffectSignificance::effect`.
     pub effect: String,
-    /// Over the force.
+    /// Change of the force divided by the force.
     pub change: f64,
 }
 
@@ -156,7 +156,7 @@ impl Path {
         }
     }
 
-    /// Amplitude along X and Y at a frequency in cycles a sample, under a Hann window.
+    /// Returns the amplitude along X and Y at a frequency in cycles a sample, under a Hann window.
     fn line(&self, frequency: f64) -> [f64; 2] {
         let phases = || (0..).map(|i| Phase::from_revolutions(frequency * f64::from(i)));
         let amplitude = |x: &[f64]| {
@@ -195,7 +195,8 @@ impl Path {
     }
 }
 
-/// A second twin close to the first, put back to its distance every period: Benettin's method.
+/// A second twin close to the first, rescaled to its initial distance every period (Benettin's method for the largest
+/// Lyapunov exponent).
 #[derive(Default)]
 struct Neighbour {
     twin: Option<Box<dyn Twin>>,
@@ -203,12 +204,12 @@ struct Neighbour {
     grown: f64,
     time: f64,
     size: f64,
-    /// rad/s, by which rates count as displacements.
+    /// Frequency by which rates are divided to compare them with displacements, rad/s.
     frequency: f64,
 }
 
 impl Neighbour {
-    /// Called before the first twin takes the step that `now` drives.
+    /// Advances the second twin by one step; called before the first twin takes the step that `now` drives.
     fn follow(&mut self, now: &ResponseSample<'_>, period: f64) -> Result<()> {
         let Some(twin) = &mut self.twin else {
             let mut twin = now.plant.start(period, now.turned)?;

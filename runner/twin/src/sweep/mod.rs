@@ -73,9 +73,9 @@ pub struct Row {
     pub figures: Figures,
 }
 
-/// Largest number of numbers in the results of a sweep: 1 GiB in memory at the end.
+/// Largest number of values in the results of a sweep: 1 GiB in memory at the end.
 const MAX_NUMBERS: usize = 1 << 27;
-/// Number of numbers of one point besides its sections.
+/// Number of values of one point besides its sections.
 const NUMBERS_OF_POINT: usize = 256;
 
 impl Plan {
@@ -185,7 +185,7 @@ impl Plan {
         Ok(Chain { number, rows })
     }
 
-    /// Returns each effect at the point of `rows` where it matters most, with that point named.
+    /// Returns each effect at the point of `rows` where its change of force is largest, with that point named.
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.

@@ -77,7 +77,8 @@ fn on_front(points: &[Option<(f64, f64)>], i: usize) -> bool {
 /// Returns the candidate that meets the goal best.
 ///
 /// # Errors
-/// Describes the nearest candidate where none meets the goal.
+/// Returns [`TradeError::NotCounted`] where no candidate has a cost on the target, and [`TradeError::Error`] or
+/// [`TradeError::Deadline`] with the goal that the nearest candidate meets where none meets `goal`.
 pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice, TradeError> {
     let target = match goal {
         Goal::Error(_, target) => *target,

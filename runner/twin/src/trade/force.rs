@@ -212,8 +212,8 @@ pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
     Ok(plant)
 }
 
-/// A bearing whose force is computed in single precision. Its tangent, which only steers Newton's method, and its element
-/// loads are those of double precision.
+/// A bearing whose force is computed in single precision. Its tangent, which only determines the Newton steps, and its
+/// element loads are those of double precision.
 struct Single {
     bearing: AnyForceModel<f32>,
     offset: Displacement<f32>,

@@ -23,7 +23,7 @@ pub struct FidelityLevel {
     intervals: Option<[i64; 3]>,
 }
 
-/// Keys of a bearing that only models with balls in equilibrium take.
+/// Keys of a bearing that only models with balls in equilibrium accept.
 const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
 /// Keys of a bearing that only the lumped model takes and that its geometry can replace.
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
@@ -87,7 +87,8 @@ impl FidelityLevel {
         levels
     }
 
-    /// The most expensive level, iterated to convergence.
+    /// Returns this level with the number of solver steps of a converged solution (quasi-static model) or with the kernel's
+    /// default (other models).
     #[must_use]
     pub fn converged(&self) -> Self {
         let steps = (self.model == Model::QuasiStatic).then_some(CONVERGED);

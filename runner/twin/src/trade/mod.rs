@@ -61,9 +61,9 @@ pub struct Candidate {
     pub modelling: Errors,
     /// Error against the same level in exact arithmetic.
     pub rounding: Errors,
-    /// One force of every bearing on this machine, ns.
+    /// Time of one force of every bearing on this machine, ns.
     pub desktop_ns: f64,
-    /// The same on a Cortex-M4F; none where that was never counted.
+    /// Cost of one force of every bearing on a Cortex-M4F; `None` where it was not counted.
     pub cortex: Option<Cost>,
     /// True where no candidate is both cheaper on this machine and more accurate.
     pub front_desktop: bool,
@@ -78,7 +78,7 @@ pub struct Response {
     pub model: String,
     /// Precision of the forces; the rotor is computed in `f64`.
     pub precision: &'static str,
-    /// Integrator, as a scene names it.
+    /// Name of the integrator in a scene.
     pub method: &'static str,
     /// Time step, s.
     pub step: f64,

@@ -5,7 +5,7 @@ use super::picture;
 use super::suspect::Suspect;
 use crate::outcome::baseline::{Baseline, BaselineSensor};
 use crate::outcome::{
-    EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultParameters, Finding, FindingKind, LineLevel, VibrationLine,
+    Diagnosis, EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultKind, FaultParameters, LineLevel, VibrationLine,
 };
 use crate::scene::Sensor;
 
@@ -29,13 +29,12 @@ const LOWEST: f64 = 3.0;
 const MIN_OF_STRONGEST: f64 = 0.7;
 
 /// Components whose lines are looked for.
-const KINDS: [FindingKind; 4] =
-    [FindingKind::OuterRace, FindingKind::InnerRace, FindingKind::Element, FindingKind::Cage];
+const KINDS: [FaultKind; 4] = [FaultKind::OuterRace, FaultKind::InnerRace, FaultKind::Element, FaultKind::Cage];
 
 /// One part of one bearing.
 #[derive(Clone, Copy)]
 struct Family {
-    kind: FindingKind,
+    kind: FaultKind,
     bearing: usize,
     order: f64,
 }
@@ -70,30 +69,30 @@ pub struct FaultDetector<'a> {
 }
 
 impl FaultDetector<'_> {
-    /// Returns the findings of all sensors, strongest first, and the baseline and the figure of each sensor.
+    /// Returns the diagnoses of all sensors, strongest first, and the baseline and the figure of each sensor.
     pub fn all<'s>(
         &self,
         signals: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
-    ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
+    ) -> (Vec<Diagnosis>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
         let mut transforms = Transforms::default();
         self.of_bands(signals.map(|(sensor, signal)| (sensor, self.bands(signal, &mut transforms))))
     }
 
-    /// Returns the findings from the envelopes of all bands of each sensor, as [`all`](Self::all).
+    /// Returns the diagnoses from the envelopes of all bands of each sensor, as [`all`](Self::all).
     pub fn of_bands<'s>(
         &self,
         sensors: impl Iterator<Item = (&'s Sensor, Vec<BandEnvelope>)>,
-    ) -> (Vec<Finding>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
-        let (mut findings, mut learned, mut drawn): (Vec<(f64, Finding)>, _, _) = (vec![], vec![], vec![]);
+    ) -> (Vec<Diagnosis>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
+        let (mut diagnoses, mut learned, mut drawn): (Vec<(f64, Diagnosis)>, _, _) = (vec![], vec![], vec![]);
         for (i, (sensor, bands)) in sensors.enumerate() {
             let found = self.sensor(sensor, &bands);
             let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
             learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
             let evaluated = |(k, f): (usize, &Option<Found>)| {
                 let found = f.as_ref()?;
-                self.finding(found, sensor, (i, k)).map(|(score, finding)| (score, finding, found.band))
+                self.diagnosis(found, sensor, (i, k)).map(|(score, diagnosis)| (score, diagnosis, found.band))
             };
-            let judged: Vec<(f64, Finding, [f64; 2])> = found.iter().enumerate().filter_map(evaluated).collect();
+            let judged: Vec<(f64, Diagnosis, [f64; 2])> = found.iter().enumerate().filter_map(evaluated).collect();
             let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
             let measured: Vec<&Suspect> = self.measured_by(sensor).collect();
             drawn.extend(picture::envelope(
@@ -103,15 +102,15 @@ impl FaultDetector<'_> {
                 &bands,
                 strongest,
             ));
-            findings.extend(judged.into_iter().map(|(score, finding, _)| (score, finding)));
+            diagnoses.extend(judged.into_iter().map(|(score, diagnosis, _)| (score, diagnosis)));
         }
-        findings.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let strongest = findings.first().map_or(0.0, |f| f.0);
-        findings.retain(|(score, _)| *score >= MIN_OF_STRONGEST * strongest);
-        let mut distinct: Vec<Finding> = vec![];
-        for (_, finding) in findings {
-            if !distinct.iter().any(|f| f.kind == finding.kind && f.bearing == finding.bearing) {
-                distinct.push(finding);
+        diagnoses.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let strongest = diagnoses.first().map_or(0.0, |f| f.0);
+        diagnoses.retain(|(score, _)| *score >= MIN_OF_STRONGEST * strongest);
+        let mut distinct: Vec<Diagnosis> = vec![];
+        for (_, diagnosis) in diagnoses {
+            if !distinct.iter().any(|f| f.kind == diagnosis.kind && f.bearing == diagnosis.bearing) {
+                distinct.push(diagnosis);
             }
         }
         (distinct, learned, drawn)
@@ -122,7 +121,7 @@ impl FaultDetector<'_> {
         self.suspects.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Envelopes of all bands that are high and wide enough.
+    /// Returns the envelopes of all bands that are high and wide enough.
     pub fn bands(&self, signal: &[f64], transforms: &mut Transforms) -> Vec<BandEnvelope> {
         let fastest = self.rotation.fastest_hz;
         let (lowest, highest) = (LOWEST * self.highest_order(), self.highest_line());
@@ -139,7 +138,7 @@ impl FaultDetector<'_> {
         self.sensor(sensor, bands).into_iter().flatten().map(level).collect()
     }
 
-    /// Up to here lines are looked for, Hz.
+    /// Returns the highest frequency at which lines are searched, Hz.
     #[must_use]
     pub fn range(&self) -> f64 {
         self.highest_line() * self.rotation.turn_hz
@@ -162,12 +161,13 @@ impl FaultDetector<'_> {
         4.0 * self.highest_line() * self.rotation.fastest_hz
     }
 
-    /// Bearings that a sensor listens to.
+    /// Returns the bearings that a sensor measures.
     pub fn measured_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
         self.suspects.iter().filter(|s| sensor.bearing.as_ref().is_none_or(|name| *name == s.name))
     }
 
-    /// The best band of each family.
+    /// Returns the lines of each family in the band with the highest score; `None` for a family that the sensor does not measure
+    /// or that no band contains.
     fn sensor(&self, sensor: &Sensor, all: &[BandEnvelope]) -> Vec<Option<Found>> {
         let families = self.families();
         let own = |f: &Family| sensor.bearing.as_ref().is_none_or(|name| *name == self.suspects[f.bearing].name);
@@ -190,7 +190,7 @@ impl FaultDetector<'_> {
         found.max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    fn finding(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Finding)> {
+    fn diagnosis(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Diagnosis)> {
         let line = found.lines[0];
         let usual = self.baseline.map(|b| b.modulation(i, k).max(1e-6));
         let growth = usual.map(|usual| 20.0 * (line.modulation / usual).log10());
@@ -224,7 +224,7 @@ impl FaultDetector<'_> {
             }
         );
         let confidence = (found.score / (HARMONICS as f64 * MAX_DB)).min(1.0).sqrt();
-        let finding = Finding {
+        let diagnosis = Diagnosis {
             kind: found.family.kind,
             bearing: Some(bearing),
             line_hz: found.frequency(),
@@ -243,17 +243,18 @@ impl FaultDetector<'_> {
             }),
             sentence,
             parameters: FaultParameters::default(),
+            lines: vec![],
             figures: FaultFigures::default(),
         };
-        Some((found.score, finding))
+        Some((found.score, diagnosis))
     }
 }
 
-fn component_name(kind: FindingKind) -> &'static str {
+fn component_name(kind: FaultKind) -> &'static str {
     match kind {
-        FindingKind::OuterRace => "Outer race",
-        FindingKind::InnerRace => "Inner race",
-        FindingKind::Element => "A rolling element",
+        FaultKind::OuterRace => "Outer race",
+        FaultKind::InnerRace => "Inner race",
+        FaultKind::Element => "A rolling element",
         _ => "Cage",
     }
 }

@@ -26,7 +26,7 @@ const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
 const BLOCK_TURNS: f64 = 16.0;
 /// Range of the background on either side of a line, orders.
 const BACKGROUND_TURNS: f64 = 1.0;
-/// Smallest range of the background, bins: a line under the Hann window has four bins, which shall not be its own background.
+/// Smallest range of the background, bins: a line under the Hann window has four bins, which must not be part of its background.
 const MIN_BACKGROUND: usize = 8;
 
 /// The envelope spectrum of one band.

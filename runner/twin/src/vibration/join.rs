@@ -1,20 +1,20 @@
-//! One list of findings from shaft motion and vibration.
+//! One list of diagnoses from shaft motion and vibration.
 
-use crate::outcome::{EvidenceSource, Finding, FindingKind};
+use crate::outcome::{Diagnosis, EvidenceSource, FaultKind};
 
-/// Joins the findings of shaft motion and of vibration. A fault that both show is one finding with both evidences.
+/// Joins the diagnoses of shaft motion and of vibration. A fault that both show is one diagnosis with both evidences.
 /// `is_motion_judged` is true where the shaft motion was diagnosed.
 #[must_use]
-pub fn join(motion: Vec<Finding>, vibration: Vec<Finding>, is_motion_judged: bool) -> Vec<Finding> {
-    let (mut all, unexplained): (Vec<Finding>, Vec<Finding>) =
-        motion.into_iter().partition(|finding| finding.kind != FindingKind::Other);
+pub fn join(motion: Vec<Diagnosis>, vibration: Vec<Diagnosis>, is_motion_judged: bool) -> Vec<Diagnosis> {
+    let (mut all, unexplained): (Vec<Diagnosis>, Vec<Diagnosis>) =
+        motion.into_iter().partition(|diagnosis| diagnosis.kind != FaultKind::Other);
     let mut alone = vec![];
-    for finding in vibration {
+    for diagnosis in vibration {
         let is_same =
-            |known: &&mut Finding| known.kind == finding.kind && can_be_of(&finding, known.bearing.as_deref());
+            |known: &&mut Diagnosis| known.kind == diagnosis.kind && can_be_of(&diagnosis, known.bearing.as_deref());
         match all.iter_mut().find(is_same) {
-            Some(known) => add_evidence(known, finding),
-            None => alone.push(seen_alone(finding, is_motion_judged)),
+            Some(known) => add_evidence(known, diagnosis),
+            None => alone.push(seen_alone(diagnosis, is_motion_judged)),
         }
     }
     all.extend(alone);
@@ -22,15 +22,16 @@ pub fn join(motion: Vec<Finding>, vibration: Vec<Finding>, is_motion_judged: boo
     all
 }
 
-/// Returns true where a finding of vibration can have its cause in `bearing`.
-fn can_be_of(finding: &Finding, bearing: Option<&str>) -> bool {
-    let others = finding.vibration.iter().flat_map(|line| &line.not_excluded);
-    bearing
-        .is_some_and(|bearing| finding.bearing.as_deref() == Some(bearing) || others.into_iter().any(|b| b == bearing))
+/// Returns true where a diagnosis of vibration can have its cause in `bearing`.
+fn can_be_of(diagnosis: &Diagnosis, bearing: Option<&str>) -> bool {
+    let others = diagnosis.vibration.iter().flat_map(|line| &line.not_excluded);
+    bearing.is_some_and(|bearing| {
+        diagnosis.bearing.as_deref() == Some(bearing) || others.into_iter().any(|b| b == bearing)
+    })
 }
 
-/// Adds the evidence of `vibration` to a finding of shaft motion.
-fn add_evidence(known: &mut Finding, vibration: Finding) {
+/// Adds the evidence of `vibration` to a diagnosis of shaft motion.
+fn add_evidence(known: &mut Diagnosis, vibration: Diagnosis) {
     // A second sensor, or a bearing with the same lines, adds nothing.
     if known.vibration.is_some() {
         return;
@@ -48,13 +49,13 @@ fn add_evidence(known: &mut Finding, vibration: Finding) {
 }
 
 /// States that only the vibration shows a fault.
-fn seen_alone(mut finding: Finding, is_motion_judged: bool) -> Finding {
-    finding.sentence += if is_motion_judged {
+fn seen_alone(mut diagnosis: Diagnosis, is_motion_judged: bool) -> Diagnosis {
+    diagnosis.sentence += if is_motion_judged {
         " The vibration alone shows it, the shaft motion does not."
     } else {
         " The shaft motion was not diagnosed."
     };
-    finding
+    diagnosis
 }
 
 #[cfg(test)]
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
     use crate::outcome::{FaultFigures, FaultParameters, VibrationLine};
 
-    fn finding(kind: FindingKind, bearing: Option<&str>, not_excluded: Option<&[&str]>) -> Finding {
+    fn diagnosis(kind: FaultKind, bearing: Option<&str>, not_excluded: Option<&[&str]>) -> Diagnosis {
         let line = |others: &[&str]| VibrationLine {
             sensor: "A".to_owned(),
             band_hz: [2000.0, 4000.0],
@@ -74,7 +75,7 @@ mod tests {
             not_excluded: others.iter().map(|b| (*b).to_owned()).collect(),
         };
         let source = if not_excluded.is_some() { EvidenceSource::Vibration } else { EvidenceSource::ShaftMotion };
-        Finding {
+        Diagnosis {
             kind,
             bearing: bearing.map(str::to_owned),
             line_hz: 107.0,
@@ -85,18 +86,19 @@ mod tests {
             vibration: not_excluded.map(line),
             parameters: FaultParameters::default(),
             sentence: "Fault.".to_owned(),
+            lines: vec![],
             figures: FaultFigures::default(),
         }
     }
 
     #[test]
-    fn a_fault_that_both_show_is_one_finding() {
-        let motion = vec![finding(FindingKind::OuterRace, Some("DE"), None)];
+    fn a_fault_that_both_show_is_one_diagnosis() {
+        let motion = vec![diagnosis(FaultKind::OuterRace, Some("DE"), None)];
         // The strongest bearing with these lines, and each that the sensor cannot distinguish from it.
         for of in ["DE", "NDE"] {
             let seen = vec![
-                finding(FindingKind::OuterRace, Some(of), Some(&["DE"])),
-                finding(FindingKind::OuterRace, Some("DE"), Some(&["NDE"])),
+                diagnosis(FaultKind::OuterRace, Some(of), Some(&["DE"])),
+                diagnosis(FaultKind::OuterRace, Some("DE"), Some(&["NDE"])),
             ];
             let all = join(motion.clone(), seen, true);
             assert_eq!(all.len(), 1);
@@ -112,11 +114,11 @@ mod tests {
 
     #[test]
     fn a_fault_of_the_vibration_alone_stands_before_an_unexplained_residual() {
-        let motion = vec![finding(FindingKind::Unbalance, None, None), finding(FindingKind::Other, None, None)];
-        let seen = vec![finding(FindingKind::InnerRace, Some("DE"), Some(&[]))];
+        let motion = vec![diagnosis(FaultKind::Unbalance, None, None), diagnosis(FaultKind::Other, None, None)];
+        let seen = vec![diagnosis(FaultKind::InnerRace, Some("DE"), Some(&[]))];
         let all = join(motion, seen.clone(), true);
-        let kinds: Vec<FindingKind> = all.iter().map(|f| f.kind).collect();
-        assert_eq!(kinds, [FindingKind::Unbalance, FindingKind::InnerRace, FindingKind::Other]);
+        let kinds: Vec<FaultKind> = all.iter().map(|f| f.kind).collect();
+        assert_eq!(kinds, [FaultKind::Unbalance, FaultKind::InnerRace, FaultKind::Other]);
         assert!(all[1].sentence.ends_with("The vibration alone shows it, the shaft motion does not."));
         assert_eq!(all[1].evidence, [EvidenceSource::Vibration]);
         assert!(join(vec![], seen, false)[0].sentence.ends_with("The shaft motion was not diagnosed."));

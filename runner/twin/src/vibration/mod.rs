@@ -1,5 +1,5 @@
 //! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by the lines of envelope
-//! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the findings of both are joined.
+//! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the diagnoses of both are joined.
 
 mod detector;
 mod envelope;
@@ -31,7 +31,7 @@ use suspect::Suspect;
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
 
-/// Restriction of a finding without a measured speed.
+/// Restriction of a diagnosis without a measured speed.
 const UNMEASURED: &str =
     "The shaft speed is that of the scene, not measured: at another speed the line belongs to another component.";
 
@@ -100,14 +100,14 @@ pub fn replay(
     let mut implausible =
         implausible(&Evidence { scene, rate_hz: rate, collected, limits: None, rotation: None, samples: &[] });
     let overridden = if options.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
-    let findings = if implausible.is_empty() { found.findings } else { vec![] };
+    let diagnoses = if implausible.is_empty() { found.diagnoses } else { vec![] };
     let verdict = match (implausible.is_empty(), &found.not_judged) {
         (false, _) => verdict(&[], &[], &implausible, &[], None, 0),
         (true, Some(reason)) => format!("No verdict: {reason}."),
-        (true, None) => findings.first().map_or_else(
+        (true, None) => diagnoses.first().map_or_else(
             || "No line of a bearing stands out of the envelope of any band.".to_owned(),
             |f| match recording.rotation {
-                // Every line is at a multiple of the speed: a wrong speed makes a finding of a wrong component.
+                // Every line is at a multiple of the speed: a wrong speed makes a diagnosis of a wrong component.
                 RotationSource::Scene => format!("{} {UNMEASURED}", f.sentence),
                 _ => f.sentence.clone(),
             },
@@ -147,7 +147,7 @@ pub fn replay(
         timing,
         implausible,
         not_judged: found.not_judged.into_iter().collect(),
-        findings,
+        diagnoses,
         flaws,
         notes,
         learned: Baseline::of_sensors(&scene.name, name, found.learned),

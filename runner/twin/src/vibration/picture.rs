@@ -1,4 +1,4 @@
-//! Envelope spectrum of a sensor for the report: the band of the strongest finding, or the band with the largest modulation.
+//! Envelope spectrum of a sensor for the report: the band of the strongest diagnosis, or the band with the largest modulation.
 
 use super::envelope::BandEnvelope;
 use super::suspect::Suspect;
@@ -6,7 +6,7 @@ use crate::outcome::{EnvelopeSpectrum, MarkedLine};
 use crate::scene::Sensor;
 
 /// Returns the spectrum of one sensor from `bands`, up to `highest` (Hz); `suspects` are the bearings that it measures, `found`
-/// is the band of the strongest finding.
+/// is the band of the strongest diagnosis.
 pub fn envelope(
     sensor: &Sensor,
     suspects: &[&Suspect],
@@ -23,7 +23,7 @@ pub fn envelope(
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: turn_hz }];
     lines.extend(suspects.iter().flat_map(|suspect| marked(suspect, turn_hz)));
     let reason = match found {
-        Some(_) => "the band on which the finding rests",
+        Some(_) => "the band on which the diagnosis rests",
         None => "the most impulsive band; no line of a bearing stands out of any",
     };
     Some(EnvelopeSpectrum {

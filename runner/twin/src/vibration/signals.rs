@@ -6,7 +6,7 @@ use super::shaft::ShaftAngle;
 use super::suspects;
 use crate::error::Result;
 use crate::outcome::baseline::{Baseline, BaselineSensor};
-use crate::outcome::{EnvelopeSpectrum, Finding};
+use crate::outcome::{Diagnosis, EnvelopeSpectrum};
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene, Sensor};
 use ballrace::Exact;
@@ -40,7 +40,7 @@ pub struct Signals {
 #[derive(Debug, Default)]
 pub struct Evaluation {
     /// Faults, strongest first.
-    pub findings: Vec<Finding>,
+    pub diagnoses: Vec<Diagnosis>,
     /// Baseline of the sensors.
     pub learned: Vec<BaselineSensor>,
     /// One envelope spectrum a sensor.
@@ -178,7 +178,7 @@ impl Signals {
         let part = |signal: &'_ Vec<f64>| samples.start.min(signal.len())..samples.end.min(signal.len());
         let signals =
             self.sensors.iter().map(|(sensor, signal)| (sensor, signal.get(part(signal)).unwrap_or_default()));
-        (evaluation.findings, evaluation.learned, evaluation.envelopes) = detector.all(signals);
+        (evaluation.diagnoses, evaluation.learned, evaluation.envelopes) = detector.all(signals);
         Ok(evaluation)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The squared envelope of each snapshot has its own spectrum, in segments that never extend over two files. Power spectra of
 //! segments at equal speed have the same expectation, so they are averaged; signals are not joined, because the phase between two
-//! files is unknown. A snapshot of fewer than 16 revolutions resolves lines no better for being averaged.
+//! files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16 revolutions.
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -18,7 +18,7 @@ use crate::error::{Result, VibrationError};
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{
-    Finding, FindingKind, LineLevel, Outcome, Pictures, Record, RotorDrawing, SnapshotFigures, SnapshotOutcome,
+    Diagnosis, FaultKind, LineLevel, Outcome, Pictures, Record, RotorDrawing, SnapshotFigures, SnapshotOutcome,
     SnapshotTrend, Timing,
 };
 use crate::recording::error::RecordingError;
@@ -137,12 +137,12 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Revolutions of the shaft in a snapshot.
+    /// Returns the revolutions of the shaft in a snapshot.
     fn turns(&self) -> f64 {
         self.samples.map_or(0.0, |samples| samples as f64 / self.detector.rate * self.detector.rotation.turn_hz)
     }
 
-    /// Number of snapshots that have the revolutions of a verdict together.
+    /// Returns the number of snapshots that together have the revolutions of a verdict.
     fn group_size(&self) -> usize {
         (MIN_TURNS / self.turns()).ceil().clamp(1.0, 1e9) as usize
     }
@@ -296,17 +296,17 @@ impl<'a> Evaluation<'a> {
             None
         };
         let sensors = self.recording.sensors.iter().zip(self.judged_envelopes);
-        let (mut findings, learned, envelopes) = self.detector.of_bands(sensors);
+        let (mut diagnoses, learned, envelopes) = self.detector.of_bands(sensors);
         if not_judged.is_some() {
-            findings.clear();
+            diagnoses.clear();
         }
-        for finding in &mut findings {
-            let sentence = growth_sentence(finding, &trends, &self.snapshots);
-            finding.sentence += &sentence;
+        for diagnosis in &mut diagnoses {
+            let sentence = growth_sentence(diagnosis, &trends, &self.snapshots);
+            diagnosis.sentence += &sentence;
         }
-        let verdict = match (&not_judged, findings.first()) {
+        let verdict = match (&not_judged, diagnoses.first()) {
             (Some(reason), _) => format!("No verdict: {reason}."),
-            (None, Some(finding)) => finding.sentence.clone(),
+            (None, Some(diagnosis)) => diagnosis.sentence.clone(),
             (None, None) => {
                 "No line of a bearing stands out of the envelope of any band in the last snapshots.".to_owned()
             }
@@ -333,7 +333,7 @@ impl<'a> Evaluation<'a> {
             bearings: suspects.iter().map(Suspect::outcome).collect(),
             timing: Timing { samples: rows, sample_period_ns: (1e9 / rate) as u64, ..Timing::default() },
             not_judged: not_judged.into_iter().collect(),
-            findings,
+            diagnoses,
             notes,
             snapshots: self.snapshots,
             snapshot_trends: trends,
@@ -357,7 +357,7 @@ impl<'a> Evaluation<'a> {
         if bin <= 1.0 / MIN_TURNS || !bin.is_finite() {
             return None;
         }
-        let kinds = [FindingKind::OuterRace, FindingKind::InnerRace, FindingKind::Element, FindingKind::Cage];
+        let kinds = [FaultKind::OuterRace, FaultKind::InnerRace, FaultKind::Element, FaultKind::Cage];
         let lines: Vec<(String, f64)> = suspects
             .iter()
             .flat_map(|s| kinds.map(|kind| (format!("{} of {}", component(kind), s.name), s.order(kind))))
@@ -383,11 +383,11 @@ fn reason(path: &Path, error: &RecordingError) -> String {
 }
 
 /// Returns the name of a component in a sentence.
-const fn component(kind: FindingKind) -> &'static str {
+const fn component(kind: FaultKind) -> &'static str {
     match kind {
-        FindingKind::OuterRace => "outer race",
-        FindingKind::InnerRace => "inner race",
-        FindingKind::Element => "rolling element",
+        FaultKind::OuterRace => "outer race",
+        FaultKind::InnerRace => "inner race",
+        FaultKind::Element => "rolling element",
         _ => "cage",
     }
 }
@@ -399,11 +399,11 @@ fn named(number: usize, snapshots: &[SnapshotOutcome]) -> String {
     format!("snapshot {number} ({})", place.unwrap_or_default())
 }
 
-/// Returns the growth of the line of a finding as a sentence.
-fn growth_sentence(finding: &Finding, trends: &[SnapshotTrend], snapshots: &[SnapshotOutcome]) -> String {
-    let sensor = finding.vibration.as_ref().map(|line| &line.sensor);
+/// Returns the growth of the line of a diagnosis as a sentence.
+fn growth_sentence(diagnosis: &Diagnosis, trends: &[SnapshotTrend], snapshots: &[SnapshotOutcome]) -> String {
+    let sensor = diagnosis.vibration.as_ref().map(|line| &line.sensor);
     let is_its = |t: &&SnapshotTrend| {
-        Some(&t.sensor) == sensor && t.bearing == finding.bearing && t.component == Some(finding.kind)
+        Some(&t.sensor) == sensor && t.bearing == diagnosis.bearing && t.component == Some(diagnosis.kind)
     };
     match trends.iter().find(is_its) {
         Some(SnapshotTrend { growth_db, onset: Some(onset), .. }) => format!(

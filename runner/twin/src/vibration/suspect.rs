@@ -1,6 +1,6 @@
 //! A bearing whose damage is looked for.
 
-use crate::outcome::{BearingOrders, BearingOutcome, FindingKind};
+use crate::outcome::{BearingOrders, BearingOutcome, FaultKind};
 use ballrace::bearing::kinematics::Orders;
 
 /// A bearing that may be damaged.
@@ -17,12 +17,12 @@ pub struct Suspect {
 
 impl Suspect {
     /// Returns the order of the line of a component, per revolution of the shaft.
-    pub fn order(&self, component: FindingKind) -> f64 {
+    pub fn order(&self, component: FaultKind) -> f64 {
         match component {
-            FindingKind::OuterRace => self.orders.outer_race,
-            FindingKind::InnerRace => self.orders.inner_race,
+            FaultKind::OuterRace => self.orders.outer_race,
+            FaultKind::InnerRace => self.orders.inner_race,
             // A defect of a ball strikes both races in one revolution of the ball.
-            FindingKind::Element => 2.0 * self.orders.ball_spin,
+            FaultKind::Element => 2.0 * self.orders.ball_spin,
             _ => self.orders.cage,
         }
     }

@@ -1,10 +1,10 @@
-//! Blows of known origin in noise, and what is no blow.
+//! Impacts of known origin in noise, and signals without impacts.
 
 use super::detector::FaultDetector;
 use super::envelope::Rotation;
 use super::signals::{Evaluation, Signals};
 use super::suspect::Suspect;
-use crate::outcome::{EnvelopeSpectrum, EvidenceSource, FindingKind};
+use crate::outcome::{EnvelopeSpectrum, EvidenceSource, FaultKind};
 use crate::recording::{Row, Sample};
 use crate::scene::read::read_str;
 use crate::scene::{Recording, Sensor};
@@ -26,12 +26,12 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Depth of a modulation and its order: damage that passes through the load zone is hit harder there.
+/// Depth of a modulation and its order: impacts are stronger while the damage is in the load zone.
 type Modulation = (f64, f64);
 const STEADY: Modulation = (0.0, 1.0);
 
-/// Blows `order` times a turn, ringing at `ring` (Hz), in noise; modulated with the shaft as a damaged inner race's are, or with the cage as
-/// those of an element.
+/// Returns impacts `order` times a revolution with a resonance at `ring` (Hz) in noise, modulated with the shaft (damaged
+/// inner race) or with the cage (damaged element).
 fn blows(order: f64, ring: f64, (modulated, by): Modulation, loud: f64, seed: u64) -> Vec<f64> {
     let mut noise = noise(seed);
     let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
@@ -43,7 +43,7 @@ fn blows(order: f64, ring: f64, (modulated, by): Modulation, loud: f64, seed: u6
             let t = i as f64 / RATE - at;
             *x += strength * (-900.0 * t).exp() * (TAU * ring * t).sin();
         }
-        // Rollers are not clockwork: a twentieth of a percent of jitter.
+        // The slip of the elements varies the interval: a jitter of 0.05 %.
         at += (1.0 + 5e-4 * noise()) / (order * TURN_HZ);
     }
     signal
@@ -54,16 +54,16 @@ fn suspect() -> Suspect {
     Suspect { name: "DE".to_owned(), station: 0.0, orders: orders(9, gamma, gamma), elements: 9 }
 }
 
-fn judged(signal: &[f64]) -> (Vec<(FindingKind, f64)>, Vec<EnvelopeSpectrum>) {
+fn judged(signal: &[f64]) -> (Vec<(FaultKind, f64)>, Vec<EnvelopeSpectrum>) {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
     let rotation = Rotation { turn_hz: TURN_HZ, fastest_hz: TURN_HZ, revolutions: None };
     let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline: None };
-    let (findings, _, drawn) = detector.all(std::iter::once((&sensor, signal)));
-    (findings.iter().map(|f| (f.kind, f.order)).collect(), drawn)
+    let (diagnoses, _, drawn) = detector.all(std::iter::once((&sensor, signal)));
+    (diagnoses.iter().map(|f| (f.kind, f.order)).collect(), drawn)
 }
 
-fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
+fn found(signal: &[f64]) -> Vec<(FaultKind, f64)> {
     judged(signal).0
 }
 
@@ -71,10 +71,10 @@ fn found(signal: &[f64]) -> Vec<(FindingKind, f64)> {
 fn each_component_is_identified_by_its_impacts() {
     let Orders { outer_race, inner_race, ball_spin, cage } = suspect().orders;
     let parts = [
-        (FindingKind::OuterRace, outer_race, STEADY),
-        (FindingKind::InnerRace, inner_race, (0.8, 1.0)),
-        (FindingKind::Element, 2.0 * ball_spin, STEADY),
-        (FindingKind::Element, 2.0 * ball_spin, (0.8, cage)),
+        (FaultKind::OuterRace, outer_race, STEADY),
+        (FaultKind::InnerRace, inner_race, (0.8, 1.0)),
+        (FaultKind::Element, 2.0 * ball_spin, STEADY),
+        (FaultKind::Element, 2.0 * ball_spin, (0.8, cage)),
     ];
     for (seed, (kind, order, modulated)) in parts.into_iter().enumerate() {
         for (ring, slip) in [(2300.0, -0.01), (4100.0, 0.0), (7700.0, 0.01)] {
@@ -104,7 +104,7 @@ fn the_band_that_is_drawn_shows_the_line() {
     let (_, drawn) = judged(&blows(order, 4100.0, STEADY, 3.0, 1));
     assert_eq!(drawn.len(), 1);
     let envelope = &drawn[0];
-    assert_eq!(envelope.reason, "the band on which the finding rests");
+    assert_eq!(envelope.reason, "the band on which the diagnosis rests");
     let at = (order * TURN_HZ / envelope.bin_hz).round() as usize;
     let peak = envelope.modulation[at - 1..=at + 1].iter().copied().fold(0.0, f64::max);
     let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);
@@ -170,11 +170,11 @@ fn orders_are_tracked_while_the_speed_rises() {
         // 22 to 31 rev/s within 3 s: the line smears over 32 Hz and its third multiple over 96 Hz.
         let found = evaluated(order, average, |t| 22.0 * t + 1.5 * t * t);
         assert_eq!(found.not_judged, None);
-        let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
-        assert_eq!((finding.kind, finding.bearing.as_deref()), (FindingKind::OuterRace, Some("DE")));
-        assert!((finding.order / order - 1.0).abs() < 0.005, "{}", finding.order);
-        assert_eq!(finding.evidence, [EvidenceSource::Vibration]);
-        assert_eq!(finding.vibration.as_ref().unwrap().sensor, "a");
+        let [diagnosis] = &found.diagnoses[..] else { panic!("{:?}", found.diagnoses) };
+        assert_eq!((diagnosis.kind, diagnosis.bearing.as_deref()), (FaultKind::OuterRace, Some("DE")));
+        assert!((diagnosis.order / order - 1.0).abs() < 0.005, "{}", diagnosis.order);
+        assert_eq!(diagnosis.evidence, [EvidenceSource::Vibration]);
+        assert_eq!(diagnosis.vibration.as_ref().unwrap().sensor, "a");
         assert!((found.speeds_hz[1] - 26.5).abs() < 0.01, "{:?}", found.speeds_hz);
         assert!(found.notes.iter().any(|note| note.contains("equal steps of the shaft angle")), "{:?}", found.notes);
         assert_eq!(found.envelopes.len(), 2);
@@ -184,7 +184,7 @@ fn orders_are_tracked_while_the_speed_rises() {
 #[test]
 fn a_measured_constant_speed_is_not_resampled() {
     let found = evaluated(suspect().orders.inner_race, 1, |t| 24.7 * t);
-    assert!(matches!(&found.findings[..], [f] if f.kind == FindingKind::InnerRace), "{:?}", found.findings);
+    assert!(matches!(&found.diagnoses[..], [f] if f.kind == FaultKind::InnerRace), "{:?}", found.diagnoses);
     assert!(!found.notes.iter().any(|note| note.contains("equal steps")));
 }
 

@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 /// Lines on each side over which the noise is estimated.
 const NEIGHBOURS: usize = 6;
-/// Sets of made-up noise from which the noise of the residual is estimated.
+/// Number of sets of simulated noise from which the noise of the residual is estimated.
 const DRAWS: usize = 3;
-/// Square of the change of the residual, in units of the noise, below which a parameter is certain enough.
+/// Square of the change of the residual, in units of the noise, below which the uncertainty of a parameter is neglected.
 const MIN_TOLERANCE: f64 = 1e-3;
 
 impl Evidence<'_> {
@@ -34,7 +34,7 @@ impl Evidence<'_> {
         self.whiten_bearings();
         self.tolerate(machine)
     }
-    /// Brings the weights of forces about the centre of mass to forces at each bearing.
+    /// Converts the weights of forces about the centre of mass to forces at each bearing.
     fn whiten_bearings(&mut self) {
         let of = |b: usize| {
             let line = |(k, rows): (usize, &Vec<[C; D]>)| {
@@ -47,7 +47,8 @@ impl Evidence<'_> {
         self.whitening_of_bearing = (0..self.plant.bearings.len()).map(of).collect();
     }
 
-    /// Sets the parameters that are known with a covariance: what they may be off explains no fault. [`Evidence::weight_for`] comes next.
+    /// Sets the parameters that are known with a covariance, so that their errors are not diagnosed as faults. The next call must be
+    /// [`Evidence::weight_for`].
     pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
         let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
         let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
@@ -112,7 +113,7 @@ impl Evidence<'_> {
         whitening
     }
 
-    /// Mean tangent stiffness along the motion.
+    /// Computes the mean tangent stiffness along the motion.
     pub(super) fn mean_stiffness(&self, machine: &Machine) -> Result<MeanStiffness> {
         let stride = (self.motion.len() / 500).max(1);
         let count = self.motion.len().div_ceil(stride) as f64;
@@ -126,12 +127,12 @@ impl Evidence<'_> {
         Ok(MeanStiffness { tangents, damping: machine.damping })
     }
 
-    /// Force that a displacement at line `k`, the angular frequency `w`, requires, by the mean stiffness.
+    /// Returns the force that a displacement at line `k`, the angular frequency `w` (rad/s), requires, by the mean stiffness.
     pub(super) fn dynamic_stiffness(&self, of: &MeanStiffness, k: usize, w: f64) -> Square {
         self.shaft.dynamics.stiffness(k, w, &of.damping, &of.tangents)
     }
 
-    /// A force is brought to the displacement that it causes at the mean stiffness, which is then divided by its noise.
+    /// Returns the weights that convert a force to the displacement that it causes at the mean stiffness, divided by its noise.
     fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
         let unit = (0.5 * self.transform.power).sqrt();
         // Information on the displacement, and its square root: rows that all have the noise 1.
@@ -179,7 +180,7 @@ impl Evidence<'_> {
     /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
     /// enters the displacement at which the bearing forces are evaluated, and resonances amplify it there.
     ///
-    /// The residual of several sets of made-up noise is averaged over neighbouring lines.
+    /// The residual of several sets of simulated noise is averaged over neighbouring lines.
     fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
         let Weighting { noise, solver, .. } = &*self.weighting;
         let lines = self.whitening.len();
@@ -260,7 +261,7 @@ impl Evidence<'_> {
     }
 }
 
-/// Normally distributed numbers, the same in every run (xorshift and Box-Muller).
+/// Generator of normally distributed numbers, the same in every run (xorshift and Box-Muller).
 pub struct Normal {
     state: u64,
 }

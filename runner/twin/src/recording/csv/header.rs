@@ -110,7 +110,7 @@ fn names(text: &[u8], delimiter: u8) -> Vec<String> {
     record.iter().map(|name| decoded(name).trim().to_owned()).collect()
 }
 
-/// UTF-8, or else Latin-1, in which loggers on Windows write their micro and degree signs.
+/// Decodes UTF-8, or else Latin-1, in which loggers on Windows write their micro and degree signs.
 pub(super) fn decoded(text: &[u8]) -> String {
     match str::from_utf8(text) {
         Ok(text) => text.to_owned(),
@@ -118,7 +118,7 @@ pub(super) fn decoded(text: &[u8]) -> String {
     }
 }
 
-/// Text of the file for a message.
+/// Returns text of the file for a message, shortened and escaped.
 pub(super) fn shortened(text: &[u8]) -> String {
     const SHOWN: usize = 40;
     let text = String::from_utf8_lossy(text.trim_ascii());

@@ -48,7 +48,7 @@ struct Waveform {
     status: String,
     /// Revolutions by the key `Number of Revs`.
     revolutions: Option<f64>,
-    /// rpm
+    /// Shaft speed, rpm.
     speed: Option<f64>,
     /// Line of the first sample.
     line: u64,

@@ -189,7 +189,7 @@ fn unfiltered(mut bytes: Vec<u8>, dataset: &Dataset, mask: u32, unpacked: u64) -
     Ok(bytes)
 }
 
-/// Puts the bytes of each element together again: first bytes of all elements come first, then the second ones.
+/// Reverses the shuffle filter, which stores the first bytes of all elements, then the second ones.
 fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     let count = bytes.len() / size.max(1);
     let mut plain = bytes.to_vec();

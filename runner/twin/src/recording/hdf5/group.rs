@@ -104,7 +104,7 @@ struct Heap {
     rows: u64,
 }
 
-/// Bytes that hold a number.
+/// Returns the number of bytes that store a number.
 const fn bytes_for(number: u64) -> u64 {
     (64 - number.leading_zeros() as u64).div_ceil(8)
 }
@@ -166,7 +166,7 @@ impl Heap {
         Ok(all)
     }
 
-    /// Identifiers of objects in a node, each behind a hash of its name.
+    /// Returns the identifiers of the objects in a node; each one follows a hash of its name.
     fn records(
         &self,
         source: &mut Source,

@@ -248,12 +248,12 @@ impl Object {
     }
 }
 
-/// Text up to its first zero.
+/// Returns a text up to its first zero.
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned()
 }
 
-/// Lengths of the dimensions; nothing for a space without elements.
+/// Returns the lengths of the dimensions; `None` for a space without elements or with too many dimensions.
 fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<Vec<u64>>> {
     let (version, dimensions) = (bytes.u8()?, bytes.u8()?);
     let (_flags, kind) = (bytes.u8()?, bytes.u8()?);
@@ -286,7 +286,7 @@ fn datatype(mut bytes: Bytes<'_>) -> io::Result<Option<Type>> {
     }
 }
 
-/// Place of the numbers, or the reason for which it is not read.
+/// Returns the location of the numbers, or the reason for which they cannot be read.
 fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
     let (version, class) = (bytes.u8()?, bytes.u8()?);
     Ok(match (version, class) {
@@ -306,7 +306,7 @@ fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
     })
 }
 
-/// Filters in the order of writing, or the reason for which they are not applied.
+/// Returns the filters in the order of writing, or the reason for which they cannot be reversed.
 fn filters(mut bytes: Bytes<'_>) -> io::Result<Result<Vec<Filter>, String>> {
     let (version, count) = (bytes.u8()?, bytes.u8()?);
     bytes.take(if version == 1 { 6 } else { 0 })?;
@@ -327,7 +327,7 @@ fn filters(mut bytes: Bytes<'_>) -> io::Result<Result<Vec<Filter>, String>> {
     Ok(Ok(all))
 }
 
-/// Name and address of a hard link; nothing for other links.
+/// Returns name and address of a hard link; `None` for other links.
 pub(super) fn link(mut bytes: Bytes<'_>) -> io::Result<Option<(String, u64)>> {
     let (_version, flags) = (bytes.u8()?, bytes.u8()?);
     let kind = if flags & 0x08 == 0 { 0 } else { bytes.u8()? };

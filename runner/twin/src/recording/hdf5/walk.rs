@@ -5,7 +5,7 @@ use std::io;
 use super::object::{Dataset, Object, Type};
 use super::{Source, Vector, data, group, refuse};
 
-/// Groups within each other.
+/// Maximum nesting depth of groups.
 const DEEPEST: usize = 16;
 /// Largest number of objects that are visited.
 const MAX_OBJECTS: usize = 1 << 16;

@@ -21,7 +21,7 @@ const MAX_DIMENSIONS: u64 = 32;
 /// Longest path of an array, and longest list of field names, bytes.
 const LONGEST_PATH: usize = 1024;
 const LONGEST_FIELDS: u64 = 1 << 20;
-/// Structures within each other.
+/// Maximum nesting depth of structures and cell arrays.
 const DEEPEST: usize = 16;
 /// Largest number of arrays of numbers, and of arrays of any class, in a file.
 const MAX_FOUND: usize = 1 << 16;

@@ -13,7 +13,7 @@ const LARGEST: i64 = 1 << 28;
 /// Deepest nesting of structures; a page header has three levels.
 const DEEPEST: u8 = 8;
 
-/// Number of fields in a page header.
+/// Fields of a page header, `[parent, own]`: 0 is the page header itself.
 const UNPACKED: [i64; 2] = [0, 2];
 const PACKED: [i64; 2] = [0, 3];
 const DICTIONARY_VALUES: [i64; 2] = [7, 1];
@@ -61,7 +61,7 @@ fn byte(from: &mut impl Read) -> io::Result<u8> {
     Ok(byte[0])
 }
 
-/// A whole number in groups of seven bits, the lowest first.
+/// Reads a whole number in groups of seven bits, the lowest first.
 fn varint(from: &mut impl Read) -> io::Result<u64> {
     let mut value = 0;
     for shift in (0..64).step_by(7) {
@@ -74,13 +74,13 @@ fn varint(from: &mut impl Read) -> io::Result<u64> {
     Err(io::Error::other("a number without an end"))
 }
 
-/// A whole number with its sign in the lowest bit.
+/// Reads a whole number with its sign in the lowest bit.
 fn zigzag(from: &mut impl Read) -> io::Result<i64> {
     let value = varint(from)?;
     Ok((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
 }
 
-/// A structure in Thrift's compact protocol: its whole numbers go to `fields` with their place, `[parent, own]`.
+/// Reads a structure in Thrift's compact protocol and adds its whole numbers to `fields` with their place, `[parent, own]`.
 fn structure(from: &mut impl Read, depth: u8, parent: i64, fields: &mut Vec<([i64; 2], i64)>) -> io::Result<()> {
     let mut id = 0_i64;
     loop {

@@ -7,7 +7,8 @@ use crate::recording::flaws::Position;
 /// Widths of counters, bits.
 const BITS: [u32; 2] = [16, 32];
 
-/// Instants in a turn that are passed on: the angle follows 11 of them, as with a keyphasor, and more would only make the speed rough.
+/// Smallest number of instants used per revolution of a wheel with as many pulses. The angle is fitted through 11 of them, as with a
+/// keyphasor; more instants only add noise to the speed.
 const PER_TURN: u64 = 16;
 
 /// Longest time in samples in which the last pulse may have come for its instant to be used.

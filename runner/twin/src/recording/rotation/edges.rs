@@ -27,10 +27,10 @@ const HEIGHTS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Beginnings of pulses from which the levels are checked before the signal ends.
 const ENOUGH: usize = 10;
 
-/// The same at the end of a recording.
+/// Beginnings of pulses from which the levels are checked at the end of a recording.
 const FEW: usize = 3;
 
-/// The same after the signal has left its levels.
+/// Beginnings of pulses from which the levels are checked after the signal has left its levels.
 const AGAIN: usize = 4;
 
 /// Largest share of readings at either end that may be spikes. A pulse is longer: one sample in 256 at least.
@@ -55,12 +55,12 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// Data of a sample.
+    /// Returns the instant of a sample.
     pub(super) const fn sample(index: u64) -> Self {
         Self { index, fraction: 0.0 }
     }
 
-    /// Samples since `earlier`.
+    /// Returns the number of samples since `earlier`.
     pub(super) fn since(self, earlier: Self) -> f64 {
         self.index.wrapping_sub(earlier.index) as i64 as f64 + (self.fraction - earlier.fraction)
     }
@@ -82,7 +82,7 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Finds the levels in the first samples; none as long as they do not show clearly. At the `end` of the
-    /// recording one change of level has to do. The pulses of a wheel with a gap may have one interval of `gap` others in a turn.
+    /// recording one change of level is sufficient. The pulses of a wheel with a gap may have one interval of `gap` others in a turn.
     ///
     /// Spikes beyond the levels hide them: where all readings show no even pulses, those without the few lowest and highest
     /// may, up to [`SPIKES`] of them.
@@ -110,7 +110,7 @@ impl Levels {
         even.or_else(|| if end { all() } else { None })
     }
 
-    /// Finds the levels after the signal has left those of before, whose pulse was `height` high: there are pulses as before.
+    /// Finds the levels after the signal has left its earlier ones; the pulses have about their earlier `height`.
     pub(super) fn learn_again(
         readings: impl Iterator<Item = f64> + Clone,
         given: &PulseDetection,
@@ -124,7 +124,8 @@ impl Levels {
         (HEIGHTS.contains(&((high - low) / height)) && levels.show(readings, AGAIN, gap)).then_some(levels)
     }
 
-    /// From the lowest and the highest level; none where too many samples are between them, or the threshold of the scene is not.
+    /// Creates the levels from the lowest and the highest one; `None` where too many samples are between them, or where the threshold
+    /// of the scene is not between them.
     fn between(
         (low, high): (f64, f64),
         noise: f64,
@@ -159,12 +160,12 @@ impl Levels {
         Some(if is_falling { Self { scale: -levels.scale, ..levels } } else { levels })
     }
 
-    /// The reading is farther beyond a level than half the way between the two.
+    /// Returns true for a reading farther beyond a level than half the distance between the two.
     pub(super) fn is_spike(self, reading: f64) -> bool {
         ((reading - self.middle) * self.scale).abs() > 1.0
     }
 
-    /// Below 0 at rest, above 0 in a pulse.
+    /// Returns the scaled distance of a reading from the threshold: below 0 at rest, above 0 in a pulse.
     fn value(self, reading: f64) -> f64 {
         (reading - self.threshold) * self.scale
     }
@@ -230,7 +231,7 @@ pub(super) struct UsedThreshold {
     pub(super) unit: &'static str,
 }
 
-/// Lowest and highest reading, NaN left out.
+/// Returns the lowest and the highest reading; NaN is ignored.
 pub(super) fn range(readings: impl Iterator<Item = f64>) -> (f64, f64) {
     readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), reading| (low.min(reading), high.max(reading)))
 }

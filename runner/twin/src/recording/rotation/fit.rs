@@ -10,10 +10,10 @@ const ROUNDING: f64 = 0.45;
 /// deviations of its bend. A line is far steadier, above all beyond the first and the last pulse.
 const CLEAR: f64 = 9.0;
 
-/// Pulses to each side of the one that a fit is for, from the smoothest to the nimblest.
+/// Numbers of pulses on each side of the pulse of a fit, from the smoothest fit to the one that follows changes fastest.
 const SIDES: [usize; 4] = [SIDE, 3, 2, 1];
 
-/// Pulses to each side that a fit looks at.
+/// Largest number of pulses on each side of the pulse of a fit.
 pub(super) const SIDE: usize = 5;
 
 /// A pulse with its place in the count.
@@ -24,8 +24,8 @@ pub(super) struct Pulse {
     pub(super) at: Instant,
     /// Samples a pulse in the interval before.
     pub(super) period: f64,
-    /// The signal was away so long since the pulse before that the count rests on a guess; the sample in the
-    /// middle of that time.
+    /// Sample in the middle of a signal loss before this pulse that was so long that the count of pulses is estimated; `None` without
+    /// such a loss.
     pub(super) lost: Option<u64>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Fit {
     at_pulse: f64,
     slope: f64,
     bend: f64,
-    /// Correlation length of the residuals, in samples; 0 without residuals.
+    /// Standard deviation of the residuals, in samples; 0 without residuals.
     scatter: f64,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Progress {
 }
 
 impl Fit {
-    /// For pulse `place` of `pulses`, which have no hole between them.
+    /// Returns the fit for pulse `place` of `pulses`, which have no signal loss between them.
     pub(super) fn around(pulses: &[Pulse], place: usize) -> Self {
         let pulse = pulses[place];
         let mut best = Self::line(pulse, 1.0 / pulse.period);
@@ -63,7 +63,7 @@ impl Fit {
         best
     }
 
-    /// The straightest that goes through the pulses: a line, unless a parabola is clearly nearer.
+    /// Returns the line through the pulses, or the parabola where it fits significantly better.
     pub(super) fn through(pulses: &[Pulse], pulse: Pulse) -> Option<Self> {
         if pulses.len() < 2 {
             return None;
@@ -82,7 +82,7 @@ impl Fit {
         Self { pulse, at_pulse: 0.0, slope, bend: 0.0, scatter: 0.0 }
     }
 
-    /// Through two pulses or more; three for a parabola.
+    /// Returns the least-squares line through two or more pulses, or the parabola through three or more.
     fn least_squares(pulses: &[Pulse], pulse: Pulse, parabola: bool) -> Self {
         let point = |other: &Pulse| {
             let number = other.number.wrapping_sub(pulse.number) as i64 as f64;
@@ -116,8 +116,8 @@ impl Fit {
         }
     }
 
-    /// Pulses passed since this fit's pulse. Outside the pulses it rests on, a parabola turns back somewhere:
-    /// from there on the shaft stands still.
+    /// Returns the number of pulses passed since the pulse of the fit. Beyond the vertex of a parabola, outside the fitted pulses, the
+    /// shaft is taken to be at standstill.
     pub(super) fn progress(&self, at: Instant) -> Progress {
         let x = at.since(self.pulse.at);
         let slope = self.slope + 2.0 * self.bend * x;
@@ -129,8 +129,8 @@ impl Fit {
     }
 }
 
-/// From where to where (excluded) among `count` pulses: `side` to each side of `place`, as many on one side
-/// where the other has not enough.
+/// Returns the first index and the end (excluded) of a window of `2 side + 1` pulses around `place`, shifted at the ends of the
+/// `count` pulses.
 fn window(count: usize, place: usize, side: usize) -> (usize, usize) {
     let width = (2 * side + 1).min(count);
     let from = place.saturating_sub(side).min(count - width);

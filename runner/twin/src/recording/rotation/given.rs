@@ -10,7 +10,7 @@ use crate::recording::flaws::{Flaw, Position};
 use crate::recording::status::SampleStatus;
 use crate::scene::Speed;
 
-/// Integrates a column of speeds. One sample behind, for the acceleration.
+/// Integral of a column of speeds, with a delay of one sample for the acceleration.
 pub(super) struct SpeedColumn {
     column: String,
     rate: f64,
@@ -52,7 +52,7 @@ impl SpeedColumn {
         }
     }
 
-    /// The speed of samples in step with the shaft, without a sign.
+    /// Creates the integral of the speed of samples in step with the shaft, which has no sign.
     pub(super) fn synchronous(rate: f64, is_reversed: bool) -> Self {
         Self { is_reversed, ..Self::new("speed", rate) }
     }
@@ -161,7 +161,7 @@ impl SceneSpeed {
         }
     }
 
-    /// Revolutions up to a sample when `turns_per_second` never change.
+    /// Returns the revolutions up to a sample at constant `turns_per_second`.
     fn steady(&self, turns_per_second: f64, index: u64) -> Total {
         Total::of(turns_per_second / self.rate).times(index)
     }

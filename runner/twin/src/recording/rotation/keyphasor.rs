@@ -31,24 +31,24 @@ const DEAD: f64 = 2.5;
 /// starts from rest may be at 0.41, and when the trend is known.
 const TOO_SHORT: (f64, f64) = (0.4, 0.6);
 
-/// After this many intervals with a pulse left out in the middle the shaft does turn twice as fast, as it may after
-/// a standstill.
+/// Number of consecutive intervals with a pulse left out in the middle after which the shaft is taken to turn twice as fast, as it
+/// may after a standstill.
 const TWICE_AS_FAST: u32 = 2;
 
-/// How far an interval may be from a whole multiple of the expected one to hold missed pulses.
+/// Largest difference of an interval from a whole multiple of the expected one for which missed pulses are counted, in intervals.
 const WHOLE: f64 = 0.2;
 
 /// Largest relative difference of the second interval of all from one between teeth where the first was over the gap of the wheel.
 const GAP_FIRST: f64 = 0.3;
 
-/// Pulses that the next one is expected from.
+/// Largest number of pulses whose trend predicts the next one.
 const TREND: usize = 6;
 
 /// Samples waiting for their angle, and the pulses that give it.
 pub(super) struct Keyphasor {
     column: String,
     pulses_per_turn: u32,
-    /// Hz
+    /// Sampling rate, Hz.
     rate: f64,
     reversed: bool,
     /// Most samples that wait.
@@ -71,7 +71,7 @@ pub(super) struct Keyphasor {
     patience: f64,
     last_pulse: Position,
     last_reading: Option<u64>,
-    /// Since the last pulse the signal was away for longer than a pulse takes.
+    /// Sample in the middle of a signal loss since the last pulse that was longer than the interval of pulses.
     lost: Option<u64>,
     /// Pulses left out since the last one, and the last of those.
     surplus: u32,
@@ -131,7 +131,7 @@ impl Keyphasor {
         }
     }
 
-    /// Accepted pulses.
+    /// Returns the number of accepted pulses.
     pub(super) const fn counted(&self) -> u64 {
         self.counted
     }
@@ -408,7 +408,7 @@ impl Keyphasor {
         self.last_pulse = at;
     }
 
-    /// Pulses that should have passed from the last one until `start`: by the interval before, and by the trend
+    /// Returns the expected number of pulses from the last one until `start`: by the interval before, and by the trend
     /// of several where it is known.
     fn passed(&self, last: &Pulse, start: Instant) -> (f64, Option<f64>) {
         let count = self.pulses.len();
@@ -477,7 +477,7 @@ impl Keyphasor {
         }
     }
 
-    /// Through the pulses about `place` that have no lost ones between them.
+    /// Returns the fit through the pulses about `place` that have no signal loss between them.
     fn fit(&mut self, place: usize) -> Fit {
         let pulses = self.pulses.make_contiguous();
         let from = (1..=place).rev().find(|other| pulses[*other].lost.is_some()).unwrap_or(0);
@@ -485,7 +485,7 @@ impl Keyphasor {
         Fit::around(&pulses[from..to], place - from)
     }
 
-    /// `progress` counts from the pulse of `fit`.
+    /// Returns the motion of the shaft; `progress` counts from the pulse of `fit`.
     fn motion(&self, fit: &Fit, progress: Progress) -> Motion {
         let per_turn = f64::from(self.pulses_per_turn);
         // Whole turns go apart before anything is rounded.
@@ -521,8 +521,8 @@ impl Keyphasor {
     }
 }
 
-/// From one fit to the other, in step with time; counted from the pulse of the first. Over lost pulses, where
-/// neither holds for long, one half way each.
+/// Returns the progress between two fits, blended linearly over time and counted from the pulse of the first. Over a signal loss the
+/// first fit applies up to its middle, the second one after it.
 fn between(before: &Fit, after: &Fit, at: Instant) -> Progress {
     let one = before.progress(at);
     let way = at.since(before.pulse.at) / after.pulse.at.since(before.pulse.at);

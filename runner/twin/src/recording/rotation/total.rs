@@ -10,12 +10,12 @@ const COUNTS_PER_TURN: f64 = 18_446_744_073_709_551_616.0;
 pub(super) struct Total(i128);
 
 impl Total {
-    /// From revolutions; the scaling by a power of 2 keeps every digit. Not a number gives 0.
+    /// Converts revolutions; the scaling by a power of 2 keeps every digit. NaN gives 0.
     pub(super) fn of(revolutions: f64) -> Self {
         Self((revolutions * COUNTS_PER_TURN) as i128)
     }
 
-    /// `revolutions` beyond a number of whole ones.
+    /// Returns the sum of whole revolutions and `revolutions`.
     pub(super) fn beyond(whole: i64, revolutions: f64) -> Self {
         Self(i128::from(whole) << 64).plus(Self::of(revolutions))
     }

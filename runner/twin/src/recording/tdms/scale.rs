@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Input of a scale that takes the raw values.
 const RAW: f64 = u32::MAX as f64;
 
-/// One of them.
+/// One scale.
 #[derive(Debug, Default)]
 struct Scale {
     kind: String,
@@ -26,7 +26,7 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// A property that is text.
+    /// Adds a property that is text.
     pub(super) fn text(&mut self, name: &str, value: &str) {
         if name == "NI_Scaling_Status" {
             self.scaled = value == "scaled";
@@ -35,7 +35,7 @@ impl Scales {
         }
     }
 
-    /// A property that is a number.
+    /// Adds a property that is a number.
     pub(super) fn number(&mut self, name: &str, value: f64) {
         if name == "NI_Number_Of_Scales" {
             self.count = value as u32;
@@ -50,13 +50,13 @@ impl Scales {
         }
     }
 
-    /// The scale of a property `NI_Scale[1]_Linear_Slope`, and what of it is meant.
+    /// Returns the scale of a property such as `NI_Scale[1]_Linear_Slope`, and the rest of the name.
     fn named<'a>(&mut self, name: &'a str) -> Option<(&mut Scale, &'a str)> {
         let (number, what) = name.strip_prefix("NI_Scale[")?.split_once("]_")?;
         Some((self.all.entry(number.parse().ok()?).or_default(), what))
     }
 
-    /// Slope and intercept from the raw values, whose number is `raw`; or the reason why there is no linear scale.
+    /// Returns slope and intercept from the raw values, whose number is `raw`; or the reason why there is no linear scale.
     pub(super) fn line(&self, raw: Option<u32>) -> Result<[f64; 2], String> {
         let (mut slope, mut intercept) = (1.0, 0.0);
         let mut at = self.count.checked_sub(1).filter(|_| !self.scaled);

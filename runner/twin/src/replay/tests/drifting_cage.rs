@@ -96,7 +96,7 @@ fn cages_are_followed_in_live_operation() {
         }
     }
     assert!(notices.iter().all(|notice| !notice.kind.starts_with("fault")), "{notices:?}");
-    assert!(replay.findings().is_empty(), "{:?}", replay.findings());
+    assert!(replay.diagnoses().is_empty(), "{:?}", replay.diagnoses());
     let last: Vec<_> = seconds.iter().rev().take(5).collect();
     assert!(last.len() == 5 && last[0].time_s > 0.8 * DURATION, "{}", last.len());
     for second in last {

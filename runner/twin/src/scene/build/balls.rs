@@ -137,7 +137,7 @@ fn steps(scene: &BearingScene) -> u8 {
     scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS)
 }
 
-/// The quasi-static model, facing +Z.
+/// Returns the quasi-static model, facing +Z.
 fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<impl Solved<T> + 'static, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
     let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)

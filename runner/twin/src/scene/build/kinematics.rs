@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 pub struct Kinematics {
     /// Cage speed over shaft speed; 0 where nothing moves.
     pub cage_ratio: f64,
-    /// The same in pure rolling; that of the scene where the geometry is not known.
+    /// Cage speed over shaft speed in pure rolling; `cage_ratio` where the geometry is not known.
     pub rolling_cage_ratio: f64,
     /// Orders per turn of the shaft.
     pub orders: Orders,

@@ -75,21 +75,21 @@ pub(super) const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "a
 /// The three sources of a linear bearing.
 const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
 
-/// Bearing steel, Pa.
+/// Young's modulus of bearing steel, Pa.
 pub(super) const YOUNGS_MODULUS: f64 = 206e9;
-/// Bearing steel.
+/// Poisson's ratio of bearing steel.
 pub(super) const POISSONS_RATIO: f64 = 0.3;
 /// Exponent of the point contact of Hertz, which is also the default of a law given directly.
 const HERTZ_EXPONENT: f64 = 1.5;
-/// Bearing steel, kg/m^3.
+/// Density of bearing steel, kg/m^3.
 pub(super) const DENSITY: f64 = 7800.0;
-/// Number of rolling elements that the kernel has room for.
+/// Numbers of rolling elements that the kernel supports.
 const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
-/// A bearing's table with its keys checked.
+/// Returns the table of a bearing after a check of its keys.
 pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
     node.table(&KEYS)
 }
@@ -200,7 +200,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     Ok(table.read("linearise", of)?.map(Linear::Of))
 }
 
-/// A linear bearing has no default source: each of the three means another stiffness.
+/// Checks that a linear bearing has exactly one source of its stiffness. None is the default: each means another stiffness.
 fn check_one_source(table: &Table<'_>) -> Read<()> {
     let choice = "exactly one of stiffness_matrix = [5 rows of 5], \
                   two_spring = { static_load = \"500 N\" } and linearise = \"angular\" or \"lumped\"";
@@ -277,7 +277,7 @@ fn geometry(table: &Table<'_>, required: RequiredInput) -> Read<Option<Geometry>
     }))
 }
 
-/// A geometry given in part, or not at all where the model needs one, is refused with all that is missing.
+/// Rejects an incomplete geometry; the error lists all missing keys.
 fn check_complete(table: &Table<'_>) -> Read<()> {
     let (always, _) = GEOMETRY.split_at(4);
     let missing: Vec<&str> = always.iter().copied().filter(|key| !table.has(key)).collect();
@@ -339,7 +339,7 @@ fn diametral_clearance(node: &Node<'_>, required: RequiredInput, groove_centres:
     node.limited(Dimension::Length, &expected, |s| s >= least && s < groove_centres)
 }
 
-/// Tenths of a micrometre, for messages.
+/// Returns a length in um, rounded to 0.1 um, for messages.
 fn micrometres(metres: f64) -> f64 {
     (metres * 1e7).round() / 10.0
 }
@@ -422,7 +422,7 @@ fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
     list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres)).collect()
 }
 
-/// Balls that touch each other on the pitch circle leave no room for a cage, and overlapping ones cannot exist.
+/// Rejects balls that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
 fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Option<&Geometry>) -> Read<()> {
     let Some(geometry) = geometry else {
         return Ok(());
@@ -556,7 +556,7 @@ fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>
     list.iter().map(|node| defect(node, elements)).collect()
 }
 
-/// Springs have no surfaces.
+/// Rejects damage and waviness of a linear bearing, whose springs have no surfaces.
 fn check_has_surfaces(node: &Node<'_>, model: Model) -> Read<()> {
     if model == Model::Linear {
         return Err(node.misplaced("only with a model that has rolling elements, not with \"linear\"; remove it"));

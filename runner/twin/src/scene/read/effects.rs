@@ -12,7 +12,7 @@ enum Effect {
     Film,
 }
 
-/// `effects`, `race_control`, `friction_sharing` and `lubricant`.
+/// Reads `effects`, `race_control`, `friction_sharing` and `lubricant`.
 pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
     if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
         let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
@@ -53,7 +53,7 @@ fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
     Ok(effects)
 }
 
-/// The oil is checked wherever it is given, and needed where the film is named.
+/// Reads the oil of the film. It is checked wherever it is given, and required with the effect `film`.
 fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
     let oil = lubricant(table)?;
     let expected = "{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }, the oil of the film";

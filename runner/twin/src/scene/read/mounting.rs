@@ -10,7 +10,7 @@ use super::bearing::{POISSONS_RATIO, YOUNGS_MODULUS};
 const EXPANSION: f64 = 12e-6;
 /// Temperature of the assembly where none is given, K: 20 degrees Celsius, the reference temperature of ISO 1.
 const ASSEMBLED: f64 = 293.15;
-/// Melting of bearing steel is far above, K.
+/// Upper limit of accepted temperatures, K; bearing steel melts far above it.
 const HOTTEST: f64 = 1000.0;
 
 /// Reads the mounting of a bearing and sets its operating clearance.

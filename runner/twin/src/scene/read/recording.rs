@@ -9,7 +9,7 @@ use crate::scene::{
 };
 use std::path::{Path, PathBuf};
 
-/// Columns that are already taken, with what takes them.
+/// Columns that are already in use, with their use.
 type Taken = Vec<(String, &'static str)>;
 
 pub(super) fn read(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing]) -> Read<Recording> {
@@ -391,7 +391,7 @@ fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     })
 }
 
-/// The `unit` of a column. It has no default: units are never assumed.
+/// Reads the factor of the `unit` of a column, which has no default: units are never assumed.
 fn unit(table: &Table<'_>, factor: impl Fn(&str) -> Result<f64, units::Mismatch>, names: &str) -> Read<f64> {
     let expected = format!("the unit of the column: {names}");
     let node = table.required("unit", &expected)?;

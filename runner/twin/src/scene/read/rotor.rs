@@ -181,7 +181,7 @@ fn proportional_damping(node: &Node<'_>) -> Read<[f64; 2]> {
     Ok([mass, stiffness])
 }
 
-/// Diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
+/// Reads diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
 /// spread along the axis. The two are most often swapped.
 fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
     let diametral = table.positive("diametral_inertia", Dimension::Inertia)?;
@@ -194,7 +194,7 @@ fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
     Err(node.invalid(node.shown_quantity(Dimension::Inertia), most))
 }
 
-/// Three values along X, Y, Z and two about X, Y, zeros where the key is absent.
+/// Reads three values along X, Y, Z and two about X, Y; zeros where the key is absent.
 fn five<'a>(
     table: &Table<'a>,
     key: &str,

@@ -1,4 +1,4 @@
-use crate::outcome::{FindingKind, Outcome};
+use crate::outcome::{FaultKind, Outcome};
 use crate::replay::{Options, open, replay};
 use crate::scene::Scene;
 use crate::scene::read::read_str;
@@ -71,11 +71,11 @@ fn a_growing_fault_is_found_with_its_onset() {
     // From snapshot 181 on, 0.2 dB a snapshot.
     let folder = set(300, |i| if i < 180 { 0.0 } else { 0.3 * 1.023_f64.powi(i as i32 - 180) });
     let outcome = evaluated(folder.path()).unwrap();
-    let kinds: Vec<FindingKind> = outcome.findings.iter().map(|finding| finding.kind).collect();
-    assert_eq!(kinds, [FindingKind::OuterRace], "{}", outcome.verdict);
+    let kinds: Vec<FaultKind> = outcome.diagnoses.iter().map(|diagnosis| diagnosis.kind).collect();
+    assert_eq!(kinds, [FaultKind::OuterRace], "{}", outcome.verdict);
     assert_eq!((outcome.snapshots.len(), outcome.snapshots[9].file.as_str()), (300, "acc_10.csv"));
     let trend = |indicator: &str| {
-        let is_outer = |kind: Option<FindingKind>| kind.is_none_or(|kind| kind == FindingKind::OuterRace);
+        let is_outer = |kind: Option<FaultKind>| kind.is_none_or(|kind| kind == FaultKind::OuterRace);
         outcome.snapshot_trends.iter().find(|t| t.indicator == indicator && is_outer(t.component)).unwrap()
     };
     for indicator in ["rms", "kurtosis", "line"] {
@@ -99,7 +99,7 @@ fn a_growing_fault_is_found_with_its_onset() {
 fn sound_snapshots_have_no_onset() {
     let folder = set(300, |_| 0.0);
     let outcome = evaluated(folder.path()).unwrap();
-    assert!(outcome.findings.is_empty(), "{}", outcome.verdict);
+    assert!(outcome.diagnoses.is_empty(), "{}", outcome.verdict);
     let onsets: Vec<_> = outcome.snapshot_trends.iter().filter(|trend| trend.onset.is_some()).collect();
     assert!(onsets.is_empty() && outcome.snapshot_trends.len() == 7, "{onsets:?}");
 }
@@ -116,7 +116,7 @@ fn snapshots_that_cannot_be_used_are_left_out() {
     let note = outcome.notes.iter().find(|note| note.contains("are left out")).unwrap();
     assert!(note.starts_with("3 of 20 snapshots are left out: acc_1.csv (empty file"), "{note}");
     assert!(note.contains("acc_3.csv (2553 rows, expected 2560 as in the first), acc_5.csv ("), "{note}");
-    assert_eq!(outcome.findings[0].kind, FindingKind::OuterRace);
+    assert_eq!(outcome.diagnoses[0].kind, FaultKind::OuterRace);
 }
 
 #[test]
@@ -127,5 +127,5 @@ fn too_few_revolutions_are_not_judged() {
         outcome.verdict,
         "No verdict: 12.0 revolutions of the shaft in the last snapshots, expected 16 or more."
     );
-    assert!(outcome.findings.is_empty() && outcome.snapshots.len() == 4);
+    assert!(outcome.diagnoses.is_empty() && outcome.snapshots.len() == 4);
 }

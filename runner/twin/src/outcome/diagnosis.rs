@@ -1,6 +1,6 @@
-//! Findings on the machine, with their parameters and evidence.
+//! A diagnosis: fault, component, place, size and evidence.
 
-use super::FaultFigures;
+use super::{FaultFigures, ReferenceFrame};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum FindingKind {
+pub enum FaultKind {
     /// Damage of an outer race.
     OuterRace,
     /// Damage of an inner race.
@@ -157,12 +157,62 @@ pub struct VibrationLine {
     pub not_excluded: Vec<String>,
 }
 
+/// Sense in which a force or an orbit turns, compared with the shaft.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Precession {
+    /// In the sense of the shaft.
+    #[default]
+    Forward,
+    /// Against the sense of the shaft.
+    Backward,
+}
+
+/// Line of the unexplained radial force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnexplainedLine {
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// At the mean speed, Hz.
+    pub line_hz: f64,
+    /// Bearing at which the force is larger; none where the rotor has not two bearings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Sense of the larger part of the force.
+    pub precession: Precession,
+    /// Frame of reference in which the line is a harmonic of the passing of the elements, of their spin or of the shaft; else the fixed one.
+    pub frame: ReferenceFrame,
+    /// Amplitude of that part, N.
+    pub force_n: f64,
+}
+
+impl std::fmt::Display for UnexplainedLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let precession = match self.precession {
+            Precession::Forward => "forward",
+            Precession::Backward => "backward",
+        };
+        let frame = match self.frame {
+            ReferenceFrame::Fixed => "fixed frame",
+            ReferenceFrame::Shaft => "shaft frame",
+            ReferenceFrame::Cage => "cage frame",
+        };
+        write!(f, "{:.2} ({precession}", self.order)?;
+        if let Some(bearing) = &self.bearing {
+            write!(f, " at {bearing}")?;
+        }
+        write!(f, ", {frame})")
+    }
+}
+
 /// Diagnosis of a fault with its evidence.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Finding {
+pub struct Diagnosis {
     /// Fault.
-    pub kind: FindingKind,
+    pub kind: FaultKind,
     /// Bearing, where the fault has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
@@ -183,14 +233,17 @@ pub struct Finding {
     /// Place and size.
     #[serde(flatten)]
     pub parameters: FaultParameters,
-    /// The finding as a sentence.
+    /// The diagnosis as a sentence.
     pub sentence: String,
+    /// Strongest lines of a residual that no fault explains; empty for other kinds than `other`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<UnexplainedLine>,
     /// Data of its figures, not part of the JSON.
     #[serde(skip)]
     pub figures: FaultFigures,
 }
 
-impl Finding {
+impl Diagnosis {
     /// Adds the data of the figures, with the numbers of the force rose.
     #[must_use]
     pub fn with_figures(mut self, figures: FaultFigures) -> Self {
@@ -201,8 +254,8 @@ impl Finding {
     }
 }
 
-impl Finding {
-    /// Returns the finding with a station from the centre of mass replaced by that of the scene's drawing. The sentence is not changed.
+impl Diagnosis {
+    /// Returns the diagnosis with a station from the centre of mass replaced by that of the scene's drawing. The sentence is not changed.
     #[must_use]
     pub fn with_station_as_drawn(mut self, scene: &Scene) -> Self {
         let origin_mm = scene.drawn_station(0.0) * 1e3;

@@ -1,51 +1,48 @@
-//! Faults in the terms of a user: kind, bearing, place, size, odds and a sentence.
+//! Reported faults: kind, bearing, position, size, odds and a sentence.
 
 use super::cage::unknowns;
 use super::fault_figures::fault_figures;
 use super::fit::{Fitted, changed, fit};
-use super::hypothesis::{Cause, Fault, MIN_GAIN};
+use super::hypothesis::{Cause, Fault, MIN_GAIN, PROFILE_ERROR};
 use super::machine::{Machine, Unknown, clearance};
 use super::residual::{Evidence, dot};
 use super::surface::Component;
+use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
 use crate::outcome::{
-    CageOutcome, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultParameters, Finding,
-    FindingKind,
+    CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultKind,
+    FaultParameters, UnexplainedLine,
 };
 use crate::scene::RotationSource;
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Deviations within which a normally distributed error lies in 95 of 100 cases.
+/// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
 const WITHIN_95: f64 = 1.96;
-/// Largest odds that are given: beyond, the model's own error decides.
+/// Largest odds that are reported: beyond it, the model error dominates.
 const LARGEST_ODDS: f64 = 1e12;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
 const UNEXPLAINED: f64 = 9.0;
-/// Relative error of chi-squared by the noise of the residual, which is itself estimated from made-up noise.
+/// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
 const STIFFNESS_ERROR: f64 = 0.005;
-/// The same for depth and width of a spall: only their product shows well, and a real spall has no half-sine profile.
-const PROFILE_ERROR: f64 = 0.05;
 /// Search for the end of an interval: factor of its steps, share of the allowed rise that counts as reached, and largest size over
 /// that of a parabola.
 const WIDER: f64 = 1.4;
 const NEARLY: f64 = 0.8;
 const FARTHEST: f64 = 10.0;
-/// Lines listed of an unexplained residual.
-const LISTED: usize = 5;
 
 /// Result of a diagnosis.
 #[derive(Debug, Clone)]
-pub struct Diagnosis {
-    /// Findings, strongest first.
-    pub findings: Vec<Finding>,
+pub struct DiagnosisResult {
+    /// Diagnoses, strongest first.
+    pub diagnoses: Vec<Diagnosis>,
     /// Cages in the order of the bearings.
     pub cages: Vec<CageEstimate>,
-    /// Figures.
+    /// Chi-squared before and after, and the cages.
     pub outcome: DiagnosisOutcome,
-    /// Remarks.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -56,7 +53,7 @@ pub struct CageEstimate {
     pub cage_ratio: f64,
     /// Azimuth of the first element at shaft angle 0, rad, by the cage speed in the middle of the record.
     pub first_element_azimuth: f64,
-    /// The passing of the elements is observable.
+    /// True if the passing of the elements is observable.
     pub observable: bool,
     /// Change of the cage speed, revolutions per square of a shaft revolution.
     drift: f64,
@@ -65,8 +62,8 @@ pub struct CageEstimate {
 }
 
 impl CageEstimate {
-    /// Returns cage ratio and azimuth of the first element at shaft angle 0 (rad) of the cage that has the speed that this one has at
-    /// `turns`, and is there at the same angle.
+    /// Returns the cage ratio and the azimuth of the first element at shaft angle 0 (rad) of a cage with a constant ratio that has the
+    /// speed and the angle of this cage at `turns`, the total revolutions of the shaft.
     #[must_use]
     pub fn tangent(&self, turns: f64) -> (f64, f64) {
         let from_middle = turns - self.middle;
@@ -93,30 +90,30 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
     of.machine.bearings.iter().enumerate().map(estimate).collect()
 }
 
-/// Returns the findings and figures of a diagnosis.
-pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Fault]) -> Result<Diagnosis> {
+/// Returns the result of a diagnosis with its figures and notes.
+pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Fault]) -> Result<DiagnosisResult> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
     let last = joint(of, faults)?;
     let e = &of.evidence;
     let after = last.chi_square / last.residual.len().max(1) as f64;
-    // The error of the model may lie along the unknowns: each may be off by its share of what chi-squared has too much.
+    // The model error may act along the unknowns: each unknown takes its share of the excess of chi-squared.
     let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
     let inflation = (1.0 + excess / last.unknowns.len().max(1) as f64).sqrt();
     let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last)? };
     let reported = Reported { e, last: &last, inflation };
-    let mut findings: Vec<Finding> = vec![];
+    let mut diagnoses: Vec<Diagnosis> = vec![];
     for (i, fault) in faults.iter().enumerate() {
-        // Faults are added behind those of the scene, a wave as two.
+        // Faults are appended to those of the scene; waviness takes two entries.
         let earlier = faults[..i].iter().filter(|earlier| earlier.cause.shares_list(fault.cause)).count();
         let each = if matches!(fault.cause, Cause::Waviness(..)) { 2 } else { 1 };
         let at = fault.cause.next_index(&of.healthy.machine) + each * earlier;
         let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, at))?;
-        findings.push(reported.finding(fault, at, i == 0).with_figures(figures));
+        diagnoses.push(reported.diagnosis(fault, at, i == 0).with_figures(figures));
     }
-    let strength = |finding: &Finding| finding.parameters.log_likelihood_gain.unwrap_or(0.0);
-    findings.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    let strength = |diagnosis: &Diagnosis| diagnosis.parameters.log_likelihood_gain.unwrap_or(0.0);
+    diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     if after > UNEXPLAINED && faults.is_empty() {
-        findings.push(reported.unexplained(after));
+        diagnoses.push(reported.unexplained(after));
     }
     let motion = &e.motion;
     let outcome = DiagnosisOutcome {
@@ -136,12 +133,12 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
     }
     if after > 1.5 && !faults.is_empty() {
         notes.push(format!(
-            "The residual that the findings leave is {:.1} times its noise: the machine differs from its scene in more than they say.",
+            "The residual that the diagnoses leave is {:.1} times its noise: the machine differs from its scene in more than they say.",
             after.sqrt()
         ));
     }
     let cages = cages(e, &last, &of.observable);
-    Ok(Diagnosis { findings, cages, outcome, notes })
+    Ok(DiagnosisResult { diagnoses, cages, outcome, notes })
 }
 
 impl Cause {
@@ -160,16 +157,16 @@ impl Cause {
         }
     }
 
-    fn kind(self) -> FindingKind {
+    fn kind(self) -> FaultKind {
         match self {
-            Self::Unbalance => FindingKind::Unbalance,
-            Self::Load => FindingKind::Load,
-            Self::Clearance(_) => FindingKind::Clearance,
-            Self::Misalignment(_) => FindingKind::Misalignment,
+            Self::Unbalance => FaultKind::Unbalance,
+            Self::Load => FaultKind::Load,
+            Self::Clearance(_) => FaultKind::Clearance,
+            Self::Misalignment(_) => FaultKind::Misalignment,
             Self::Spall(_, component) | Self::Waviness(_, component, _) => match component {
-                Component::Outer => FindingKind::OuterRace,
-                Component::Inner => FindingKind::InnerRace,
-                Component::Ball => FindingKind::Element,
+                Component::Outer => FaultKind::OuterRace,
+                Component::Inner => FaultKind::InnerRace,
+                Component::Ball => FaultKind::Element,
             },
         }
     }
@@ -197,7 +194,7 @@ impl Cause {
     }
 }
 
-/// Adds to the covariance of a fit what the uncertain parameters of the machine contribute by the force of its faults.
+/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit.
 ///
 /// With the slopes `J` of the unknowns and the change `v` of the residual by one deviation of a parameter, the unknowns change by
 /// `-C J^T v`.
@@ -242,7 +239,7 @@ impl Reported<'_, '_> {
         self.inflation * variance.max(0.0).sqrt()
     }
 
-    /// Deviation of two unknowns along a direction.
+    /// Returns the deviation of two unknowns along a direction.
     fn deviation_along(&self, unknowns: [Unknown; 2], direction: [f64; 2]) -> f64 {
         let at = |u: Unknown| self.last.unknowns.iter().position(|other| *other == u);
         let [Some(i), Some(j)] = unknowns.map(at) else { return 0.0 };
@@ -252,8 +249,8 @@ impl Reported<'_, '_> {
         self.inflation * variance.max(0.0).sqrt()
     }
 
-    /// Returns how far an unknown can move down and up until chi-squared has risen as far as by [`WITHIN_95`] deviations, the other
-    /// unknowns following it: where an element loses contact, more depth changes no force.
+    /// Returns the decrease and the increase of an unknown at which chi-squared has risen as by [`WITHIN_95`] deviations, with the other
+    /// unknowns moved along their covariance. The rise is not a parabola where an element loses contact: more depth changes no force.
     fn reach(&self, unknown: Unknown) -> [f64; 2] {
         let linear = WITHIN_95 * self.deviation(unknown);
         let Some(i) = self.last.unknowns.iter().position(|u| *u == unknown) else { return [linear; 2] };
@@ -431,7 +428,7 @@ impl Reported<'_, '_> {
         }
     }
 
-    fn finding(&self, fault: &Fault, at: usize, is_first: bool) -> Finding {
+    fn diagnosis(&self, fault: &Fault, at: usize, is_first: bool) -> Diagnosis {
         let cause = fault.cause;
         let bearings: Vec<String> = self.e.plant.bearings.iter().map(|b| b.name.clone()).collect();
         let bearing = cause.bearing().map(|b| bearings[b].clone());
@@ -459,9 +456,9 @@ impl Reported<'_, '_> {
         let sentence = format!(
             "{place}. It explains {:.0} % of {}{next}.",
             100.0 * explained.clamp(0.0, 1.0),
-            if is_first { "the unexplained residual" } else { "what the other findings leave" }
+            if is_first { "the unexplained residual" } else { "what the other diagnoses leave" }
         );
-        Finding {
+        Diagnosis {
             kind: cause.kind(),
             bearing,
             line_hz: order * self.e.motion.mean_speed().abs() / TAU,
@@ -472,6 +469,7 @@ impl Reported<'_, '_> {
             vibration: None,
             parameters,
             sentence,
+            lines: vec![],
             figures: FaultFigures::default(),
         }
     }
@@ -530,33 +528,15 @@ impl Reported<'_, '_> {
         }
     }
 
-    /// The finding that no hypothesis explains the residual, with its strongest lines.
-    fn unexplained(&self, after: f64) -> Finding {
-        let per = 2 * self.e.rows;
-        let speed = self.e.motion.mean_speed().abs();
-        let mut lines: Vec<(f64, f64)> = self
-            .last
-            .residual
-            .chunks(per)
-            .zip(&self.e.transform.lines)
-            .map(|(values, w)| (values.iter().map(|x| x * x).sum::<f64>() / per as f64, w / speed))
-            .collect();
-        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut strongest: Vec<f64> = vec![];
-        for (_, order) in &lines {
-            if strongest.iter().all(|other| (other - order).abs() > 0.1) {
-                strongest.push(*order);
-            }
-            if strongest.len() == LISTED {
-                break;
-            }
-        }
-        let order = strongest.first().copied().unwrap_or(0.0);
-        let list: Vec<String> = strongest.iter().map(|order| format!("{order:.2}")).collect();
-        Finding {
-            kind: FindingKind::Other,
+    /// The diagnosis that no hypothesis explains the residual, with its strongest lines.
+    fn unexplained(&self, after: f64) -> Diagnosis {
+        let lines = unexplained_lines(self.e, self.last);
+        let (line_hz, order) = lines.first().map_or((0.0, 0.0), |line| (line.line_hz, line.order));
+        let list: Vec<String> = lines.iter().map(UnexplainedLine::to_string).collect();
+        Diagnosis {
+            kind: FaultKind::Other,
             bearing: None,
-            line_hz: order * speed / TAU,
+            line_hz,
             order,
             level_db: 10.0 * after.max(1.0).log10(),
             confidence: 0.5,
@@ -568,6 +548,7 @@ impl Reported<'_, '_> {
                 after.sqrt(),
                 list.join(", ")
             ),
+            lines,
             figures: FaultFigures::default(),
         }
     }
@@ -583,7 +564,7 @@ fn described(estimate: Option<Estimate>, digits: usize) -> String {
     estimate.map_or(String::new(), |e| format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high))
 }
 
-/// Describes a size that is not negative; by its interval alone where this reaches down to nothing.
+/// Describes a size that is not negative; by its interval alone if that includes 0.
 fn described_size(estimate: Option<Estimate>, digits: usize) -> String {
     match estimate {
         Some(e) if e.low <= 0.0 => format!("between 0 and {:.digits$}", e.high),

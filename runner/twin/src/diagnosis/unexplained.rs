@@ -1,0 +1,78 @@
+//! Strongest lines of a residual that no hypothesis explains: order, bearing, precession and frame of reference.
+
+use super::fault_figures::at_bearing;
+use super::fit::Fitted;
+use super::motion::C;
+use super::residual::Evidence;
+use crate::outcome::{Precession, ReferenceFrame, UnexplainedLine};
+use std::f64::consts::TAU;
+
+/// Largest number of listed lines.
+const LISTED: usize = 5;
+/// Lines closer than this, in orders, are one.
+const APART: f64 = 0.1;
+/// Distance from a harmonic, in orders, within which a line is one: the slip of a cage that is not observable moves it.
+const NEAR: f64 = 0.05;
+
+/// Returns the lines with the largest squared residual, strongest first.
+pub(super) fn unexplained_lines(e: &Evidence, of: &Fitted) -> Vec<UnexplainedLine> {
+    let speed = e.motion.mean_speed();
+    let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
+    let mut lines: Vec<(f64, usize)> =
+        of.residual.chunks(2 * e.rows).enumerate().map(|(k, values)| (square(values), k)).collect();
+    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let order = |k: usize| e.transform.lines[k] / speed.abs();
+    let mut strongest: Vec<usize> = vec![];
+    for (_, k) in lines {
+        if strongest.iter().all(|other| (order(*other) - order(k)).abs() > APART) {
+            strongest.push(k);
+        }
+        if strongest.len() == LISTED {
+            break;
+        }
+    }
+    // The force that is missing has the opposite sign of the force that is left over; here only its size counts.
+    let force = e.force(&of.spectra);
+    let bearings = &e.plant.bearings;
+    let is_divided = bearings.len() == 2 && bearings[0].station != bearings[1].station;
+    let planes: Vec<[Vec<C>; 2]> =
+        (0..if is_divided { 2 } else { 1 }).map(|b| at_bearing(e, is_divided.then_some(b), &force)).collect();
+    let line = |k: usize| {
+        let forces = planes.iter().enumerate().flat_map(|(b, [x, y])| {
+            // The parts of F_X + i F_Y that turn in the sense of +X to +Y, and against it.
+            let (counterclockwise, clockwise) = ((x[k] + C::i() * y[k]).norm(), (x[k] - C::i() * y[k]).norm());
+            let [forward, backward] =
+                if speed >= 0.0 { [counterclockwise, clockwise] } else { [clockwise, counterclockwise] };
+            [(b, Precession::Forward, forward), (b, Precession::Backward, backward)]
+        });
+        let (b, precession, amplitude) = forces.max_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or_default();
+        UnexplainedLine {
+            order: order(k),
+            line_hz: e.transform.lines[k] / TAU,
+            bearing: is_divided.then(|| bearings[b].name.clone()),
+            precession,
+            frame: frame(e, of, b, if precession == Precession::Forward { order(k) } else { -order(k) }),
+            force_n: amplitude / e.transform.sum(),
+        }
+    };
+    strongest.into_iter().map(line).collect()
+}
+
+/// Returns the frame of reference in which a line is a harmonic: of the passing of the elements over the ring that is stationary in it,
+/// of their spin, or of the shaft. A line that is a harmonic in none belongs to the fixed frame.
+fn frame(e: &Evidence, of: &Fitted, b: usize, order: f64) -> ReferenceFrame {
+    let (mounted, cage) = (&e.plant.bearings[b], &of.machine.bearings[b].cage);
+    let cage_ratio = mounted.kinematics.cage_ratio * (1.0 - cage.slip);
+    let n = mounted.elements as f64;
+    let spin = 2.0 * mounted.kinematics.ball_ratio() * (1.0 - cage.spin_slip);
+    let is_harmonic = |order: f64, first: f64| {
+        let harmonic = (order / first).round();
+        harmonic != 0.0 && (order - harmonic * first).abs() < NEAR
+    };
+    let frames = [
+        (ReferenceFrame::Fixed, is_harmonic(order, n * cage_ratio)),
+        (ReferenceFrame::Shaft, is_harmonic(order - 1.0, n * (1.0 - cage_ratio)) || is_harmonic(order, 1.0)),
+        (ReferenceFrame::Cage, is_harmonic(order - cage_ratio, spin)),
+    ];
+    frames.into_iter().find(|(_, is)| *is).map_or(ReferenceFrame::Fixed, |(frame, _)| frame)
+}
