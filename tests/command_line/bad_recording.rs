@@ -191,7 +191,7 @@ fn last_row_cut_short() {
     let whole = short_recording(SHORT);
     let cut = &whole[..whole.len() - 20];
     let line = SHORT as u64 + 1;
-    let said = "1 row cut short, at line 2049 (0.159922 s)";
+    let said = "1 row truncated, at line 2049 (0.159922 s)";
     let outcome = flawed(DEMO_SCENE, cut, &[("short_row", None, line, 1, 1, said)]);
     assert_eq!(number(&outcome, "/record/samples"), SHORT as f64);
     assert_eq!(held(&outcome), 1.0);
@@ -210,8 +210,8 @@ fn repeated_and_backward_time_stamps() {
             _ => vec![row.into()],
         }
     });
-    let repeated = "time_s: 1 row left out for a repeated time stamp, at line 1001 (0.077969 s)";
-    let backward = "time_s: 1 row left out for a time stamp that goes back, at line 1502 (0.023281 s)";
+    let repeated = "time_s: 1 row omitted for a repeated time stamp, at line 1001 (0.077969 s)";
+    let backward = "time_s: 1 row omitted for a time stamp that goes back, at line 1502 (0.023281 s)";
     let wanted = [
         ("repeated_time_stamp", Some("time_s"), 1001, 1, 1, repeated),
         ("backward_time_stamp", Some("time_s"), 1502, 1, 1, backward),

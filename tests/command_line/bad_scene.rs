@@ -236,7 +236,7 @@ fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
 fn two_probes_in_one_direction() {
     not_observable(
         &[("DE_X_um", "-120 mm", "30 deg"), ("NDE_X_um", "120 mm", "30 deg")],
-        "all 2 radial probes look along 30.0 deg, so the motion across it is not observable",
+        "all 2 radial probes measure along 30.0 deg, so the motion across it is not observable",
     );
 }
 
@@ -251,7 +251,7 @@ fn opposite_probe_directions_are_parallel() {
 fn all_probes_in_one_plane() {
     let first = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "90 deg")];
     let more = [("NDE_X_um", "-120 mm", "45 deg"), ("NDE_Y_um", "-120 mm", "135 deg")];
-    let why = "all radial probes stand in one plane at -120.0 mm, so the tilt is not observable";
+    let why = "all radial probes are in one plane at -120.0 mm, so the tilt is not observable";
     not_observable(&first, why);
     not_observable(&[first, more].concat(), why);
 }
@@ -259,5 +259,5 @@ fn all_probes_in_one_plane() {
 #[test]
 fn three_probes() {
     let three = [("DE_X_um", "-120 mm", "0 deg"), ("DE_Y_um", "-120 mm", "90 deg"), ("NDE_X_um", "120 mm", "0 deg")];
-    not_observable(&three, "3 radial probes leave part of the motion open");
+    not_observable(&three, "3 radial probes do not determine the motion");
 }

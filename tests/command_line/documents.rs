@@ -38,7 +38,7 @@ pub fn documents() -> Vec<String> {
     all
 }
 
-/// A document's lines with the fenced blocks left out.
+/// A document's lines with the fenced blocks omitted.
 pub fn prose(text: &str) -> impl Iterator<Item = &str> {
     let mut fenced = false;
     text.lines().filter(move |line| {
@@ -214,7 +214,7 @@ fn results_in_the_readme_are_those_of_the_chapters() {
     }
 }
 
-/// The block of output after a block of commands is what the last of them prints, some lines left out.
+/// The block of output after a block of commands is what the last of them prints, some lines omitted.
 #[test]
 fn the_worked_example_prints_what_the_readme_shows() {
     let text = read("README.md");

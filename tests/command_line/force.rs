@@ -203,7 +203,7 @@ fn the_three_formats_agree() {
     assert_eq!(text, desk.done(&args[..6]).out, "text is the default");
     let (table, needs): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| !line.starts_with("DE: "));
     assert_eq!((json.len(), table.len()), (3, 4));
-    assert!(needs[0].starts_with("DE: effects of this scene, as change of force if left out: contact-angle"), "{text}");
+    assert!(needs[0].starts_with("DE: effects of this scene, as change of force if omitted: contact-angle"), "{text}");
     let head: Vec<&str> = text.lines().next().unwrap().split_whitespace().collect();
     assert_eq!(head.join(" "), "row FX N FY N FZ N MX N m MY N m status");
     for (i, ((force, status), line)) in csv.iter().zip(text.lines().skip(1)).enumerate() {

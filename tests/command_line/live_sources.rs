@@ -65,7 +65,7 @@ fn a_source_that_vanished_does_not_block_its_successor() {
 fn a_source_behind_a_dead_link_is_given_up() {
     let may_isolate = Command::new("unshare").args(["-rn", "ip", "link", "show", "lo"]).output();
     if !may_isolate.is_ok_and(|output| output.status.success()) {
-        println!("left out: no network namespace here (unshare -rn ip)");
+        println!("omitted: no network namespace here (unshare -rn ip)");
         return;
     }
     let desk = desk();

@@ -1,4 +1,4 @@
-//! Single bad samples: they are left out, flagged and reported, and leave no trace in what comes after.
+//! Single bad samples: they are omitted, flagged and reported, and leave no trace in what comes after.
 
 use serde_json::Value;
 
@@ -56,7 +56,7 @@ fn a_wild_reading() {
             assert!((ratio - 1.0).abs() < 0.01, "{cell}: {ratio}");
         }
         let verdict = outcome["verdict"].as_str().unwrap();
-        assert!(verdict.contains("1 sample with a reading out of range is left out"), "{verdict}");
+        assert!(verdict.contains("1 sample with a reading out of range is omitted"), "{verdict}");
     }
 }
 

@@ -103,7 +103,7 @@ fn keyphasor_that_fails() {
     assert_eq!(flagged, lost, "each of its samples is flagged");
 }
 
-/// A spike of twice the pulse's level, wherever it is, is left out and changes nothing else.
+/// A spike of twice the pulse's level, wherever it is, is omitted and changes nothing else.
 #[test]
 fn a_spike_of_the_keyphasor() {
     let plain = Desk::with(DEMO_SCENE, &short_recording(SAMPLES)).replay("scene.toml", &[]);

@@ -19,14 +19,14 @@ fn a_film_is_predicted_only_with_a_lubricant() {
     for command in [&["equilibrium", "dry.toml"][..], &["campbell", "dry.toml", "--speeds", "3000rpm"]] {
         let text = desk.done(command).out;
         assert!(!text.contains("film 4") && !text.contains("film 5"), "{text}");
-        assert_eq!(text.matches("film is not considered: the scene names no lubricant").count(), 1, "{text}");
+        assert_eq!(text.matches("film is not considered: the scene has no lubricant").count(), 1, "{text}");
     }
     let json: Value = desk.done(&["equilibrium", "dry.toml", "--format", "json"]).json();
     assert_eq!(effect(&json, "film"), None);
     let text = desk.done(&["equilibrium", "oiled.toml"]).out;
     // Its first bearing names an oil, the other one does not.
-    assert!(text.contains("DE: WARNING: film is left out"), "{text}");
-    assert!(text.contains("\nNDE: film is not considered: the scene names no lubricant"), "{text}");
+    assert!(text.contains("DE: WARNING: film is omitted"), "{text}");
+    assert!(text.contains("\nNDE: film is not considered: the scene has no lubricant"), "{text}");
 }
 
 /// The alternative to a contact angle that turns is a fixed one, the mean angle under this load, not 0.
@@ -51,7 +51,7 @@ fn a_sweep_warns_about_its_worst_point() {
     desk.put("scene.toml", DEMO_SCENE);
     let args = ["sweep", "scene.toml", "--over", "shaft.speed=500rpm,12000rpm", "--settle", "20 ms", "--periods", "16"];
     let text = desk.done(&[&args[..], &["-o", "a"]].concat()).out;
-    let warned = |line: &&str| line.starts_with("DE: WARNING: centrifugal is left out");
+    let warned = |line: &&str| line.starts_with("DE: WARNING: centrifugal is omitted");
     let line = text.lines().find(warned).unwrap_or_else(|| panic!("{text}"));
     assert!(line.contains("at shaft.speed = 12000 rpm"), "{line}");
     // The same from what the journal of a stopped sweep holds.

@@ -94,7 +94,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// The same motion as the rigid rotor's in other coordinates. Tilt at the bearings is left out here, so the
+/// The same motion as the rigid rotor's in other coordinates. Tilt at the bearings is omitted here, so the
 /// bearings of the other rotor are held against tilting forces of their own by looking at one that has none.
 #[test]
 fn a_rotor_from_matrices_moves_as_the_rigid_one() {

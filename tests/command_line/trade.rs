@@ -119,7 +119,7 @@ fn the_models_on_a_spindle() {
     // The most expensive model is the truth but for its last steps; single precision costs its rounding only.
     assert!(error("quasi-static, centrifugal, gyroscopic", "f64") < 1e-10);
     assert!((1e-9..1e-5).contains(&error("quasi-static, centrifugal, gyroscopic", "f32")));
-    // Each effect left out and each coarser table is further off.
+    // Each effect omitted and each coarser table is further off.
     let [full, centrifugal, none] =
         ["quasi-static, centrifugal, gyroscopic", "quasi-static, centrifugal", "quasi-static, no effects"]
             .map(|model| error(model, "f64"));

@@ -59,7 +59,7 @@ fn many_steps(count: u64) {
     }
     let (amplitude, phase) = swing(&state, w);
     let own = 2.0 / h * (0.5 * h * w).asin();
-    // Turns that Verlet's own frequency makes, of which the whole ones are left out without rounding them.
+    // Turns that Verlet's own frequency makes, of which the whole ones are omitted without rounding them.
     let turns = own * h / std::f64::consts::TAU;
     let expected = (0..64)
         .filter(|bit| count >> bit & 1 == 1)

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Error(Exception):
-    """Base of all exceptions of ballrace: work that could not be done."""
+    """Base class of all exceptions of ballrace, and error of a computation."""
 
 
 class InputError(Error, ValueError):
@@ -26,7 +26,7 @@ class FileError(InputError):
     found : str or None
         Content found.
     expected : str or None
-        Content allowed.
+        Content expected.
     """
 
     def __init__(

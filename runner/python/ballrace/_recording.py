@@ -20,9 +20,9 @@ _EXPECTED = (
 
 
 def columns(recording: RecordingLike | None, needed: Iterable[str] | None) -> Any:
-    """Return what the extension module reads: a path, or pairs of name and array.
+    """Return a recording as an argument of the extension module: a path, or pairs of name and array.
 
-    Columns that are not needed have no values.
+    Columns that are not needed get empty arrays.
     """
     if recording is None or isinstance(recording, (str, os.PathLike)):
         return recording
@@ -57,7 +57,7 @@ def _access(recording: Any) -> tuple[list[str], Callable[[str], Any]]:
 
 
 def _numbers(name: str, values: Any) -> npt.NDArray[np.float64]:
-    """Return the values of a column as double precision, without a copy where they are already."""
+    """Return the values of a column in double precision; a contiguous array of this type is not copied."""
     if not isinstance(values, np.ndarray):
         values = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
     if values.dtype.kind not in "fiu":

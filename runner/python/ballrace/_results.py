@@ -79,7 +79,7 @@ def _wrapped(value: Any) -> Any:
 
 
 class Table:
-    """Base of results that are tables: one entry for each column, all of one length."""
+    """Base class of results that are tables: one entry per column, all of one length."""
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table."""
@@ -105,7 +105,7 @@ def _columns_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Sequence[Any] | 
 
 
 class Page:
-    """Base of results with an HTML report."""
+    """Base class of results with an HTML report."""
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -163,7 +163,7 @@ class Outcome(Record, Table, Page):
     def save_baseline(self, path: str | os.PathLike[str]) -> Path:
         """Write the baseline of a replay with ``learn=True`` and return its path."""
         if self._entries.get("implausible"):
-            raise InputError("baseline: a recording that is not plausible for the scene, expected one of the sound machine")
+            raise InputError("baseline: a recording that is not plausible for the scene, expected one of the machine in good order")
         target = Path(path)
         target.write_text(self._native.baseline(), encoding="utf-8")
         return target

@@ -107,7 +107,7 @@ class Scene:
         return self._native.bearing_names
 
     def bearing(self, name: str | None = None) -> _native.Bearing:
-        """Return a bearing by its name, which may be left out where there is only one.
+        """Return a bearing by its name, which may be omitted where there is only one.
 
         Examples
         --------
@@ -156,7 +156,7 @@ class Scene:
         Parameters
         ----------
         duration, settle : float or str
-            Time in s or with a unit; ``settle`` is simulated first and left out.
+            Time in s or with a unit; ``settle`` is simulated first and omitted.
         rate : float or str
             Samples per second, in Hz or with a unit.
 
@@ -271,9 +271,9 @@ class Scene:
             A file in any format of the command line, or columns in memory: a dictionary of arrays, a structured array, a
             pandas or polars frame, an Arrow table. By default the file that the scene names.
         baseline : path, optional
-            A baseline to judge against.
+            Baseline with which the recording is compared.
         learn : bool
-            The machine is in good order: learn a baseline (:meth:`Outcome.save_baseline`).
+            Learn a baseline from a recording of the healthy machine (:meth:`Outcome.save_baseline`).
         error : float, optional
             Acceptable relative error of the force.
         forces : path, optional

@@ -1,4 +1,4 @@
-"""Fleets: a table of machines to a table of outcomes, on one computer or on a Dask cluster.
+"""Evaluation of a table of machines, on one computer or on a Dask cluster.
 
 A row of the table is a machine with one of its recordings. Columns ``machine`` and ``scene`` (a file, or the text of a scene)
 are required; ``recording``, ``baseline`` and ``time`` (ISO 8601) are optional; every other column is a tag. An error of one
@@ -49,7 +49,7 @@ class Result(Table, Page):
         Slope of each indicator and diagnosed size over the recordings of a machine, and the time at which its limit was or will
         be crossed.
     evaluated : int
-        Rows that this call has evaluated; the others are of an earlier one.
+        Number of rows that this call has evaluated; the others are of an earlier call.
     index : pathlib.Path
         The overview, an HTML page.
     """
@@ -96,9 +96,9 @@ def replay(
 ) -> Result:
     """Replay the recordings of many machines.
 
-    Rows are written to ``output/outcomes/part-*.parquet`` as they come. A second call evaluates only what is missing or whose
-    scene, recording or baseline has changed. A worker that ends is replaced: its machines are evaluated again, and each row is
-    written once.
+    Rows are written to ``output/outcomes/part-*.parquet`` during the evaluation. A second call evaluates only rows that are missing
+    or whose scene, recording or baseline has changed. The machines of a worker that ends are evaluated again; each row is written
+    once.
 
     Parameters
     ----------
@@ -107,10 +107,10 @@ def replay(
     output : path
         Folder of the results: outcomes, reports, ``trends.csv``, ``index.html``.
     client : distributed.Client, optional
-        A Dask cluster, whose workers see the same files.
+        A Dask cluster, whose workers have access to the same files.
     workers : int, optional
-        Without a client: processes of an own cluster on this computer, as many as processors by default; 0 evaluates in this
-        process.
+        Without a client: number of processes of a cluster on this computer, by default the number of processors; 0 evaluates in
+        this process.
     reports : bool
         Write an HTML report of each machine.
     error : float, optional
@@ -154,7 +154,7 @@ def replay_batches(
     error: float | None = None,
     folder: str | os.PathLike[str] | None = None,
 ) -> Iterator[pyarrow.RecordBatch]:
-    """Evaluate batches of machines: the plain function for ``mapInArrow`` of Spark, ``map_batches`` of Ray and others.
+    """Evaluate batches of machines, for ``mapInArrow`` of Spark, ``map_batches`` of Ray and others.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def replay_batches(
 
 
 def schema() -> pyarrow.Schema:
-    """Return the columns of outcomes."""
+    """Return the schema of the table of outcomes."""
     return _as_arrow([]).schema
 
 
@@ -191,7 +191,7 @@ def _as_arrow(rows: list[str]) -> pyarrow.Table:
 
 
 def _encoded(machines: Machines, folder: str | os.PathLike[str] | None) -> tuple[str, list[str]]:
-    """Return the name of the table and its machines as the extension module passes them on."""
+    """Return the name of the table and its machines, each as JSON."""
     if isinstance(machines, (str, os.PathLike)):
         path = Path(machines)
         return path.name, _native.read_machines(os.fspath(path.absolute()))
@@ -279,9 +279,9 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
         part = tasks.pop(task)
         try:
             yield from task.result()
-        except Exception as cause:  # Whatever ends a task is an error of its machines.
+        except Exception as cause:  # Every exception of a task is an error of its machines.
             if len(part) > 1:
-                # One machine that ends its worker does not take the others with it.
+                # The machines are evaluated one by one, so that one that ends its worker does not affect the others.
                 for machine in part:
                     single = submit([machine])
                     tasks[single] = [machine]
@@ -291,7 +291,7 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
             else:
                 yield failed(part[0], repr(cause))
         task.release()
-    # Dask blames every task that waited on a lost worker; a machine that runs alone is to blame itself.
+    # Dask also counts a lost worker against tasks that waited on it. A machine that runs alone is the cause itself.
     for machine in suspects:
         task = submit([machine])
         try:

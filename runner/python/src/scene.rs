@@ -214,7 +214,7 @@ impl Scene {
             Ok::<_, Error>(Some((columns, values, held)))
         })?;
         let Some((columns, values, held)) = computed.map_err(|e| exception(py, e))? else {
-            let message = format!("duration, rate: {} samples, expected as many as memory holds", span.samples);
+            let message = format!("duration, rate: {} samples, expected a number that fits into memory", span.samples);
             return Err(PyMemoryError::new_err(message));
         };
         let shape = [values.len() / columns.len(), columns.len()];

@@ -111,7 +111,7 @@ fn verdict(found: &Fitted) -> Verdict {
                  probes. No intervals are given."
             ),
             action: "add what the scene lacks (fault, clearance, load), check the noise of the probes, or fit a recording of the \
-                     sound machine."
+                     machine in good order."
                 .to_owned(),
         };
     }

@@ -150,7 +150,7 @@ fn envelope_spectrum(name: &str) -> EnvelopeSpectrum {
     EnvelopeSpectrum {
         name: name.to_owned(),
         band_hz: [2000.0, 3200.0],
-        reason: "the band on which the diagnosis rests".to_owned(),
+        reason: "the band of the diagnosis".to_owned(),
         bin_hz: 1.5625,
         modulation: (0..700).map(at).collect(),
         lines: lines(),
@@ -534,6 +534,7 @@ pub(crate) fn usual() -> Outcome {
         confidence: 0.91,
         evidence: vec![EvidenceSource::ShaftMotion],
         vibration: None,
+        lines: vec![],
         sentence: "The outer race of bearing DE is damaged: its ball-pass line and two harmonics stand 17 dB above \
                    what the twin explains. Plan a replacement and repeat the measurement within a week."
             .to_owned(),

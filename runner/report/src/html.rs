@@ -336,7 +336,7 @@ fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Tabl
     let over =
         if compared { "Means over blocks of four turns; greatest: of any block." } else { "Over the whole recording." };
     let note = format!(
-        "As measured, not compensated. {over} Direct: peak to peak of all frequencies. Gap: mean position. Not 1X: what 1X leaves. \
+        "As measured, not compensated. {over} Direct: peak to peak of all frequencies. Gap: mean position. Not 1X: the motion without its 1X component. \
          0.5X band: 0.3X to 0.7X. Kurtosis: 1.5 of a sine, 3 of noise."
     );
     Table::of(heads, rows(listed.iter().map(|(probe, _)| probe.name.clone()), &columns), note)
@@ -360,7 +360,7 @@ fn planes(outcome: &Outcome) -> Table {
         Column::number("1X short axis", "um pp"),
         Column::number("1X precession", ""),
     ];
-    let note = "Smax: farthest from the mean place, mean over blocks of four turns.";
+    let note = "Smax: largest distance from the mean position, mean over blocks of four turns.";
     Table::of(heads, rows(planes.iter().map(|plane| plane.name.clone()), &columns), note)
 }
 
@@ -547,7 +547,7 @@ fn forces(bearings: &[BearingOutcome]) -> Table {
 fn timing(timing: &Timing, compared: bool) -> Vec<PageSection> {
     let mut facts = vec![
         Fact::new("Samples", count(timing.samples)),
-        Fact::new("Samples come every", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
+        Fact::new("Sample period", format!("{} us", alone(microseconds(timing.sample_period_ns)))),
         Fact::new("Wall time", format!("{} s", fixed(timing.wall_s, 3))),
         Fact::new("Pace", format!("{} times real time", alone(timing.times_real_time))),
     ];
@@ -559,7 +559,7 @@ fn timing(timing: &Timing, compared: bool) -> Vec<PageSection> {
     facts.extend(words::pacing(timing).into_iter().map(|sentence| Fact::new("Pacing", sentence)));
     let mut all = vec![PageSection::facts("Timing", facts)];
     if compared {
-        let mut rows = vec![quantiles("Work, a sample", &timing.compute)];
+        let mut rows = vec![quantiles("Computing time per sample", &timing.compute)];
         if let Some(pacing) = &timing.pacing {
             rows.push(quantiles("Work, a block", &pacing.compute));
             rows.push(quantiles("Lateness", &pacing.lateness));

@@ -111,9 +111,7 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     match (outcome.probes.is_empty(), verdict::follows(&outcome.probes)) {
         (true, _) => "none; repeat the measurement as planned.",
         (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
-        (_, false) => {
-            "see that the scene is this machine, or fit it (ballrace fit), before the comparison is relied on."
-        }
+        (_, false) => "see that the scene is this machine, or fit it (ballrace fit), before you use the comparison.",
     }
 }
 
@@ -179,7 +177,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     }
     let supplied = &outcome.observation.supplied_by_twin;
     if !supplied.is_empty() {
-        facts.push(("Supplied by the twin", format!("{}: no probe sees it", supplied.join(", "))));
+        facts.push(("Supplied by the twin", format!("{}: no probe measures it", supplied.join(", "))));
     }
     facts
 }
@@ -298,9 +296,9 @@ fn condition(observation: &Observation) -> String {
     }
     let number = alone(observation.condition_number);
     let verdict = if observation.condition_number > BADLY_PLACED {
-        "the probes are badly placed"
+        "the positions of the probes are unfavourable"
     } else {
-        "1 is perfect, above 100 is bad"
+        "best value 1; above 100 small errors of the readings become large errors of the motion"
     };
     format!("{number} ({verdict})")
 }
@@ -335,8 +333,7 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
 }
 
 /// Remark where a simpler model has a smaller residual than the twin.
-pub(super) const BEATEN: &str =
-    "WORSE: a simpler model leaves less than the twin; the machine may have a fault or differ from the scene.";
+pub(super) const BEATEN: &str = "WORSE: a simpler model has a smaller residual than the twin; the machine may have a fault or differ from the scene.";
 
 /// Returns the word for the standing of the twin against a simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {
@@ -387,11 +384,11 @@ fn source(source: &SourceFigures) -> String {
         (source.lost_frames, "lost"),
         (source.repeated_frames, "repeated or late"),
         (source.malformed_frames, "malformed"),
-        (source.dropped_rows, "dropped for want of room"),
+        (source.dropped_rows, "dropped because the buffer was full"),
     ];
     let losses: Vec<String> = counts.iter().map(|(n, what)| format!("{} {what}", count(*n))).collect();
     let stalls = match source.stalls {
-        0 => "never silent".to_owned(),
+        0 => "no interruption".to_owned(),
         n => format!("silent {}, up to {} s", counted(n, "time"), fixed(source.longest_stall_s, 1)),
     };
     format!(

@@ -8,7 +8,7 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
-/// Returns the counters as two lines; those above 0 stand out.
+/// Returns the counters as two lines; counters above 0 are highlighted.
 pub(super) fn lines(view: &View) -> [Line<'static>; 2] {
     let milliseconds = |ns: u64| format!("{:.1}", ns as f64 * 1e-6);
     let source = &view.source;

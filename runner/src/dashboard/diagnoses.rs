@@ -1,4 +1,4 @@
-//! Diagnoses of the last diagnosis; at the end of a run, the diagnoses of the whole run and the verdict.
+//! Faults found so far; at the end of a run, the faults of the whole run and the verdict.
 
 use super::{ALARM, MUTED, draw_empty, panel_block};
 use crate::live::view::View;

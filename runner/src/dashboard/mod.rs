@@ -31,7 +31,7 @@ use std::time::Duration;
 const REFRESH: Duration = Duration::from_millis(250);
 /// Minimum size of the terminal: columns, rows.
 const MIN_SIZE: (u16, u16) = (60, 22);
-/// Largest part of the terminal that is drawn on: columns, rows. It bounds the memory of the cells; a terminal can state 65535 x 65535.
+/// Largest part of the terminal that is drawn on: columns, rows. It limits the memory of the cells; a terminal can report 65535 x 65535.
 const MAX_SIZE: (u16, u16) = (500, 200);
 
 const MEASURED: Color = Color::Cyan;
@@ -181,7 +181,7 @@ fn draw_overview(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, set
         let second = if view.diagnoses.is_empty() { Panel::Loads } else { Panel::Diagnoses };
         panels.extend([(Panel::Trend, middle[0]), (second, middle[1])]);
     }
-    // Values against limits where the scene has limits, else the counters, which are below the values in their panel.
+    // This panel contains the values of the probes and, below them, the counters.
     panels.push((Panel::Values, last[0]));
     for (panel, area) in panels {
         draw_panel(frame, area, panel, info, view, settings);
@@ -223,7 +223,7 @@ fn title(info: &RunInfo, view: &View, is_paused: bool) -> Paragraph<'static> {
     Paragraph::new(Line::from(spans))
 }
 
-/// State of the machine in colour and word, with the present diagnosis as a sentence.
+/// Returns the state of the machine as a coloured word, with the present alarm or diagnosis as a sentence.
 fn state(view: &View) -> Paragraph<'static> {
     let status = Status::of(view);
     let colour = match status.level {
@@ -234,7 +234,7 @@ fn state(view: &View) -> Paragraph<'static> {
     };
     let word = Style::new().bg(colour).fg(Color::Black).add_modifier(Modifier::BOLD);
     let since = status.since.get(11..19).map_or_else(String::new, |clock| format!(" since {clock} UTC. "));
-    // The panel of the diagnoses has the sentence of an alarm.
+    // For an alarm, the title replaces the sentence: the panels of events and diagnoses contain the details.
     let sentence = match status.title.as_str() {
         "" => format!("{since}{} {}", status.sentence, status.action),
         title => format!("{since}{title}. {}", status.action),

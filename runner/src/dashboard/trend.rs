@@ -11,7 +11,7 @@ use ratatui::symbols::Marker;
 use ratatui::text::Span;
 use ratatui::widgets::{Axis, Chart, Dataset, GraphType};
 
-/// Returns the value of an indicator.
+/// Function that returns the value of an indicator.
 type IndicatorValue = fn(&ProbeSecond) -> f64;
 
 /// Name, unit and value of each indicator, and the indicator of the limit that is drawn with it.

@@ -10,7 +10,7 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Cell, Paragraph, Row, Table};
 
-/// Share of a limit from which a value stands out.
+/// Share of a limit above which a value is highlighted.
 const NEAR: f64 = 0.8;
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
@@ -36,7 +36,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
         return frame.render_widget(Paragraph::new(printable::lines(&text).into_owned()), table);
     }
     let mut limits: Vec<&LimitStatus> = view.limits.iter().collect();
-    // Where there is no room for all, those closest to their limits are shown.
+    // The table is cut off at its lower end: the values closest to their limits come first.
     limits.sort_by(|a, b| share(b).total_cmp(&share(a)));
     let widths = [
         Constraint::Fill(2),

@@ -137,7 +137,7 @@ fn limit_title(id: &str) -> String {
     format!("Above its limit: {}", id.strip_prefix(LIMIT).unwrap_or(id).trim_start())
 }
 
-/// Returns the identifier of a fault, whatever its size.
+/// Returns the identifier of a fault, which does not depend on its size.
 fn fault_id(diagnosis: &Diagnosis) -> String {
     let name = |value: Result<serde_json::Value, _>| match value {
         Ok(serde_json::Value::String(name)) => Some(name),

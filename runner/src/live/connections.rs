@@ -81,12 +81,12 @@ fn detect_vanished_peer(stream: &TcpStream) -> std::io::Result<()> {
     SockRef::from(stream).set_tcp_keepalive(&keepalive)
 }
 
-/// Ends the connection of a silent peer that does not take the data sent to it: keepalive probes pause meanwhile. A source that
-/// sends samples stays connected, even if it reads nothing.
+/// Limits the time for which data sent to a silent peer may stay unacknowledged, because keepalive probes pause during this time. A
+/// source that sends samples has no limit and stays connected, even if it reads nothing.
 fn limit_unacknowledged_time(stream: &TcpStream, is_silent: bool) {
     #[cfg(target_os = "linux")]
     {
-        // Without this limit the system ends the connection, only later.
+        // An error is ignored: without this limit the system ends the connection later.
         let limit = is_silent.then_some(PROBE_INTERVAL * (PROBES + 1));
         let _ = SockRef::from(stream).set_tcp_user_timeout(limit);
     }

@@ -1,4 +1,4 @@
-//! The monitor's side of the live displays: it collects their data and publishes them several times per second.
+//! Monitor side of the live displays: collects their data and publishes them several times per second.
 
 use super::view::{SharedView, View};
 use std::time::{Duration, Instant};
@@ -30,7 +30,7 @@ impl Display {
         self.shared.as_ref().is_some_and(SharedView::take_is_read)
     }
 
-    /// Publishes the view. If a display reads it at this moment, the next block tries again.
+    /// Publishes the view. If a display is reading it at this moment, the view stays due for the next block.
     pub fn publish(&mut self) {
         if let Some(shared) = &self.shared
             && shared.try_set(&self.view)

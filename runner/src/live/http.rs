@@ -144,7 +144,7 @@ impl Client {
 }
 
 impl EventStream {
-    /// Sends an event; returns `false` if the client has gone or does not read.
+    /// Sends an event; returns `false` if the client has disconnected or does not read within the time limit.
     pub async fn send(&mut self, name: &str, data: &str) -> bool {
         let event = Bytes::from(format!("event: {name}\ndata: {data}\n\n"));
         matches!(tokio::time::timeout(STALL_TIMEOUT, self.sender.send_data(event)).await, Ok(Ok(())))

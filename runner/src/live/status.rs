@@ -10,11 +10,11 @@ use serde::Serialize;
 pub enum Level {
     /// A limit is exceeded or a fault is found.
     Alarm,
-    /// A user has to look.
+    /// The state requires the attention of a user.
     Warning,
     /// No verdict is possible yet.
     Unknown,
-    /// Nothing to do.
+    /// No action is required.
     Normal,
 }
 
@@ -29,7 +29,7 @@ pub struct Status {
     pub title: String,
     /// Diagnosis as a sentence.
     pub sentence: String,
-    /// Recommended action; empty where there is nothing to do.
+    /// Recommended action; empty where no action is required.
     pub action: String,
     /// Time of day since which the state lasts, RFC 3339 in UTC; empty before the first sample.
     pub since: String,

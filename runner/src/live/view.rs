@@ -34,7 +34,7 @@ pub enum MonitorState {
     Ended,
 }
 
-/// Data of the live displays. A copy is cheap: what is large is shared.
+/// Data of the live displays. Cloning is cheap, because large data are shared.
 #[derive(Debug, Clone, Default)]
 pub struct View {
     /// State of the monitor.
@@ -82,8 +82,8 @@ pub struct Conclusion {
     pub diagnoses: Vec<Diagnosis>,
 }
 
-/// Latest view, which the monitor loop replaces and displays read. Neither waits for the other: the lock is held for the
-/// exchange of a pointer, and the loop only tries to take it.
+/// Latest view, which the monitor loop replaces and displays read. The lock is held only while a pointer is exchanged, and the loop
+/// does not block on it ([`SharedView::try_set`]).
 #[derive(Debug, Clone, Default)]
 pub struct SharedView(Arc<Shared>);
 

@@ -473,7 +473,7 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
             if listed.is_empty() { "none".to_owned() } else { listed.join(", ") }
         };
         format!(
-            "{name}: effects of this scene, as change of force if left out: {}; left out: {}",
+            "{name}: effects of this scene, as change of force if omitted: {}; omitted: {}",
             list(true),
             list(false)
         )
@@ -481,7 +481,7 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     let warning = |entry: &EffectSignificance| {
         let at = entry.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"));
         format!(
-            "{}: WARNING: {} is left out and predicted to change the force by {} ({}){at}, more than {}",
+            "{}: WARNING: {} is omitted and predicted to change the force by {} ({}){at}, more than {}",
             entry.bearing,
             entry.effect,
             share(entry.change),
@@ -502,7 +502,7 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     };
     let dry: Vec<&str> = names.iter().copied().filter(|name| is_dry(name)).collect();
     let dry =
-        (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene names no lubricant", dry.join(", ")));
+        (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene has no lubricant", dry.join(", ")));
     names.iter().map(line).chain(bends).chain(dry).chain(lacking.map(warning)).collect()
 }
 

@@ -34,7 +34,7 @@ pub struct StaticEquilibrium {
     /// Flexible rotor; `None` for a rigid rotor or a single bearing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotor: Option<RotorOutcome>,
-    /// Drawing of the rotor, not part of the JSON; none for a bearing alone.
+    /// Drawing of the rotor, not part of the JSON; `None` for a single bearing.
     #[serde(skip)]
     pub drawing: Option<RotorDrawing>,
     /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
@@ -76,14 +76,14 @@ pub struct BearingEquilibrium {
     pub stiffness: [[f64; 5]; 5],
     /// `cage_ratio` of the scene, where it has one.
     pub cage_ratio: Option<f64>,
-    /// Contact angles; none without a geometry.
+    /// Contact angles; `None` without a geometry.
     pub contact_angle: Option<ContactAngle>,
     /// Orders of the bearing that every command uses: from the scene's `cage_ratio`, else by rolling at the free contact
-    /// angle; none where neither is given.
+    /// angle; `None` if neither is given.
     pub orders: Option<BearingOrders>,
-    /// Orders by rolling at the mean contact angle under this load; none where no contact angle is known.
+    /// Orders by rolling at the mean contact angle under this load; `None` if no contact angle is known.
     pub orders_under_load: Option<BearingOrders>,
-    /// Operating clearance; none without `fit` and `temperatures`.
+    /// Operating clearance; `None` without `fit` and `temperatures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub operating_clearance: Option<ClearanceOutcome>,
 }
@@ -295,7 +295,7 @@ impl BearingEquilibrium {
     }
 }
 
-/// Returns the mean size of the contact angles, weighted by the loads of the contacts; none where no contact with an angle
+/// Returns the mean size of the contact angles, weighted by the loads of the contacts; `None` if no contact with an angle
 /// is loaded.
 fn mean_contact_angle(elements: &[Element]) -> Option<f64> {
     let contacts = elements.iter().flat_map(|e| [(e.inner_load, e.inner_angle), (e.outer_load, e.outer_angle)]);

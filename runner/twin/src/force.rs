@@ -29,14 +29,14 @@ pub enum MathBackend {
     Fast,
 }
 
-/// The force of one bearing as one model computes it.
+/// Force of one bearing by one model.
 pub struct BearingForce(Box<dyn Evaluate>);
 
 impl BearingForce {
     /// Creates the model `model` of a bearing in one precision and math.
     ///
     /// # Errors
-    /// A scene that lacks what the model needs, values that the kernel rejects.
+    /// Returns an error if the scene lacks a value that the model requires or the kernel rejects a value.
     pub fn try_new(
         scene: &Scene,
         bearing: &Bearing,
@@ -44,7 +44,7 @@ impl BearingForce {
         (precision, math): (Precision, MathBackend),
     ) -> Result<Self> {
         Ok(Self(match (precision, math) {
-            // The bearings of the plants, so that these are compiled once.
+            // The plants use the same types, which are therefore compiled once.
             (Precision::F64, MathBackend::Exact) => evaluator(scene, bearing, model, build::bearing)?,
             (Precision::F64, MathBackend::Fast) => evaluator(scene, bearing, model, build::force_model::<f64, Fast>)?,
             (Precision::F32, MathBackend::Exact) => evaluator(scene, bearing, model, build::force_model::<f32, Exact>)?,
@@ -123,7 +123,7 @@ fn evaluator<T: Scalar, H: BearingHandle<T> + ForceModel<T> + 'static>(
 /// Builds the model of one bearing in double precision with exact math, with its tangent stiffness and element loads.
 ///
 /// # Errors
-/// As [`BearingForce::try_new`].
+/// Returns the errors of [`BearingForce::try_new`].
 pub fn bearing_model(scene: &Scene, bearing: &Bearing, model: Model) -> Result<AnyBearing<f64>> {
     handle(scene, bearing, model, build::bearing).map_err(Error::setup)
 }
@@ -131,7 +131,7 @@ pub fn bearing_model(scene: &Scene, bearing: &Bearing, model: Model) -> Result<A
 /// Builds the model of one bearing; one linearised from another model takes its springs from the rotor's equilibrium.
 ///
 /// # Errors
-/// As [`BearingForce::try_new`].
+/// Returns the errors of [`BearingForce::try_new`].
 pub(crate) fn handle<T: Scalar, H: BearingHandle<T>>(
     scene: &Scene,
     bearing: &Bearing,

@@ -56,7 +56,7 @@ pub trait BearingHandle<T: Scalar>: Sized {
     fn mirrored(self) -> Self;
     /// Returns elements of one kind.
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements;
-    /// Returns the handle of radial and axial elements together; `housing` is empty where the outer ring is rigid.
+    /// Returns the handle of radial and axial elements together; `housing` is empty if the outer ring is rigid.
     fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Vec<HousingPoint<T>>) -> Self;
 }
 

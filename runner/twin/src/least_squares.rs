@@ -1,5 +1,5 @@
-//! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds. The Jacobian of a step is by
-//! one-sided differences, that of the solution by central ones at twice the cost.
+//! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds. The Jacobian of a step is computed
+//! by one-sided differences, that of the solution by central ones at twice the cost.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,7 +20,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Returns no limits for `count` unknowns.
+    /// Creates infinite limits for `count` unknowns.
     #[must_use]
     pub fn none(count: usize) -> Self {
         Self { bounds: vec![[f64::NEG_INFINITY, f64::INFINITY]; count], longest_step: f64::INFINITY }
@@ -44,7 +44,7 @@ pub struct Solution {
 /// `least_fall`.
 ///
 /// # Errors
-/// As [`solve_within`].
+/// Returns the errors of [`solve_within`].
 pub fn solve<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
     residuals: Residuals<E>,
@@ -58,7 +58,7 @@ pub fn solve<E: From<std::io::Error> + Send>(
 /// iteration.
 ///
 /// # Errors
-/// An error of `residuals` at the start or next to an accepted point. A trial step at which it fails is rejected and a
+/// Returns an error of `residuals` at the start or next to an accepted point. A trial step at which it fails is rejected and a
 /// shorter one is tried.
 pub fn solve_within<E: From<std::io::Error> + Send>(
     start: Vec<f64>,
@@ -99,7 +99,7 @@ fn minimise<E: From<std::io::Error> + Send>(
     Ok((x, r))
 }
 
-/// Returns the next unknowns; none where no step reduces the residuals. An unknown at a bound that the step would cross is
+/// Returns the next unknowns; `None` if no step reduces the residuals. An unknown at a bound that the step would cross is
 /// fixed there while the others move.
 fn step<E>(
     (x, r): (&[f64], &DVector<f64>),

@@ -36,7 +36,7 @@ impl Span {
     /// Creates a span of `duration` (s) at `rate` (Hz) after a transient of `settle` (s).
     ///
     /// # Errors
-    /// No sample, a negative transient, more than [`MAX_SAMPLES`].
+    /// Returns an error for a rate of 0 or less, no sample, a negative transient or more than [`MAX_SAMPLES`] samples.
     pub fn try_new(duration: f64, rate: f64, settle: f64) -> Result<Self, InvalidSpan> {
         let (samples, settle) = ((duration * rate).round(), (settle * rate).round());
         let found = samples + settle;
@@ -63,7 +63,7 @@ pub struct ResponseSample<'a> {
 }
 
 impl ResponseSample<'_> {
-    /// Returns the force of bearing `i` on its inner ring.
+    /// Returns the force of bearing `i` on its inner ring, N and N m.
     #[must_use]
     pub fn wrench(&self, i: usize) -> Wrench<f64> {
         self.plant.bearings.get(i).map_or_else(Wrench::default, |mounted| {
@@ -96,7 +96,7 @@ pub fn columns(plant: &Plant) -> Vec<String> {
 /// Returns the number of steps that overflowed and were held, and the twin at the end.
 ///
 /// # Errors
-/// Returns an error if the kernel rejects a parameter, and the error of `visit`.
+/// Returns an error if the kernel rejects a parameter, or the first error of `visit`.
 pub fn run<E: From<Error>>(
     scene: &Scene,
     plant: &Plant,

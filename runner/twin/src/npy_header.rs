@@ -56,7 +56,7 @@ impl NpyHeader {
     /// Reads the header; the numbers follow.
     ///
     /// # Errors
-    /// Another format, a header that is cut short, longer than any in use, or not of an array of plain elements or structures.
+    /// Another format, a header that is truncated, longer than any in use, or not of an array of plain elements or structures.
     pub(crate) fn read(file: &mut impl Read) -> Result<Self> {
         let mut first = [0; 10];
         file.read_exact(&mut first)?;

@@ -13,16 +13,16 @@ pub struct Options<'a> {
     pub error: Option<f64>,
     /// File with a baseline for comparison.
     pub baseline: Option<&'a Path>,
-    /// Live operation: indicators of every second are kept for [`Replay::take_update`](crate::replay::Replay::take_update), the start of the twin does not block, and
-    /// forces that are not written to a file are computed for a limited number of samples per second.
+    /// Live operation: indicators of every second are kept for [`Replay::take_update`](crate::replay::Replay::take_update), the start of
+    /// the twin does not block, and forces that are not written to a file are computed for a limited number of samples per second.
     pub live: bool,
     /// A display is in use: [`Replay::snapshot`](crate::replay::Replay::snapshot) returns the last samples.
     pub viewed: bool,
-    /// The machine is in good order: its parameters are calibrated for the baseline of the outcome.
+    /// The machine is healthy: its parameters are calibrated for the baseline of the outcome.
     pub learn: bool,
-    /// A recording that is not plausible for the scene is diagnosed all the same; the implausibilities are notes of the outcome.
+    /// A recording that is not plausible for the scene is diagnosed nevertheless; the implausibilities are notes of the outcome.
     pub force_diagnosis: bool,
-    /// Called at intervals.
+    /// Function that is called with the progress at intervals.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 

@@ -39,8 +39,8 @@ pub fn verdict(
     }
     let left_out = match out_of_range {
         0 => String::new(),
-        1 => " 1 sample with a reading out of range is left out.".to_owned(),
-        count => format!(" {count} samples with a reading out of range are left out."),
+        1 => " 1 sample with a reading out of range is omitted.".to_owned(),
+        count => format!(" {count} samples with a reading out of range are omitted."),
     };
     let verdict = judged(diagnoses, probes, undiagnosed);
     format!("{verdict}{left_out}")
@@ -64,7 +64,7 @@ fn judged(diagnoses: &[Diagnosis], probes: &[ProbeOutcome], undiagnosed: Option<
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
     let follows = if follows(probes) { "follows" } else { "does not follow" };
     let rivals = if better == probes.len() {
-        "it beats all four simpler models on every probe".to_owned()
+        "its residual is smaller than that of all four simpler models on every probe".to_owned()
     } else if worse == 0 {
         format!(
             "no simpler model does better, and on {} of {} probes one does as well",

@@ -1,7 +1,7 @@
 //! A drawing in pixels of the page, written as SVG: lines, text, frames with axes, legends.
 //!
 //! The content of a frame is drawn in a group that states how it follows the axes ([`Frame::inside`], [`Frame::along`]), and the
-//! values of each curve are kept beside the drawing ([`Plot`]), so that the script of a report can zoom and read them.
+//! values of each curve are stored with the drawing ([`Plot`]), so that the script of a report can zoom and read them.
 
 use super::axis::Axis;
 use super::line::{Point, Thinning, pieces};
@@ -15,7 +15,7 @@ const CHARACTER: f64 = 0.58;
 pub(super) const WIDE: f64 = 500.0;
 /// Right edge of a frame in such a figure.
 pub(super) const WIDE_RIGHT: f64 = WIDE - 14.0;
-/// Height below which an axis has no room for a title beside it.
+/// Height of a frame below which the title of the Y axis is above the frame, pixels.
 const SHORT: f64 = 75.0;
 /// Height of tick labels and title below a frame.
 pub(super) const BELOW: f64 = 36.0;

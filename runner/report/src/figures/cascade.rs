@@ -72,7 +72,7 @@ pub(super) fn cascade(cascade: &Cascade, lines: &[MarkedLine], over_speed: bool)
 struct View<'a> {
     cascade: &'a Cascade,
     over_speed: bool,
-    /// From the front to the back.
+    /// Spectra in their order from the front to the back.
     slices: Vec<&'a Slice>,
     /// Marked lines with their frequencies at the top of the frame.
     lines: Vec<MarkedLine>,

@@ -84,7 +84,7 @@ pub(super) fn half(spectrum: &HalfSpectrum, data: &Pictures, budget: PointBudget
     Picture {
         title: format!("Spectrum of {}", spectrum.name),
         note: format!(
-            "Amplitude zero to peak, logarithmic scale. Mean position left out; 0 to {close:.0} Hz{beside}.{}",
+            "Amplitude zero to peak, logarithmic scale. Mean position omitted; 0 to {close:.0} Hz{beside}.{}",
             natural_note(data)
         ),
         drawing,
@@ -216,7 +216,7 @@ pub(super) fn full(spectrum: &FullSpectrum, data: &Pictures, budget: PointBudget
     Picture {
         title: format!("Full spectrum of {}", spectrum.name),
         note: format!(
-            "Amplitude zero to peak, linear scale{magnified}. Mean position left out; \u{b1}{close:.0} Hz of \
+            "Amplitude zero to peak, linear scale{magnified}. Mean position omitted; \u{b1}{close:.0} Hz of \
              \u{b1}{whole:.0} Hz.{}",
             natural_note(data)
         ),

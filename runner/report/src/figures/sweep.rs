@@ -110,7 +110,7 @@ pub(crate) fn bifurcation(title: &str, curves: &[Curve<'_>]) -> Picture {
     });
     Picture {
         title: "Bifurcation diagram".to_owned(),
-        note: "One dot: period one. Two, three, four: the motion repeats after as many section periods. A cloud: it does not repeat."
+        note: "One dot: period one. Two, three, four: the motion repeats after as many section periods. A cloud: the motion does not repeat."
             .to_owned(),
         drawing,
         ..Picture::default()

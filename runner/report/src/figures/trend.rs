@@ -93,7 +93,7 @@ impl Trend<'_> {
         let others = if others > 0 { " Events of other indicators: shaded in all." } else { "" };
         format!(
             "Blocks of four turns, or neighbours of them joined: peak to peak is the greatest, the others are means. Limits \
-             are held against blocks of 16 turns.{others}"
+             are compared with blocks of 16 turns.{others}"
         )
     }
 }

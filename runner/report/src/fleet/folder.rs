@@ -13,7 +13,7 @@ pub fn page_of(evaluation: &mut Evaluation) -> Option<String> {
     match crate::html(evaluation.outcome.as_ref()?) {
         Ok(page) => Some(page),
         Err(error) => {
-            evaluation.row.error = Some(format!("the report cannot be drawn: {error:#}"));
+            evaluation.row.error = Some(format!("the report cannot be written: {error:#}"));
             None
         }
     }

@@ -1,12 +1,12 @@
 // Makes the figures of a report interactive: zoom, pan, a cursor that reads values, harmonic and side-band cursors, the lines of a
-// diagnosis in every figure, orbits and spectra of a chosen time. Without it the page is complete, but still.
+// diagnosis in every figure, orbits and spectra of a chosen time. Without the script the page is complete, but static.
 "use strict";
 (() => {
 const data = JSON.parse(document.getElementById("data").textContent);
 const SVG = "http://www.w3.org/2000/svg";
-// Distance in pixels of the figure within which a line is grabbed.
+// Largest distance between pointer and line at which a drag moves the line, pixels of the figure.
 const NEAR = 7;
-// Multiples that the harmonic and the side-band cursor draw.
+// Numbers of lines that the harmonic and the side-band cursor draw on each side.
 const HARMONICS = 40, SIDE_BANDS = 6;
 // Shortest time range, samples.
 const MIN_SAMPLES = 64;
@@ -33,7 +33,7 @@ function drawn(name, attributes = {}, text) {
 const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 const tenths = (x) => Math.round(x * 10) / 10;
 
-// A number with some significant digits, a true minus sign and no idle zeros.
+// Formats a number with `digits` significant digits, a minus sign (U+2212) and no trailing zeros.
 function shown(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   const size = Math.abs(x);
@@ -52,13 +52,13 @@ const singles = (text) => new Float32Array(bytes(text).buffer);
 const column = (packed) => typeof packed === "string" ? singles(packed)
   : Float64Array.from({ length: packed[2] }, (_, i) => packed[0] + i * packed[1]);
 
-// "Frequency, Hz" as name and unit.
+// Splits a title such as "Frequency, Hz" into name and unit.
 function quantity(title) {
   const [, name, unit] = title.match(/^(.*?), ([^,]*)$/) || [null, title, ""];
   return { name, unit };
 }
 
-// Round values inside a range, at most about `most`, with their labels.
+// Returns round values inside a range with their labels, about `most` at most.
 function ticks(low, high, most, logarithmic) {
   if (logarithmic && high / low > 12) {
     const out = [];
@@ -81,7 +81,7 @@ function ticks(low, high, most, logarithmic) {
   return out;
 }
 
-// Number of the sorted value nearest to x.
+// Returns the index of the value nearest to x; the values are sorted.
 function nearest(values, x) {
   let low = 0, high = values.length - 1;
   while (high - low > 1) {
@@ -91,7 +91,7 @@ function nearest(values, x) {
   return Math.abs(values[low] - x) <= Math.abs(values[high] - x) ? low : high;
 }
 
-// ---- One axis: a home range, the present range, and how far it can be moved
+// ---- One axis: home range, present range, and limits of the present range
 
 class Axis {
   constructor({ low, high, log, title }) {
@@ -100,7 +100,7 @@ class Axis {
     this.limits = [...this.home];
     this.range = [...this.home];
   }
-  // The scale on which the axis is even.
+  // Maps a value to the coordinate in which the axis is linear; `from` is the inverse.
   to(value) { return this.log ? Math.log10(Math.max(value, Number.MIN_VALUE)) : value; }
   from(place) { return this.log ? 10 ** place : place; }
   share(value) { return (this.to(value) - this.range[0]) / (this.range[1] - this.range[0]); }
@@ -112,7 +112,7 @@ class Axis {
     const start = clamp(low, this.limits[0], this.limits[1] - length);
     this.range = [start, start + length];
   }
-  // Around a share of the range; a factor below 1 enlarges.
+  // Zooms about a share of the range; a factor below 1 magnifies.
   zoom(share, factor) {
     const [low, high] = this.range, fixed = low + share * (high - low);
     this.set(fixed - (fixed - low) * factor, fixed + (high - fixed) * factor);
@@ -155,7 +155,7 @@ class Plot {
     if (this.isOfFrequency && !this.isCascade) this.widen();
   }
 
-  // Lets a spectrum be moved as far as its values go.
+  // Extends the limits of the X axis to all values of the spectra.
   widen() {
     for (const curve of this.curves) {
       const x = column(curve.packed.x);
@@ -199,7 +199,7 @@ class Plot {
     this.axes.replaceChildren(...home ? this.still : this.scale());
     const map = this.mapping();
     for (const item of this.items) item.set(map, this);
-    // What belongs to the readings of the home range has no place in another one.
+    // Marks that belong to the readings of the static figure are hidden where other readings are shown.
     for (const group of this.replaced ? this.inside : []) group.setAttribute("visibility", "hidden");
     if (!this.replaced) for (const group of this.inside) group.removeAttribute("visibility");
     for (const group of this.along)
@@ -209,7 +209,7 @@ class Plot {
       curve.group.replaceChildren(...home ? curve.still : this.lines(curve));
   }
 
-  // From pixels of the still figure to those of the present ranges.
+  // Returns the functions from pixels of the static figure to pixels of the present ranges.
   mapping() {
     const along = (axis, from, to) => {
       const [low, high] = axis.home, [now, end] = axis.range, size = to - from;
@@ -218,7 +218,7 @@ class Plot {
     return { x: along(this.x, this.left, this.right), y: along(this.y, this.bottom, this.top) };
   }
 
-  // Grid and labels of the present ranges.
+  // Returns grid and labels of the present ranges.
   scale() {
     const out = [], line = (x1, y1, x2, y2, fine) => out.push(drawn("line", {
       x1, y1, x2, y2, stroke: "var(--grid)", "stroke-width": fine ? 0.25 : 0.75 }));
@@ -238,7 +238,7 @@ class Plot {
     return out;
   }
 
-  // A curve as polylines; of many values for each pixel the lowest and the highest.
+  // Returns a curve as polylines. With many values per pixel, only the lowest and the highest are drawn.
   lines(curve) {
     const { x, y, kind } = this.values(curve), pieces = [];
     let piece = [];
@@ -266,7 +266,7 @@ class Plot {
     return pieces.map((points) => drawn("polyline", { points: points.map(([a, b]) => `${tenths(a)},${tenths(b)}`).join(" ") }));
   }
 
-  // The reading nearest to a point of the figure: curve and number of the value.
+  // Returns the reading nearest to a point of the figure: curve and index of the value.
   find([x, y]) {
     const at = this.x.value(this.shares([x, y])[0]);
     let best = null;
@@ -288,7 +288,7 @@ class Plot {
     return best && { plot: this, ...best };
   }
 
-  // Highest value of a curve within one and a half steps of x.
+  // Returns the highest value of a curve within one and a half steps of x; NaN outside the curve.
   amplitude(curve, at) {
     const { x, y } = this.values(curve), middle = nearest(x, at);
     let best = NaN;
@@ -305,7 +305,7 @@ class Plot {
   }
 }
 
-// The parts of a group with their places in the still figure. `both`: they follow both axes, else X alone.
+// Returns the elements of a group with their positions in the static figure. With `both` they follow both axes, else only X.
 function places(group, both) {
   const number = (e, name) => Number(e.getAttribute(name));
   const put = (e, attributes) => { for (const key in attributes) e.setAttribute(key, tenths(attributes[key])); };
@@ -324,7 +324,7 @@ function places(group, both) {
       case "text": {
         const [x, y] = [number(e, "x"), number(e, "y")];
         const line = e.previousElementSibling;
-        // The name of a line moves with it; one that was put aside keeps its distance.
+        // The name of a line moves with the line and keeps its distance from it.
         const from = !both && line && line.localName === "line" ? number(line, "x1") : x;
         return [{ set: (map, plot) => {
           put(e, { x: map.x(from) + x - from, y: both ? map.y(y) : y });
@@ -399,7 +399,7 @@ class Figure {
 
   // Tick labels of Y are absent in a frame that shares them with the one to its left.
   hasLabels(plot) { return plot.y.name !== "" || this.plots.length === 1; }
-  // Frames that show the same range along X.
+  // Returns the frames with the same X axis.
   linked(plot) { return this.plots.filter((other) => other.x.title === plot.x.title && other.x.home[0] === plot.x.home[0] && other.x.home[1] === plot.x.home[1]); }
   point(event) {
     const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM().inverse());
@@ -422,7 +422,7 @@ class Figure {
       if (this.pointers.size === 0 && document.activeElement !== this.area && !this.comb) this.setCursor(null);
     });
     on("dblclick", () => this.reset());
-    // The wheel scrolls the page until a figure is in use.
+    // The wheel scrolls the page unless the figure has the focus.
     on("wheel", (event) => {
       if (!event.ctrlKey && document.activeElement !== this.area) return;
       const point = this.point(event), plot = this.plotAt(point);
@@ -485,7 +485,7 @@ class Figure {
     this.drawMarks();
   }
 
-  // Two fingers: the middle stays below them, the distance sets the scale.
+  // Pans and zooms with two pointers: their middle is the fixed point, their distance sets the scale.
   pinched() {
     const [a, b] = this.pinch, [c, d] = this.pointers.values();
     const middle = (p, q) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
@@ -499,7 +499,7 @@ class Figure {
     this.pinch = [c, d];
   }
 
-  // Along X of the frames that share it; along both where the scales are equal, or along Y with shift.
+  // Zooms along X in all frames that share it; along both axes where the scales are equal, or along Y with shift.
   zoom(plot, [x, y], factor, isAlongY) {
     if (plot.isEqual) { plot.x.zoom(x, factor); plot.y.zoom(y, factor); }
     else if (isAlongY) plot.y.zoom(y, factor);
@@ -529,7 +529,7 @@ class Figure {
       part(plot.x, x - half, x + half);
       part(plot.y, y - half, y + half);
     } else {
-      // A flat or narrow box chooses along one axis alone.
+      // A flat or narrow box zooms along one axis only.
       const others = this.linked(plot).filter((one) => one !== plot);
       if (Math.abs(x2 - x1) >= 5) for (const one of [plot, ...others]) part(one.x, a[0], b[0]);
       if (Math.abs(y2 - y1) >= 12) part(plot.y, a[1], b[1]);
@@ -590,7 +590,7 @@ class Figure {
     if (share < 0 || share > 1) this.pan(plot, share < 0 ? share : share - 1, 0);
   }
 
-  // The same place in the next frame, or on the next spectrum of a cascade.
+  // Moves the cursor to the same X in the next frame, or on the next spectrum of a cascade.
   nextPlot(by) {
     if (!this.cursor) { this.stepCursor(this.plots[0], 0); return; }
     const { plot, curve } = this.cursor;
@@ -604,7 +604,7 @@ class Figure {
     this.setCursor({ ...next, i: nearest(next.curve.x, this.cursor.x) });
   }
 
-  // Name, value and unit of what the cursor reads.
+  // Returns name, value and unit of each reading at the cursor.
   reading() {
     const { plot, curve, i, x } = this.cursor;
     const out = [];
@@ -641,7 +641,7 @@ class Figure {
     this.drawMarks();
   }
 
-  // The number of the line of the comb that is near, or null.
+  // Returns the number of the comb line within `NEAR` of a point, or null.
   grabbed(plot, [x]) {
     if (!this.comb || this.comb.plot.x.title !== plot.x.title) return null;
     const lines = this.comb.lines().map(({ k, at }) => ({ k, distance: Math.abs(plot.px(at) - x) }));
@@ -654,7 +654,7 @@ class Figure {
     this.drawMarks();
   }
 
-  // ---- What is drawn over the figure
+  // ---- Overlay of the figure
 
   drawMarks() {
     const out = [];
@@ -705,7 +705,7 @@ class Figure {
     this.readout.dataset.values = JSON.stringify(parts.map(({ name, value, unit }) => [name, value, unit]));
   }
 
-  // Lines of the chosen diagnoses.
+  // Draws the lines of the selected diagnosis.
   drawHighlights() {
     const out = [];
     for (const plot of this.marked.length ? this.plots.filter((p) => p.isOfFrequency) : [])
@@ -713,7 +713,7 @@ class Figure {
         const at = plot.x.unit === "X" ? order : order * data.speed_hz;
         const line = (x1, y1, x2, y2) => out.push(drawn("line", { x1: tenths(x1), y1: tenths(y1), x2: tenths(x2), y2: tenths(y2) }));
         if (plot.isCascade && plot.y.unit === "rpm") {
-          // An order is a ray through the origin; it is drawn as far as it lies in the frame.
+          // An order is a ray through the origin; its part inside the frame is drawn.
           const speeds = [0, 1].map((share) => plot.y.value(share)), ends = [plot.x.value(0), plot.x.value(1)];
           const limit = ends.map((hz) => hz * 60 / order).sort((a, b) => a - b);
           const [low, high] = [Math.max(speeds[0], limit[0]), Math.min(speeds[1], limit[1])];
@@ -733,7 +733,7 @@ class Figure {
   }
 }
 
-// Lines at the multiples of a frequency, or at equal distances about one.
+// Cursor lines at the multiples of a frequency (harmonics), or at equal distances about a frequency (side bands).
 class Comb {
   constructor(kind, plot, at) {
     this.kind = kind;
@@ -744,7 +744,7 @@ class Comb {
     this.base = kind === "harmonics" ? 1 : 0;
   }
   curve() { return this.plot.curves.find((curve) => curve.name === "measured") || this.plot.curves[this.plot.curves.length - 1]; }
-  // The highest peak in view.
+  // Returns the frequency of the highest peak above 0 and below the upper end of the present range.
   strongest() {
     const { x, y } = this.plot.values(this.curve());
     let best = 0, high = -Infinity;
@@ -766,7 +766,7 @@ class Comb {
     else if (k === 0) this.centre = x;
     else this.spacing = Math.max((x - this.centre) / k, least);
   }
-  // By a tenth of a spectral line, so that the last multiple can be set.
+  // Shifts the lines by a tenth of the line spacing of the spectrum, so that high multiples can be set accurately.
   shift(by, isSpacing) {
     const step = 0.1 * this.plot.step() * by;
     if (this.kind === "side bands" && isSpacing) this.spacing = Math.max(this.spacing + step, Math.abs(step));
@@ -791,7 +791,7 @@ class Comb {
 
 // ---- Orbits and spectra of a chosen time
 
-// In place: bins of a complex signal of a power of two of samples.
+// Computes the discrete Fourier transform of a complex signal in place; the number of samples is a power of two.
 function transform(re, im) {
   const n = re.length;
   for (let i = 1, j = 0; i < n; i++) {
@@ -813,8 +813,8 @@ function transform(re, im) {
   }
 }
 
-// Powers of x + jy, averaged over segments that overlap by half, under a Hann window, about the mean: forward and reverse bins from
-// 0 Hz. Of a signal alone (y zero) both are half its amplitude.
+// Returns the amplitudes of x + jy, forward and reverse bins from 0 Hz: root of the mean power of segments that overlap by half, with
+// a Hann window, without the mean. For a real signal (`y` null) both are half its amplitude.
 function powers(x, y, length) {
   const forward = new Float64Array(length / 2 + 1), reverse = new Float64Array(length / 2 + 1);
   const mean = (values, from) => { let sum = 0; for (let i = from; i < from + length; i++) sum += values[i]; return sum / length; };
@@ -842,7 +842,7 @@ class Excerpt {
     Object.assign(this, { rate: rate_hz, segment, planes });
     this.stretches = stretches.map((s) => ({ ...s, end: s.start + s.count / rate_hz }));
   }
-  // The samples of a time range within one stretch; the range is shortened to it.
+  // Returns the samples of a time range within one stretch; a longer range is shortened.
   window(start, length) {
     const s = this.stretches.find((one) => start < one.end - MIN_SAMPLES / this.rate) || this.stretches[this.stretches.length - 1];
     const most = Math.max(s.count - MIN_SAMPLES, 0);
@@ -861,11 +861,11 @@ class Excerpt {
     return [p.map((u, n) => (Math.sin(b) * u - Math.sin(a) * q[n]) / det), p.map((u, n) => (Math.cos(a) * q[n] - Math.cos(b) * u) / det)];
   }
   marks({ stretch, first, count }) { return stretch.keyphasor.map((at) => at - first).filter((at) => at >= 0 && at < count); }
-  // Longest segment of a power of two of samples, at most that of the report.
+  // Returns the length of the longest segment, a power of two of samples, at most that of the report.
   length(count) { return Math.min(2 ** Math.floor(Math.log2(count)), this.segment || 4096); }
 }
 
-// A missing reading would make every bin missing: it takes the value before it.
+// Replaces each missing reading by the value before it: a single NaN would make every bin NaN.
 function complete(values) {
   let last = values.find(Number.isFinite) || 0;
   return values.map((x) => last = Number.isFinite(x) ? x : last);
@@ -897,7 +897,7 @@ const computed = {
       const [x, y] = excerpt.plane(kind, figure.source.index, window).map(complete);
       const { forward, reverse, count } = powers(x, y, length);
       out.averages = count;
-      // A bin about 0 Hz holds what the window spreads of the mean.
+      // The bins about 0 Hz contain the mean, spread by the window.
       for (let k = 0; k < 3; k++) forward[k] = reverse[k] = NaN;
       out[kind] = Float64Array.from([...[...reverse].slice(1).reverse(), ...forward]);
     }
@@ -915,7 +915,7 @@ const computed = {
     }
     return out;
   },
-  // The part that turns with the shaft, over whole turns between keyphasor pulses.
+  // Computes the 1X orbit over whole revolutions between keyphasor pulses.
   filtered(figure, excerpt, window) {
     const marks = excerpt.marks(window), out = { dots: {} };
     if (marks.length < 2) return null;
@@ -938,7 +938,7 @@ const computed = {
   },
 };
 
-// Shows a time range in a figure, or the still figure without one.
+// Shows a time range in a figure, or the static figure without one.
 function showRange(figure, excerpt, window) {
   const made = window && computed[figure.source.kind](figure, excerpt, window);
   figure.extra = [];
@@ -966,7 +966,7 @@ function showRange(figure, excerpt, window) {
   return made;
 }
 
-// Ranges of the axes for other values: those of the still figure where they fit.
+// Sets the ranges of the axes for other values: those of the static figure where the values fit.
 function fit(plot, made) {
   const extent = (name) => {
     let [low, high] = [Infinity, -Infinity];
@@ -991,7 +991,7 @@ function fit(plot, made) {
   }
 }
 
-// Keyphasor marks of the time range.
+// Returns the keyphasor marks of the time range.
 function extras(figure, made) {
   const out = [], [plot] = figure.plots;
   const inFrame = ([x, y]) => plot.holds([x, y]);
@@ -1007,7 +1007,7 @@ function extras(figure, made) {
   return out;
 }
 
-// The control of the time range; one for all figures.
+// Returns the control of the time range, one for all figures.
 function rangeControl(figures, excerpt) {
   const last = excerpt.stretches[excerpt.stretches.length - 1].end, first = excerpt.stretches[0].start;
   const longest = Math.max(...excerpt.stretches.map((s) => s.end - s.start));

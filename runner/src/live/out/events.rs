@@ -13,8 +13,8 @@ const MAX_PENDING: usize = 10_000;
 
 /// File to which events are appended.
 ///
-/// A line is pending until it is on disk. A line that changes the monitor's state is appended only after [`EventLog::release`]: the monitor first
-/// writes it to its state, so that a restart can check whether it was appended.
+/// A line is pending until it is on disk. A line that changes the monitor's state is appended only after [`EventLog::release`]: the
+/// monitor first writes it to its state, so that a restart can check whether it was appended.
 pub struct EventLog {
     file: File,
     path: PathBuf,
@@ -155,7 +155,7 @@ fn open_special(path: &Path) -> std::io::Result<File> {
     use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
     let is_pipe = std::fs::metadata(path)?.file_type().is_fifo();
     let flags = rustix::fs::OFlags::NONBLOCK.bits();
-    // A pipe that is open for reading as well holds the events until its reader comes.
+    // A pipe that is also open for reading stores the events until a reader opens it.
     OpenOptions::new().append(true).read(is_pipe).custom_flags(flags.cast_signed()).open(path)
 }
 

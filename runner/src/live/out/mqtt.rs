@@ -1,8 +1,8 @@
 //! Publisher of indicators and events to an MQTT broker, at least once each.
 //!
 //! A message stays in the queue until the broker has acknowledged it. After a lost connection all unacknowledged messages are
-//! sent again. The client library is given a new session for every connection: it drops its own queue when a broker that
-//! restarted does not know the session.
+//! sent again. Every connection has a new session of the client library, because the library drops its own queue when a restarted
+//! broker has lost the session.
 
 use super::super::feed::lock;
 use crate::error::UsageError;
@@ -80,7 +80,7 @@ impl<'a> Url<'a> {
 }
 
 impl MqttArgs {
-    /// Connects to the broker, if one is given.
+    /// Starts the connection to the broker; returns `None` without a URL.
     ///
     /// # Errors
     /// Returns an error if the URL is invalid or a file cannot be read. A broker that cannot be reached is not an error.
@@ -146,7 +146,7 @@ struct Message {
 #[derive(Default)]
 struct Queue {
     messages: VecDeque<Message>,
-    /// Number of messages at the front that were given to the client since it connected.
+    /// Number of messages at the front that were passed to the client since it connected.
     sent: usize,
     /// Client of the present connection.
     client: Option<Client>,
@@ -159,7 +159,7 @@ struct Queue {
 }
 
 impl Queue {
-    /// Gives the client as many messages as the window allows.
+    /// Passes as many messages to the client as the window allows.
     fn send(&mut self) {
         let Some(client) = &self.client else { return };
         while self.sent < WINDOW
@@ -171,11 +171,11 @@ impl Queue {
     }
 
     fn begin(&mut self, client: Client, status: String) {
-        // Acknowledgements are counted for the messages of the queue only, so that this one has none.
+        // Each acknowledgement removes a message of the queue, so that this message must not be acknowledged.
         let _ = client.try_publish(status, QoS::AtMostOnce, true, "online");
         self.client = Some(client);
         if let Some(since) = self.lost_connection.take() {
-            let sentence = format!("The MQTT broker answers again, after {:.0} s.", since.elapsed().as_secs_f64());
+            let sentence = format!("The MQTT broker responds again, after {:.0} s.", since.elapsed().as_secs_f64());
             self.events.push(EventMessage { kind: "output-recovered", sentence });
         }
         self.send();

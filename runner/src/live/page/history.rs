@@ -17,7 +17,7 @@ const MIN_HOURS: f64 = 0.1;
 /// Seconds per hour.
 const HOUR: f64 = 3600.0;
 
-/// Parses `hours=N`.
+/// Parses `hours=N` with N from 0.1 to 168; 1 without this parameter. Returns `None` for an invalid value.
 pub fn parse_hours(query: &str) -> Option<f64> {
     let hours = query.split('&').find_map(|pair| pair.strip_prefix("hours="));
     hours.unwrap_or("1").parse().ok().filter(|hours| (MIN_HOURS..=MAX_HOURS).contains(hours))
@@ -68,7 +68,7 @@ struct History {
     /// Length of an interval, s.
     width: f64,
     probes: usize,
-    /// From the present to the past: lowest and highest value of each indicator of each probe; empty without a second.
+    /// Lowest and highest value of each indicator of each probe, per interval from the present to the past; empty without a second.
     intervals: Vec<Vec<[[f64; 2]; INDICATORS]>>,
 }
 

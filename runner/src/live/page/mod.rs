@@ -1,7 +1,7 @@
 //! Live page: the state of the machine in a browser, with server-sent events.
 //!
-//! The page runs on a thread of its own and reads the shared view; the monitor loop never waits for it. Figures and history
-//! are drawn on demand, one at a time.
+//! The page runs on a thread of its own and reads the shared view, so that it does not block the monitor loop. Figures and
+//! history are drawn on demand, one at a time.
 
 mod access;
 mod history;
@@ -125,7 +125,7 @@ struct SiteData {
     view: SharedView,
     scene: Scene,
     indicators: Option<PathBuf>,
-    /// State as JSON, of every second.
+    /// State as JSON, replaced once per second.
     states: watch::Sender<Arc<str>>,
     /// Figures as JSON, and the time at which they were drawn. The lock admits one drawing at a time.
     drawn: Mutex<Option<(Instant, Bytes)>>,
@@ -187,7 +187,7 @@ impl Site {
         }
     }
 
-    /// Computes the state of every second.
+    /// Computes and publishes the state once per second, in an endless loop.
     async fn publish_states(self) {
         let mut ticks = tokio::time::interval(INTERVAL);
         loop {
@@ -196,7 +196,7 @@ impl Site {
         }
     }
 
-    /// Opens a stream of states. A slow client misses states; it gets the latest one.
+    /// Opens a stream of states. A slow client does not receive every state, but always the latest one.
     fn events(&self, client: Client) -> Response<Body> {
         let Some((mut stream, response)) = client.stream() else {
             return http::text(StatusCode::SERVICE_UNAVAILABLE, TEXT, "too many pages are open\n");

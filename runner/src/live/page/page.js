@@ -2,7 +2,7 @@
 "use strict";
 
 const byId = (id) => document.getElementById(id);
-// Silence of the monitor after which the page is out of date, ms.
+// Time without a state after which the page reports a lost connection, ms.
 const LOST_AFTER = 5000;
 // Shortest interval between two requests for figures, ms.
 const FIGURES_INTERVAL = 2000;
@@ -87,7 +87,7 @@ function showAlarms() {
     const item = element("li", alarm.acknowledged_at ? "acknowledged" : alarm.ended_at ? "ended" : "active");
     const text = element("div", "text");
     text.append(element("b", "", alarm.title), element("span", "", alarm.sentence), element("br"),
-      element("span", "", `To do: ${alarm.action}`), element("br"));
+      element("span", "", `Action: ${alarm.action}`), element("br"));
     const times = [`raised ${clock(alarm.raised_at)}`];
     if (alarm.ended_at) times.push(`ended ${clock(alarm.ended_at)}`);
     if (alarm.acknowledged_at) times.push(`acknowledged ${clock(alarm.acknowledged_at)}`);
@@ -229,7 +229,7 @@ async function loadHistory() {
 function follow(origin, show) {
   const source = new EventSource(`${origin}/events`);
   source.addEventListener("state", (event) => show(JSON.parse(event.data)));
-  // The browser gives up after a refusal, such as too many pages.
+  // The browser does not reconnect after a refused request, for example with too many open pages.
   source.addEventListener("error", () => {
     if (source.readyState === EventSource.CLOSED) setTimeout(() => follow(origin, show), 5000);
   });

@@ -87,7 +87,7 @@ impl Description {
             counts: &view.source,
             deadline_misses: view.misses,
         };
-        // Every value has a form in JSON: numbers that are not finite become null.
+        // The serialisation does not fail: numbers that are not finite become null.
         serde_json::to_string(&state).unwrap_or_default()
     }
 }

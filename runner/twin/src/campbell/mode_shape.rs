@@ -53,10 +53,10 @@ impl ModeShape {
     }
 }
 
-/// Computes the shapes of the lowest damped modes at `speed` (rad/s), up to the highest line of interest; none without a flexible rotor.
+/// Computes the shapes of the lowest damped modes at `speed` (rad/s), up to the highest line of interest; empty without a flexible rotor.
 ///
 /// # Errors
-/// As [`super::modes`].
+/// Returns the errors of [`super::modes`].
 pub fn mode_shapes(scene: &Scene, plant: &Plant, speed: f64) -> Result<Vec<ModeShape>> {
     let Some(rotor) = plant.layout.flexible() else { return Ok(vec![]) };
     let highest = plant.reduction.map_or(0.0, |reduction| reduction.highest_line);
@@ -71,10 +71,10 @@ pub fn mode_shapes(scene: &Scene, plant: &Plant, speed: f64) -> Result<Vec<ModeS
     Ok(shapes.collect())
 }
 
-/// Computes the shapes of the lowest damped modes at the scene's nominal speed; none without a flexible rotor.
+/// Computes the shapes of the lowest damped modes at the scene's nominal speed; empty without a flexible rotor.
 ///
 /// # Errors
-/// As [`super::campbell`].
+/// Returns the errors of [`super::campbell`].
 pub fn nominal_mode_shapes(scene: &Scene) -> Result<Vec<ModeShape>> {
     if scene.rotor.as_ref().is_none_or(|rotor| rotor.flexible.is_none()) {
         return Ok(vec![]);

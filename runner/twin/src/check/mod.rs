@@ -57,7 +57,7 @@ pub struct BearingSummary {
     pub elements: usize,
     /// Orders per revolution of the shaft: outer race, inner race, cage.
     pub orders: [f64; 3],
-    /// Operating clearance; none without `fit` and `temperatures`.
+    /// Operating clearance; `None` without `fit` and `temperatures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub operating_clearance: Option<ClearanceOutcome>,
 }
@@ -73,13 +73,13 @@ pub struct RecordingSummary {
     pub samples: u64,
     /// Duration.
     pub seconds: f64,
-    /// Least, mean and greatest shaft speed; none where no sample has an angle.
+    /// Least, mean and greatest shaft speed; `None` if no sample has an angle.
     pub speed_rpm: Option<[f64; 3]>,
     /// True where the recording measures the speed.
     pub speed_is_measured: bool,
     /// Readings of each column.
     pub readings: Vec<ReadingSummary>,
-    /// Note on the run-out that is subtracted before 1X is computed; none without `run_out`.
+    /// Note on the run-out that is subtracted before 1X is computed; `None` without `run_out`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_out: Option<String>,
     /// Source of the shaft angle.

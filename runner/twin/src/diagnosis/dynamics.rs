@@ -218,8 +218,9 @@ impl Dynamics {
         sum
     }
 
-    /// Returns the displacement of every bearing by a unit unbalance in each plane while the pose stays; none for a rigid rotor. `unit` is
-    /// the force along X and Y of a unit unbalance at angle 0, sample by sample.
+    /// Returns the displacement of every bearing by a unit unbalance in each plane while the pose stays; `None` for a rigid rotor.
+    ///
+    /// `unit` is the force along X and Y of a unit unbalance at angle 0, sample by sample.
     pub fn unit_responses(&self, unit: &[[f64; 2]]) -> Option<UnitResponses> {
         let elastic = self.elastic.as_ref()?;
         let ahead: Vec<[f64; D]> = unit.iter().map(|[p, q]| [*p, *q, 0.0, 0.0, 0.0]).collect();
@@ -228,7 +229,7 @@ impl Dynamics {
         Some(elastic.by_plane.iter().map(|planes| planes.each_ref().map(of)).collect())
     }
 
-    /// Returns the displacement of bearing `b` by unbalance, load and weight while the pose stays; none for a rigid rotor.
+    /// Returns the displacement of bearing `b` by unbalance, load and weight while the pose stays; `None` for a rigid rotor.
     pub fn by_loads(
         &self,
         b: usize,
@@ -421,7 +422,8 @@ impl Lines {
         if z1 == z2 {
             return Ok(None);
         }
-        // Forces at the two bearings with the resultant f: along X F1 = (m_y - z2 f_x) / (z1 - z2), along Y F1 = (-m_x - z2 f_y) / (z1 - z2).
+        // Force at the first of two bearings with the resultant f: along X F1 = (m_y - z2 f_x) / (z1 - z2),
+        // along Y F1 = (-m_x - z2 f_y) / (z1 - z2).
         let span = z1 - z2;
         let mut through_bearings = DMatrix::from_element(n, D, C::from(0.0));
         for j in 0..n {

@@ -20,7 +20,7 @@ pub enum Cause {
     Waviness(usize, Component, u32),
 }
 
-/// A candidate: a start and what is free in its fit.
+/// Candidate fault with the start machines and the free unknowns of its fit.
 pub struct Candidate {
     pub cause: Cause,
     /// Fall of chi-squared expected before the fit.
@@ -30,20 +30,20 @@ pub struct Candidate {
     unknowns: Vec<Unknown>,
 }
 
-/// A fault found, with the machine that contains it and all before it.
+/// Identified fault, with the machine that contains it and all faults before it.
 #[derive(Clone)]
 pub struct Fault {
     pub cause: Cause,
     /// Fall of chi-squared by it.
     pub gain: f64,
-    /// Fall of chi-squared by the runner-up in its place, and its cause.
+    /// Cause of the second-best candidate, and its fall of chi-squared.
     pub next: Option<(Cause, f64)>,
     pub fitted: Fitted,
     /// Bearings whose cage can be observed with it.
     observable: Vec<bool>,
 }
 
-/// A fault under judgement.
+/// Scored candidate fault.
 struct Judged<'a> {
     fault: Fault,
     /// The recording weighted for the machine with the fault, where that differs in stiffness.
@@ -99,7 +99,7 @@ fn best_of(
 
 /// Clearances that are tried, over the present one.
 const CLEARANCES: [f64; 8] = [0.3, 0.6, 0.85, 1.15, 1.4, 1.8, 2.3, 3.0];
-/// Sections of the range about the best of them.
+/// Number of golden-section steps about the best of them.
 const CLOSER: usize = 3;
 /// Tilts that are tried, rad: one about a number of axes, others about the best axis.
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
@@ -257,7 +257,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// Chi-squared of a start, over that before, beyond which a fit does not begin.
+/// Largest ratio of the chi-squared of a start to the chi-squared before, for which a fit is started.
 const FAR: f64 = 1.5;
 /// Starts of a fit that are tried for a spall.
 const STARTS: usize = 3;
@@ -268,7 +268,7 @@ fn own(candidate: &Candidate) -> Vec<Unknown> {
     candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
 }
 
-/// Fits a candidate from the best of its starts; none where that is not near the recording.
+/// Fits a candidate from the best of its starts; `None` if that start is too far from the recording (see [`FAR`]).
 fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fitted>> {
     let mut start: Option<Fitted> = None;
     for machine in &candidate.starts {
@@ -288,8 +288,8 @@ fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fi
     }))
 }
 
-/// Fits a candidate with all cages searched again: the machine in good order explained as much of the fault as it could by
-/// false angles of its cages.
+/// Fits a candidate with all cages searched again: in the fit of the machine without the fault, false cage angles explain part of
+/// the fault.
 fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
     let (settled, observable) = cage::fit_cages(&of.evidence, &of.band, &first.machine, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable, &settled.machine);
@@ -317,7 +317,7 @@ pub(super) fn without(machine: &Machine, cause: Cause, at: usize, before: &Machi
 }
 
 impl Cause {
-    /// Returns the bearing whose cage the fault shows: a wave that all elements have alike does not.
+    /// Returns the bearing whose cage angle the fault makes observable. Waviness that all elements share does not.
     fn shows_cage(self) -> Option<usize> {
         match self {
             Self::Spall(b, _) | Self::Waviness(b, Component::Outer | Component::Inner, _) => Some(b),
@@ -335,7 +335,7 @@ impl Cause {
     }
 }
 
-/// Returns true where a fault is larger than what bearings and rotors in good order have.
+/// Returns true if a fault is larger than the deviations of healthy bearings and rotors.
 fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
     let (old, new) = (&before.machine, &after.machine);
     match cause {
@@ -364,11 +364,11 @@ fn is_material(before: &Fitted, cause: Cause, after: &Fitted) -> bool {
     }
 }
 
-/// Depth of a spall over its standard deviation from which it is one: of 40 without depth, one seems to have it.
+/// Least significant ratio of the depth of a spall to its standard deviation; 1 of 40 spalls with depth 0 exceeds it.
 const SIGNIFICANT: f64 = 2.0;
-/// Most faults in one diagnosis.
+/// Largest number of faults in one diagnosis.
 const MAX_FAULTS: usize = 3;
-/// Candidates that are fitted, at most, and least share of the gain of the first.
+/// Largest number of fitted candidates, and their least share of the gain of the first.
 const FITTED: (usize, f64) = (6, 0.2);
 /// Share of the excess of chi-squared from which a candidate, or the faults found, explain it, so that less likely candidates are not
 /// fitted.
@@ -377,17 +377,17 @@ const EXPLAINED: f64 = 0.8;
 const FURTHER: usize = 3;
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
-/// Fall of chi-squared from which a fault counts: odds of e^50 against chance, with thousands of alternatives tried.
+/// Least significant fall of chi-squared by a fault: odds of e^50 against chance, with thousands of alternatives tried.
 pub const MIN_GAIN: f64 = 100.0;
-/// Part of chi-squared by which the residual of a true machine may exceed the number of its values: the force is evaluated at
-/// samples and between them by interpolation.
+/// Relative amount by which the chi-squared of a true machine may exceed the number of values: the force is evaluated at samples
+/// and interpolated between them.
 const MODEL_ERROR: f64 = 0.03;
-/// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of its depth and width shows well.
+/// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
 pub const PROFILE_ERROR: f64 = 0.05;
-/// A further fault explains at least this share of what the faults before it leave unexplained.
+/// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
-/// Cage slip as it is in practice, mean and standard deviation: 0 to 3 %, to 6 % under light load (NASA TN D-7870). It decides only
+/// Mean and standard deviation of cage slip in practice: 0 to 3 %, up to 6 % under light load (NASA TN D-7870). It only selects
 /// between lines that coincide for different slips.
 const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
 
@@ -410,7 +410,7 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
         let is_new = |cause: Cause| faults.iter().all(|fault| fault.cause != cause);
         let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
         let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(|c| is_new(c.cause)).partition(is_likely);
-        let mut tried = judged_all(of, &now, likely.into_iter().take(FITTED.0))?;
+        let mut tried = judged_all(of, &now, likely.into_iter().take(FITTED.0), SEARCHED)?;
         let is_fault =
             |judged: &&Judged| judged.fault.gain > least && is_material(&now, judged.fault.cause, &judged.fault.fitted);
         let best = tried.iter().filter(is_fault).map(|judged| judged.fault.gain).fold(0.0, f64::max);
@@ -418,7 +418,8 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
             // The gain before the fit shows little of a candidate that changes the stiffness or starts far from its best.
             let changes = |c: &&Candidate| matches!(c.cause, Cause::Clearance(_) | Cause::Misalignment(_));
             let (nonlinear, others): (Vec<&Candidate>, Vec<&Candidate>) = others.into_iter().partition(changes);
-            tried.extend(judged_all(of, &now, nonlinear.into_iter().chain(others.into_iter().take(FURTHER)))?);
+            let further = nonlinear.into_iter().chain(others.into_iter().take(FURTHER));
+            tried.extend(judged_all(of, &now, further, 1)?);
         }
         tried.retain(|judged| is_fault(&judged));
         let sort = |tried: &mut Vec<Judged>| tried.sort_by(|a, b| b.fault.gain.total_cmp(&a.fault.gain));
@@ -465,6 +466,7 @@ fn judged_all<'a, 'b>(
     of: &Prepared<'a>,
     now: &Fitted,
     candidates: impl Iterator<Item = &'b Candidate>,
+    searched: usize,
 ) -> Result<Vec<Judged<'a>>> {
     let mut fits = vec![];
     for candidate in candidates {
@@ -472,7 +474,7 @@ fn judged_all<'a, 'b>(
     }
     fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
     let ranked = fits.iter().enumerate();
-    ranked.map(|(rank, (candidate, fitted))| judged(of, now, candidate, fitted, rank < SEARCHED)).collect()
+    ranked.map(|(rank, (candidate, fitted))| judged(of, now, candidate, fitted, rank < searched)).collect()
 }
 
 /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
@@ -503,7 +505,7 @@ fn judged<'a>(
     let penalty = values.ln() * candidate.unknowns.len() as f64;
     let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
     let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
-    // The fault's own part: a cage that goes with it may explain something by itself.
+    // Only the gain of the fault counts, not that of the cages that are fitted with it.
     let at = candidate.cause.next_index(&now.machine);
     let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, at, &now.machine))?.chi_square;
     let before = before.min(now.chi_square);
@@ -511,7 +513,7 @@ fn judged<'a>(
     Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, evidence })
 }
 
-/// Removes the faults before the last one that explain nothing beside it: each was the best of its step alone.
+/// Removes the faults before the last one that explain nothing in addition to it: each was selected without the later faults.
 fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fitted> {
     let mut i = 0;
     while i + 1 < faults.len() {

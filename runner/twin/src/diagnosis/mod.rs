@@ -83,7 +83,8 @@ struct Prepared<'a> {
 pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
     if scene.system.is_some() {
         return Some(
-            "a [system] has no stations, which a diagnosis of unbalance, misalignment and bearings needs".to_owned(),
+            "a [system] has no stations, and a diagnosis of unbalance, misalignment and bearings requires them"
+                .to_owned(),
         );
     }
     if scene.rotor.is_none() || scene.bearings.iter().any(|b| !b.element_azimuths.is_empty()) {

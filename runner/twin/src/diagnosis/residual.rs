@@ -33,7 +33,7 @@ pub(super) struct Weighting {
     /// Rms noise of each probe, m.
     pub noise: Vec<f64>,
     pub solver: PoseSolver,
-    /// Without one, the axial coordinate is not measured and its equation of motion is left out.
+    /// Without one, the axial coordinate is not measured and its equation of motion is omitted.
     pub has_axial_probe: bool,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Evidence<'a> {
     displacement: Arc<[[Vec<C>; D]; 3]>,
     weighting: Arc<Weighting>,
     shaft: Shaft,
-    /// The same rotor with a stiffer shaft, by [`ELASTICITY_ERROR`]; none for a rigid one.
+    /// The same rotor with a stiffer shaft, by [`ELASTICITY_ERROR`]; `None` for a rigid rotor.
     stiffer: Option<Shaft>,
     /// Displacement of the rotor at each bearing, with unbalance, load and moments of the machine by which the residual is weighted.
     displaced: Vec<Arc<Vec<Displacement<f64>>>>,

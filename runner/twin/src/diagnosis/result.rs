@@ -133,7 +133,7 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
     }
     if after > 1.5 && !faults.is_empty() {
         notes.push(format!(
-            "The residual that the diagnoses leave is {:.1} times its noise: the machine differs from its scene in more than they say.",
+            "The residual that the diagnoses leave is {:.1} times its noise: the machine differs from its scene in further points.",
             after.sqrt()
         ));
     }

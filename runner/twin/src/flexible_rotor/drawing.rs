@@ -1,55 +1,55 @@
 //! Drawing of a flexible rotor: sections of the shaft and disks, as a scene gives them.
 
-/// A shaft that bends, with its disks: `sections`, `disks` and material of `[rotor]`.
+/// A flexible shaft with its disks: `sections`, `disks` and material of `[rotor]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlexibleRotor {
     /// `sections`, in order and without gaps.
     pub sections: Vec<Section>,
-    /// `disks`
+    /// `disks`.
     pub disks: Vec<Disk>,
-    /// `youngs_modulus` of the shaft, Pa, above 0
+    /// `youngs_modulus` of the shaft, Pa, above 0.
     pub youngs_modulus: f64,
-    /// `poissons_ratio`, 0 or more and below 0.5
+    /// `poissons_ratio`, 0 or more and below 0.5.
     pub poissons_ratio: f64,
-    /// `density`, kg/m^3, above 0
+    /// `density`, kg/m^3, above 0.
     pub density: f64,
-    /// `proportional_damping`: 1/s times the mass, and s times the stiffness of the rotor alone; each 0 or more
+    /// `proportional_damping`: factors of the mass (1/s) and of the stiffness of the rotor alone (s); each 0 or more.
     pub proportional_damping: [f64; 2],
-    /// `modal_damping`: damping ratio of the elastic coordinates, 0 or more and below 1
+    /// `modal_damping`: damping ratio of the elastic coordinates, 0 or more and below 1.
     pub modal_damping: f64,
-    /// `load_station`: where `load` acts, m from the centre of mass
+    /// `load_station`: station at which `load` acts, m from the centre of mass.
     pub load_station: f64,
-    /// `coordinates` of the reduced rotor, where given
+    /// `coordinates` of the reduced rotor; `None` if the scene does not give them.
     pub coordinates: Option<usize>,
 }
 
 /// One of `sections`: a cylinder or a cone with a cylindrical bore.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
-    /// m from the centre of mass
+    /// Station of the first end, m from the centre of mass.
     pub from: f64,
-    /// m, above `from`
+    /// Station of the second end, m from the centre of mass, above `from`.
     pub to: f64,
-    /// At `from`, m, above `inner_diameter`
+    /// Outer diameter at `from`, m, above `inner_diameter`.
     pub outer_diameter: f64,
-    /// At `to`, m, above `inner_diameter`
+    /// Outer diameter at `to`, m, above `inner_diameter`.
     pub outer_diameter_to: f64,
-    /// m, 0 or more
+    /// Diameter of the bore, m, 0 or more.
     pub inner_diameter: f64,
 }
 
 /// One of `disks`: a rigid body on the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
-    /// m from the centre of mass
+    /// Station, m from the centre of mass.
     pub station: f64,
-    /// kg, above 0
+    /// Mass, kg, above 0.
     pub mass: f64,
-    /// kg m^2, about its centre, above 0
+    /// Diametral inertia about its centre, kg m^2, above 0.
     pub diametral_inertia: f64,
-    /// kg m^2, above 0 and at most twice the diametral one
+    /// Polar inertia, kg m^2, above 0 and at most twice the diametral one.
     pub polar_inertia: f64,
-    /// Outer diameter and width as drawn, m; none where only the inertia is given
+    /// Outer diameter and width as drawn, m; `None` if only the inertia is given.
     pub size: Option<[f64; 2]>,
 }
 

@@ -11,15 +11,16 @@ use std::f64::consts::PI;
 pub struct Material {
     /// Young's modulus, Pa.
     pub youngs_modulus: f64,
+    /// Poisson's ratio.
     pub poissons_ratio: f64,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
 }
 
-/// A short hollow cylinder.
+/// Timoshenko beam element: a short hollow cylinder.
 #[derive(Debug, Clone, Copy)]
 pub struct Element {
-    /// m
+    /// Length, m.
     pub length: f64,
     /// Area of the section, m^2.
     area: f64,
@@ -45,7 +46,7 @@ impl Element {
         }
     }
 
-    /// Ratio of bending to shear stiffness, `12 E I / (kappa G A L^2)`.
+    /// Returns the ratio of bending to shear stiffness, `12 E I / (kappa G A L^2)`.
     fn shear_ratio(&self, of: &Material) -> f64 {
         let shear_modulus = of.youngs_modulus / (2.0 * (1.0 + of.poissons_ratio));
         12.0 * of.youngs_modulus * self.second_moment

@@ -57,7 +57,7 @@ impl Mesh {
         Self { stations, mass, stiffness, polar, axial_mass, axial_stiffness }
     }
 
-    /// Returns the node at a station that was kept.
+    /// Returns the index of the node nearest to a station.
     pub fn node(&self, station: f64) -> usize {
         let distance = |i: &usize| (self.stations[*i] - station).abs();
         (0..self.stations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
@@ -68,7 +68,7 @@ fn material(of: &FlexibleRotor) -> Material {
     Material { youngs_modulus: of.youngs_modulus, poissons_ratio: of.poissons_ratio, density: of.density }
 }
 
-/// Returns mass, station of the centre of mass as drawn, and diametral and polar inertia about it.
+/// Returns mass (kg), station of the centre of mass as drawn (m), and diametral and polar inertia about it (kg m^2).
 pub fn rigid_body(rotor: &FlexibleRotor) -> [f64; 4] {
     // Short pieces: the inertia of a cone is the sum of those of cylinders.
     let longest = rotor.length() / 1000.0;

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Relative change of the natural frequencies by halving the elements, below which the mesh is fine enough.
 const MESH_ERROR: f64 = 1e-3;
-/// Number of elements over the length of the rotor, first and at most.
+/// First and largest number of elements over the length of the rotor.
 const ELEMENTS: [f64; 2] = [20.0, 160.0];
 
 /// A free flexible rotor as a mesh with its modes in a plane.
@@ -41,7 +41,7 @@ impl FreeRotor {
     /// Creates the model with nodes at the stations `kept`, fine enough for lines up to `highest` (Hz).
     ///
     /// # Errors
-    /// Modes that cannot be solved for.
+    /// Returns an error if the modes cannot be computed.
     pub fn try_new(rotor: &FlexibleRotor, kept: &[f64], highest: f64) -> Result<Self, EigenvalueError> {
         let mut elements = ELEMENTS[0];
         let mut last = Self::with_elements(rotor, kept, elements)?;
@@ -68,7 +68,7 @@ impl FreeRotor {
     }
 
     /// Returns the shape under a unit force (`moment` false) or moment at `station`, in a plane, without the rigid motion and without
-    /// the first `without` elastic modes: what these lack in static flexibility.
+    /// the first `without` elastic modes: the residual flexibility of these modes.
     fn residual_shape(&self, station: f64, moment: bool, without: usize) -> DVector<f64> {
         let at = 2 * self.mesh.node(station) + usize::from(moment);
         let mut shape = DVector::zeros(2 * self.mesh.stations.len());
@@ -109,7 +109,7 @@ impl ReducedRotor {
     /// Source: residual flexibility, Rubin 1975, AIAA Journal 13, and MacNeal 1971, Computers and Structures 1.
     ///
     /// # Errors
-    /// Modes that cannot be solved for.
+    /// Returns an error if the modes cannot be computed.
     pub fn try_new(free: Arc<FreeRotor>, count: usize, forces: &[f64], highest: f64) -> Result<Self, EigenvalueError> {
         let nodes = free.mesh.stations.len();
         let count = count.min(free.bending.squares.len() - RIGID);
@@ -122,7 +122,7 @@ impl ReducedRotor {
         let mass = inertia[(0, 0)];
         let loads: Vec<(f64, bool)> =
             [false, true].into_iter().flat_map(|m| forces.iter().map(move |z| (*z, m))).collect();
-        // Moments of rolling bearings are small: their shapes come once there is a mode beside all of them.
+        // Moments of rolling bearings are small: their shapes are used only if a mode is left beside all of them.
         let residual = if count > loads.len() { loads.len() } else { forces.len().min(count.saturating_sub(1)) };
         let modes = count - residual;
         let mut columns: Vec<DVector<f64>> =
@@ -137,7 +137,7 @@ impl ReducedRotor {
         if count > 0 {
             let small = |m: &DMatrix<f64>| basis.transpose() * m * &basis;
             let own = Modes::try_new(&small(&free.mesh.mass), &small(&free.mesh.stiffness))?;
-            // Modal mass: that of the rotor.
+            // The modal mass is the mass of the rotor.
             let elastic = &basis * &own.shapes * mass.sqrt();
             shapes = DMatrix::from_columns(&shapes.column_iter().chain(elastic.column_iter()).collect::<Vec<_>>());
             stiffness = own.squares.iter().map(|square| square * mass).collect();
@@ -165,19 +165,19 @@ impl ReducedRotor {
         })
     }
 
-    /// Number of elastic coordinates in each plane.
+    /// Returns the number of elastic coordinates in each plane.
     #[must_use]
     pub fn elastic(&self) -> usize {
         self.stiffness.len()
     }
 
-    /// Number of coordinates: five of the rigid motion, the elastic ones along X and Y in pairs, those along Z.
+    /// Returns the number of coordinates: five of the rigid motion, the elastic ones along X and Y in pairs, those along Z.
     #[must_use]
     pub fn order(&self) -> usize {
         5 + 2 * self.elastic() + self.axial_stiffness.len()
     }
 
-    /// Coordinates along X and Y of coordinate `j` of a plane, each with its sign: the tilt about X counts against the slope along Y.
+    /// Returns the coordinates along X and Y of coordinate `j` of a plane with their signs: a tilt about X is a negative slope along Y.
     pub(crate) fn at(j: usize) -> [(usize, f64); 2] {
         match j {
             0 => [(0, 1.0), (1, 1.0)],

@@ -18,7 +18,7 @@ impl Modes {
     /// Solves `K x = w^2 M x` for symmetric matrices, M positive definite.
     ///
     /// # Errors
-    /// A mass that is not positive definite, an iteration that does not converge.
+    /// Returns an error if the mass is not positive definite or the iteration does not converge.
     pub fn try_new(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Result<Self, EigenvalueError> {
         // Displacements and rotations differ in size: the mass is scaled to a unit diagonal.
         let n = mass.nrows();
@@ -41,7 +41,7 @@ impl Modes {
         Ok(Self { squares: DVector::from_fn(n, |j, _| found.eigenvalues[order[j]].max(0.0)), shapes })
     }
 
-    /// Natural frequencies from number `skipped`, Hz.
+    /// Returns the natural frequencies without the first `skipped`, Hz.
     pub fn frequencies(&self, skipped: usize) -> impl Iterator<Item = f64> {
         self.squares.iter().skip(skipped).map(|square| square.sqrt() / std::f64::consts::TAU)
     }

@@ -10,10 +10,10 @@ use std::sync::Arc;
 
 /// Force of a bearing model on the inner ring.
 pub trait ForceModel<T: Scalar>: Send + Sync {
-    /// As [`Bearing::reaction`].
+    /// Computes the force as [`Bearing::reaction`] does.
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
 
-    /// As [`Bearing::sample`].
+    /// Computes force and status as [`Bearing::sample`] does.
     fn sample(
         &self,
         last_valid: &mut LastValidWrench<T>,

@@ -26,7 +26,7 @@ impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> ElementForces<T> for B {
     }
 }
 
-/// Elements of one kind. Behind a pointer the kinds add up in the compiled program instead of multiplying.
+/// Elements of one kind. With dynamic dispatch, the size of the program grows with the sum of the kinds instead of their product.
 pub trait Elements<T: Scalar>: ElementForces<T> + Bearing<T> + FlexibleRing<T> {}
 impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> Elements<T> for B {}
 
@@ -69,7 +69,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
         self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum + reaction, stiffness + k))
     }
 
-    /// Loads of the radial elements, which show the load zone; on a displaced housing the reaction at each point.
+    /// Computes the loads of the radial elements, which show the load zone; on a displaced housing, the size of the reaction at each point.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         if self.housing.is_empty() {
             return self.radial.element_loads(u, at, loads);

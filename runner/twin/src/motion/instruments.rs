@@ -27,7 +27,7 @@ pub enum InstrumentError {
         /// File of the scene.
         file: PathBuf,
     },
-    /// A scene has no model of its housing.
+    /// The scene has a vibration sensor, but a scene has no model of the housing.
     #[error("{}: vibration sensor {sensor}, expected displacement probes only: a scene has no model of the housing", .file.display())]
     Sensor {
         /// File of the scene.
@@ -53,7 +53,7 @@ struct Instrument {
     /// Reading in m per unit of each coordinate.
     row: Vec<f64>,
     metres_per_unit: f64,
-    /// m
+    /// Offset of the reading, m.
     offset: f64,
     /// Standard deviation of the noise, m.
     noise: f64,
@@ -65,7 +65,7 @@ impl Instruments {
     /// Creates the instruments of a scene. `resolution` is the step to which displacements are rounded, m; `seed` selects the noise.
     ///
     /// # Errors
-    /// A scene without a recording or with vibration sensors.
+    /// Returns an error if the scene has no recording, has vibration sensors, or reads the rate or the keyphasor from a file header.
     pub fn try_new(scene: &Scene, plant: &Plant, resolution: Option<f64>, seed: u64) -> Result<Self, InstrumentError> {
         let Some(recording) = &scene.recording else {
             return Err(InstrumentError::NoRecording { file: scene.path.clone() });
@@ -154,7 +154,7 @@ fn columns(recording: &Recording) -> Vec<WrittenColumn> {
 struct Wheel {
     /// Teeth and gaps per revolution.
     teeth: f64,
-    /// Teeth that are there.
+    /// Number of teeth that are present.
     present: u32,
 }
 
@@ -189,7 +189,7 @@ fn level(detection: &PulseDetection, is_pulse: bool) -> f64 {
     }
 }
 
-/// A number of the normal distribution, by the method of Box and Muller.
+/// Returns a normally distributed number with mean 0 and variance 1, by the method of Box and Muller.
 fn normal(random: &mut fastrand::Rng) -> f64 {
     // Above 0, so that the logarithm is finite.
     let uniform = 1.0 - random.f64();

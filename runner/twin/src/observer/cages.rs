@@ -7,7 +7,7 @@
 //! [`DISPLACEMENT`]: it contains the whole dynamics of rotor and observer (recursive prediction error method, Ljung and
 //! Soderstrom 1983, chapter 3).
 //!
-//! The innovations are corrected one after the other, so that no matrix is inverted: fixed cost.
+//! The innovations are processed one after the other: no matrix is inverted, and the cost is fixed.
 
 use crate::plant::{MAX_BEARINGS, Plant};
 use crate::scene::Bearing;
@@ -24,13 +24,13 @@ const FOUND: [f64; 2] = [0.03, 2e-4];
 /// Standard deviation of the angle, in pitches, above which a cage is not followed: the innovations are linear in the angle within
 /// a small part of a pitch only.
 const LOST: f64 = 0.1;
-/// Difference from a diagnosis, in pitches, beyond which the cage is followed from there.
+/// Difference from a diagnosis, in pitches, at and beyond which the tracker takes the position of the diagnosis.
 const FAR: f64 = 0.15;
 
-/// One cage as a diagnosis finds it.
+/// Position and speed of one cage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CagePosition {
-    /// Angle, revolutions, of which whole pitches do not count.
+    /// Angle, revolutions, up to whole pitches.
     pub revolutions: f64,
     /// Cage speed over shaft speed.
     pub ratio: f64,
@@ -72,7 +72,7 @@ pub struct CageTracker {
     cages: Vec<TrackedCage>,
     /// Angle of each cage beyond that of the scene, revolutions.
     offsets: Vec<f64>,
-    /// A diagnosis has found the cage, and its angle is known since.
+    /// True for each cage that is followed: its angle is known.
     followed: Vec<bool>,
     /// Covariance of offset and deviation of every cage, row by row.
     covariance: Vec<f64>,
@@ -102,14 +102,15 @@ impl CageTracker {
         }
     }
 
-    /// Returns true for a bearing whose cage can be followed: one without a spall in the scene, whose force changes within a part of a degree
-    /// of the cage, where the innovations are not linear in its angle.
+    /// Returns true if the cage of a bearing can be followed: if the bearing has no spall in the scene.
+    ///
+    /// The force of a spall changes within a part of a degree of the cage: the innovations are not linear in the cage angle.
     #[must_use]
     pub fn can_follow(bearing: &Bearing) -> bool {
         bearing.defect.is_empty()
     }
 
-    /// Number of losses of the shaft angle: a position from before the last one is void.
+    /// Returns the number of losses of the shaft angle; a position from before the last loss is invalid.
     #[must_use]
     pub const fn interruptions(&self) -> u64 {
         self.interruptions
@@ -121,7 +122,7 @@ impl CageTracker {
         &self.followed
     }
 
-    /// Returns lowest and highest slip of each cage while it was followed; none for one that never was.
+    /// Returns lowest and highest slip of each cage while it was followed; `None` for a cage that was never followed.
     #[must_use]
     pub fn slips(&self) -> Vec<Option<[f64; 2]>> {
         self.cages.iter().map(|cage| cage.slips).collect()
@@ -133,7 +134,7 @@ impl CageTracker {
         &self.offsets
     }
 
-    /// Returns the position of every cage, where those of the scene have turned to `revolutions`.
+    /// Returns the position of every cage at `turns`, the total revolutions of the shaft.
     #[must_use]
     pub fn positions(&self, turns: f64) -> Vec<CagePosition> {
         let position = |(cage, offset): (&TrackedCage, &f64)| CagePosition {
@@ -153,10 +154,9 @@ impl CageTracker {
         }
     }
 
-    /// Takes the position of cage `b` that a diagnosis found at the first of two total revolutions, where this one had it at `before`; it is
-    /// at the second one now.
+    /// Takes over the position `found` of cage `b` from a diagnosis at the total revolutions `then`; the shaft is at `now`.
     ///
-    /// A cage that is followed keeps its own position where the two are near.
+    /// `before` is the position of the tracker at `then`. A cage that is followed keeps its own position if the two are near.
     pub fn take(&mut self, b: usize, found: &CagePosition, before: &CagePosition, [then, now]: [f64; 2]) {
         let Some(cage) = self.cages.get_mut(b) else { return };
         // Within half a pitch: the elements are alike.
@@ -186,7 +186,7 @@ impl CageTracker {
         }
     }
 
-    /// Loses the angle of every cage: the shaft angle was interrupted.
+    /// Stops following every cage after an interruption of the shaft angle.
     pub fn interrupt(&mut self) {
         self.interruptions += 1;
         self.followed.fill(false);
@@ -248,7 +248,8 @@ impl CageTracker {
     }
 }
 
-/// Returns the position of a cage by the azimuth of its first element at shaft angle 0 (rad), with that of the scene.
+/// Returns the position at `turns` of a cage with the azimuth `azimuth` of its first element at shaft angle 0; the scene has `of_scene`
+/// (both rad).
 #[must_use]
 pub fn found_position(ratio: f64, azimuth: f64, of_scene: f64, turns: f64) -> CagePosition {
     CagePosition { revolutions: (azimuth - of_scene) / TAU + ratio * turns, ratio }

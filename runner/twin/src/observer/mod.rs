@@ -114,7 +114,7 @@ impl Gains {
     /// Computes the gains for probes with these rows.
     ///
     /// # Errors
-    /// A system whose filter has no steady state.
+    /// Returns an error if the filter of the system has no steady state.
     pub fn try_new(plant: &Plant, rows: &[Vec<f64>], speed: Speed, period: f64, of: &Uncertainty) -> Result<Self> {
         let (from, to) = match speed {
             Speed::Ramp { from, to, .. } => (from, to),
@@ -163,14 +163,14 @@ pub trait StateEstimator {
     fn set_cage_offsets(&mut self, offsets: &[f64]);
     /// Sets the bearings of which the innovations are also computed with another cage angle.
     fn follow_cages(&mut self, followed: &[bool]);
-    /// Returns the innovations of the last step and their changes by the cages; none where it corrected nothing.
+    /// Returns the innovations of the last step and their changes by the cages; `None` if the step corrected nothing.
     fn cage_evidence(&self) -> Option<&CageEvidence>;
 }
 
 /// Starts an estimator at `sample`.
 ///
 /// # Errors
-/// A plant that the kernel rejects.
+/// Returns an error if the kernel rejects the plant.
 pub fn estimator(
     plant: &Plant,
     rows: &[Vec<f64>],
@@ -197,7 +197,7 @@ pub struct EstimatorTask<'a> {
     pub start: InitialState,
     /// Initial shaft angle.
     pub shaft: Phase,
-    /// Initial angles of the bearings' parts.
+    /// Initial angles of the components of each bearing.
     pub parts: Vec<ComponentAngles>,
     /// Sample period, s.
     pub period: f64,
@@ -216,7 +216,7 @@ struct Estimator<S, C, const D: usize, const N: usize> {
     probes: usize,
     /// Number of coordinates in use.
     order: usize,
-    /// The same observer with the cage of one bearing [`cages::DISPLACEMENT`] ahead; none for a bearing that is not followed.
+    /// The same observer with the cage of one bearing [`cages::DISPLACEMENT`] ahead; `None` for a cage that is not followed.
     displaced: Vec<Option<ObserverState<f64, D, N>>>,
     /// Angle of each cage beyond that of the scene, revolutions.
     cage_offsets: [f64; N],
@@ -236,7 +236,7 @@ where
         state
     }
 
-    /// Advances the observers with other cages, and computes the changes of the innovations.
+    /// Advances the observers with displaced cages, and computes the changes of the innovations.
     fn step_displaced(&mut self, drive: &ShaftMotion<f64>, innovation: &[f64; MAX_PROBES], is_rejected: bool) {
         let [first, density] = self.observer.speeds;
         let nearest = ((drive.speed - first) * density).round().clamp(0.0, (self.observer.gains.len() - 1) as f64);

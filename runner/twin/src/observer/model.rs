@@ -12,7 +12,8 @@ pub const LOADS: usize = 5;
 pub struct Uncertainty<'a> {
     /// Rms noise of each probe, m.
     pub noise: &'a [f64],
-    /// Process noise of the unknown force, N per root second; that of the moment is multiplied by the root mean square of the bearing stations, m.
+    /// Process noise of the unknown force, N per root second; that of the moment is multiplied by the root mean square of the bearing
+    /// stations, m.
     pub process_noise: f64,
     /// Process noise of the unknown force that rotates with the shaft, N per root second.
     pub turning_process_noise: f64,
@@ -35,9 +36,10 @@ pub fn memory(period: f64) -> f64 {
     (-period / MEMORY).exp()
 }
 
-/// Returns the force on each coordinate by each unknown load: of a rigid rotor, on its five coordinates, also about its supports; of
-/// a flexible one, along X and Y at the two outermost bearings and along Z, where the forces of its faults act; of a given system
-/// the same at its first and its last bearing.
+/// Returns the force on each coordinate by each unknown load.
+///
+/// The unknown loads of a rigid rotor, also on supports, act on its five coordinates. Those of a flexible rotor act along X and Y at
+/// the two outermost bearings and along Z, where the forces of faults act; those of a given system, at its first and its last bearing.
 #[must_use]
 pub fn loads(plant: &Plant) -> DMatrix<f64> {
     let n = plant.layout.order;
@@ -64,8 +66,10 @@ pub fn loads(plant: &Plant) -> DMatrix<f64> {
     }
 }
 
-/// Returns the force on each coordinate by each unknown load that rotates with the shaft: of a flexible rotor, along X and Y in two planes
-/// where it is out of balance; of a given system, on the coordinates of its unbalance; else as [`loads`].
+/// Returns the force on each coordinate by each unknown load that rotates with the shaft.
+///
+/// The loads of a flexible rotor act along X and Y in two planes of unbalance; those of a given system, on the coordinates of its
+/// unbalance; all others as [`loads`].
 #[must_use]
 pub fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
     if let Some(planes) = plant.layout.given().map(Given::unbalance_planes).filter(|planes| !planes.is_empty()) {
@@ -103,7 +107,7 @@ impl Levers {
     /// Returns the levers of a plant. On coordinates of an unknown kind, a lever is the root of the coordinate's share in the largest mass.
     ///
     /// # Errors
-    /// As [`Plant::scales`].
+    /// Returns the errors of [`Plant::scales`].
     pub fn new(plant: &Plant) -> Result<Self> {
         let n = plant.layout.order;
         if plant.layout.is_given() {
@@ -126,11 +130,12 @@ fn lever(plant: &Plant) -> f64 {
     if lever > 0.0 { lever } else { 0.05 }
 }
 
-/// Returns the weight of the rotor, N, the scale of unknown forces; of a given system the sum of its loads, or half the sum of its masses
-/// along each coordinate, times gravity, where it has none.
+/// Returns the weight of the rotor, N, which is the scale of unknown forces.
+///
+/// For a given system, it is the sum of its loads or, without loads, half the sum of its masses along each coordinate times gravity.
 ///
 /// # Errors
-/// As [`Plant::scales`].
+/// Returns the errors of [`Plant::scales`].
 pub fn weight(plant: &Plant) -> Result<f64> {
     const GRAVITY: f64 = 9.80665;
     if let Some(rotor) = plant.rotor() {
@@ -144,7 +149,7 @@ pub fn weight(plant: &Plant) -> Result<f64> {
 /// Computes the steady filter at `speed` (rad/s), in SI units.
 ///
 /// # Errors
-/// As [`Sampled::steady`].
+/// Returns the errors of [`Sampled::steady`].
 pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
     let scale = scales(plant)?;
     let (transition, disturbance) = sampled(plant, speed, period, of, &scale)?;

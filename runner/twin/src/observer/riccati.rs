@@ -9,13 +9,13 @@ const CONVERGED: f64 = 1e-13;
 
 /// A linear system sampled: `x' = A x + w`, `y = C x + v`, with the covariances of `w` and `v`.
 pub struct Sampled {
-    /// A
+    /// Transition matrix `A`.
     pub transition: DMatrix<f64>,
-    /// C
+    /// Measurement matrix `C`.
     pub probes: DMatrix<f64>,
-    /// Q, of `w`
+    /// Covariance `Q` of `w`.
     pub disturbance: DMatrix<f64>,
-    /// R, of `v`
+    /// Covariance `R` of `v`.
     pub noise: DMatrix<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Sampled {
     /// equations, International Journal of Control 77.
     ///
     /// # Errors
-    /// A noise that is not positive definite, a system whose filter has no steady state.
+    /// Returns an error if the measurement noise is singular or the filter has no steady state.
     pub fn steady(&self) -> Result<Steady, ObserverError> {
         let n = self.transition.nrows();
         let weight = self.noise.clone().try_inverse().ok_or(ObserverError::NoNoise)?;

@@ -80,13 +80,13 @@ impl RunningObserver {
         (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))
     }
 
-    /// Returns the estimated coordinates; none where the observer is not trusted.
+    /// Returns the estimated coordinates; `None` if the observer is not trusted.
     #[must_use]
     pub fn coordinates(&self) -> Option<&[f64]> {
         self.consistency.is_trusted().then(|| self.estimator.coordinates())
     }
 
-    /// Returns the estimated unknown load; none where the observer is not trusted.
+    /// Returns the estimated unknown load, N and N m; `None` if the observer is not trusted.
     #[must_use]
     pub fn load(&self) -> Option<[f64; 5]> {
         self.consistency.is_trusted().then(|| self.estimator.load())

@@ -12,13 +12,14 @@ use nalgebra::{DMatrix, DVector};
 const SAMPLES: usize = 1024;
 /// Prior standard deviations of the first state: m, m/s, and unknown loads over the weight of the rotor.
 const PRIOR: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
-/// Share of the sum of squares by which an iteration reduces it at least: about 0.5 of the few thousand that noise alone leaves, which decides nothing.
+/// Relative fall of the sum of squares per iteration below which the fit ends: a fall of about 0.5 of the few thousand that noise alone
+/// leaves, which is not significant.
 const MIN_FALL: f64 = 1e-4;
 
 /// Finds the state at the first sample, starting from `guess`.
 ///
 /// # Errors
-/// A plant that the kernel rejects, a cancelled search.
+/// Returns an error if the kernel rejects the plant or the search is cancelled.
 pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: InitialState) -> Result<InitialState> {
     let IdentificationData { samples, rows, period, .. } = *data;
     let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();

@@ -27,7 +27,7 @@ pub struct IdentificationData<'a> {
 }
 
 impl IdentificationData<'_> {
-    /// Returns an error where the search is cancelled.
+    /// Returns an error if the search is cancelled.
     pub(super) fn check_cancelled(&self) -> Result<(), ObserverError> {
         if self.cancelled.load(Ordering::Relaxed) { Err(ObserverError::Cancelled) } else { Ok(()) }
     }
@@ -53,7 +53,7 @@ const SAMPLES: usize = 4096;
 const PROCESS_NOISES: std::ops::RangeInclusive<i32> = -6..=8;
 const COARSE: i32 = 3;
 const STRIDE: f64 = 3.162_277_660_168_379_5;
-/// Noise by third differences over the given noise from which the former is used.
+/// Ratio of the noise by third differences to the given noise above which the former is used.
 const LARGER_NOISE: f64 = 1.2;
 /// Lower bound of the noise of a probe, m: a tenth of the resolution of the finest.
 const MIN_NOISE: f64 = 1e-10;
@@ -70,10 +70,10 @@ struct Candidate {
 /// Identifies the observer of `plant`; `linear` is the same plant on linear springs, `guess` the state of the twin at the first
 /// sample.
 ///
-/// Returns none where no steady filter exists because neither a probe nor a bearing determines some coordinate.
+/// Returns `None` if no steady filter exists because neither a probe nor a bearing determines some coordinate.
 ///
 /// # Errors
-/// More probes than an observer takes, a plant that the kernel rejects, a cancelled search.
+/// Returns an error for more than [`MAX_PROBES`] probes, if the kernel rejects the plant, or if the search is cancelled.
 pub fn identify(
     plant: &Plant,
     linear: &Plant,

@@ -1,4 +1,4 @@
-//! Baseline: the residual of a machine in good order, written by `--learn` and compared with by `--baseline`.
+//! Baseline: the residual of a healthy machine, written by `--learn` and read by `--baseline`.
 
 use super::{Calibration, Diagnosis, FaultForm, FaultKind};
 use crate::scene::bounded::read_text;
@@ -23,7 +23,7 @@ pub enum BaselineError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no baseline.
+    /// The file is not a baseline.
     #[error("{}:{}: no baseline: {error}, expected a file written by replay --learn", file.display(), error.line())]
     Format {
         /// The file.
@@ -58,7 +58,7 @@ pub struct Baseline {
     pub orders: Vec<f64>,
     /// Probes in the order of the scene.
     pub probes: Vec<BaselineProbe>,
-    /// Parameters of the machine in good order, where the recording determined them.
+    /// Calibrated parameters of the healthy machine; `None` if the recording does not determine them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,
     /// Faults that the machine already had.
@@ -131,7 +131,7 @@ impl Baseline {
     /// Reads the baseline of a scene with these sensors.
     ///
     /// # Errors
-    /// As [`Baseline::read`].
+    /// Returns the errors of [`Baseline::read`].
     pub fn read_sensors(path: &Path, sensors: &[Sensor]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         if found.is_of_sensors(sensors) { Ok(found) } else { Err(found.of_others(path)) }
@@ -150,7 +150,7 @@ impl Baseline {
         self.faults = diagnoses.iter().filter_map(known).collect();
     }
 
-    /// Returns true for a fault that the machine had when the baseline was learned, and that has not grown.
+    /// Returns true for a fault that the machine had when the baseline was learned, and that has not grown by more than 25 %.
     #[must_use]
     pub fn contains_fault(&self, diagnosis: &Diagnosis) -> bool {
         let same = |known: &KnownFault| {
@@ -172,7 +172,7 @@ impl Baseline {
     /// Reads a baseline of any scene.
     ///
     /// # Errors
-    /// A file that cannot be read or is no baseline.
+    /// Returns an error if the file cannot be read or is not a baseline.
     pub fn parse(path: &Path) -> Result<Self, BaselineError> {
         let file = || path.to_owned();
         let text = read_text(path, LARGEST_FILE).map_err(|source| BaselineError::Read { file: file(), source })?;
@@ -188,7 +188,7 @@ impl Baseline {
     /// sensors is accepted: the sensors are then evaluated without one.
     ///
     /// # Errors
-    /// A file that cannot be read, is no baseline, or was learned with other probes, sensors or bearings.
+    /// Returns an error if the file cannot be read, is not a baseline, or was learned with other probes, sensors or bearings.
     pub fn read(path: &Path, probes: &[Probe], sensors: &[Sensor], orders: &[f64]) -> Result<Self, BaselineError> {
         let found = Self::parse(path)?;
         let same_probes = found.probes.iter().map(|p| &p.name).eq(probes.iter().map(|p| &p.column));

@@ -1,8 +1,8 @@
-//! Parameters of a machine in good order, determined by a recording of it.
+//! Parameters of a healthy machine, determined from a recording of it.
 
 use serde::{Deserialize, Serialize};
 
-/// Parameters of a machine in good order, which a recording of it determined.
+/// Parameters of a healthy machine, determined from a recording of it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
@@ -20,7 +20,7 @@ pub struct Calibration {
 pub struct CalibratedParameter {
     /// Name.
     pub name: ParameterName,
-    /// Bearing, where it is one of a bearing.
+    /// Name of the bearing; `None` for a parameter of the rotor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
     /// Value, SI.

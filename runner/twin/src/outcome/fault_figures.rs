@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// Data of the figures of one diagnosis. A figure without data is not drawn.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FaultFigures {
-    /// Force at the bearing by its direction; none where no component of a bearing is damaged at one place.
+    /// Force at the bearing by its direction; `None` if no component of a bearing has local damage.
     pub rose: Option<ForceRose>,
-    /// Spectra of the unexplained force, one a frame of reference.
+    /// Spectra of the unexplained force, one per frame of reference.
     pub spectra: Vec<ForceSpectrum>,
     /// Motion at one probe with and without the fault.
     pub motion: Option<FaultMotion>,
@@ -38,7 +38,7 @@ pub struct ForceRose {
     pub direction_deg: f64,
     /// Largest force of the mean pass, N.
     pub peak_n: f64,
-    /// Passes in the mean.
+    /// Number of passes in the mean.
     pub passes: f64,
     /// The mean pass: angle of the element (of its surface, for a damaged element) from the damage, deg; force along the direction
     /// and 90 deg ahead of it, N.
@@ -54,7 +54,7 @@ pub struct ForceRose {
 pub struct ForceSpectrum {
     /// Frame of reference.
     pub frame: ReferenceFrame,
-    /// Whether the damaged component is at rest in this frame.
+    /// True if the damaged component is stationary in this frame.
     pub is_of_component: bool,
     /// Order per turn of the shaft and amplitude in N peak: force that the machine without the fault leaves unexplained.
     pub unexplained: Vec<(f64, f64)>,

@@ -5,37 +5,37 @@ use super::RotorDrawing;
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
 #[derive(Debug, Clone, Default)]
 pub struct Pictures {
-    /// The rotor; none where the scene has none.
+    /// Drawing of the rotor; `None` if the scene has no rotor.
     pub rotor: Option<RotorDrawing>,
     /// Mean line of a flexible rotor.
     pub deflected_line: Option<DeflectedLine>,
-    /// One a probe.
+    /// Traces of the first turns, one per probe.
     pub traces: Vec<Trace>,
-    /// One a plane of two or more radial probes.
+    /// Orbits, one per plane of two or more radial probes.
     pub orbits: Vec<Orbit>,
-    /// One a probe.
+    /// One-sided spectra, one per probe.
     pub half_spectra: Vec<HalfSpectrum>,
-    /// One a plane.
+    /// Full spectra, one per plane.
     pub full_spectra: Vec<FullSpectrum>,
-    /// Marked in every spectrum: 1X and each bearing's lines.
+    /// Lines marked in every spectrum: 1X and each bearing's lines.
     pub lines: Vec<MarkedLine>,
     /// Natural frequencies of the rotor in its bearings at the mean speed, named N1, N2, ...; empty where they are not computed.
     pub natural_frequencies: Vec<MarkedLine>,
     /// Readings over stretches of the recording.
     pub excerpt: Excerpt,
-    /// One a bearing.
+    /// Forces, one entry per bearing.
     pub forces: Vec<ForceTrace>,
-    /// One a bearing with elements.
+    /// Element loads, one entry per bearing with elements.
     pub element_loads: Vec<ElementLoads>,
     /// Blocks of turns from start to end.
     pub blocks: Vec<Block>,
-    /// One a plane, or a radial probe where there is no plane.
+    /// Cascades, one per plane, or one per radial probe where there is no plane.
     pub cascades: Vec<Cascade>,
-    /// One a plane.
+    /// Clearance circles, one per plane.
     pub clearances: Vec<Option<Clearance>>,
     /// Limits of the scene to draw in trends.
     pub limits: Vec<LimitLine>,
-    /// One a vibration sensor.
+    /// Envelope spectra, one per vibration sensor.
     pub envelopes: Vec<EnvelopeSpectrum>,
 }
 
@@ -71,16 +71,16 @@ impl Stretch {
     }
 }
 
-/// One block of four turns, or several one after the other.
+/// One block of four turns, or several consecutive blocks joined.
 #[derive(Debug, Clone, Default)]
 pub struct Block {
-    /// s
+    /// Start time, s.
     pub start_s: f64,
-    /// s
+    /// End time, s.
     pub end_s: f64,
     /// Mean speed.
     pub speed_rpm: f64,
-    /// One a probe.
+    /// Figures, one entry per probe.
     pub probes: Vec<BlockFigures>,
     /// Farthest from the mean place in each plane, um peak.
     pub smax_um: Vec<f64>,
@@ -115,12 +115,12 @@ pub struct BlockFigures {
     pub half_x_um: f64,
 }
 
-/// Spectra one after the other.
+/// Cascade: spectra in the order of time.
 #[derive(Debug, Clone, Default)]
 pub struct Cascade {
     /// Probes of the plane, or the probe.
     pub name: String,
-    /// Forward and reverse are separate.
+    /// True if forward and reverse precession are separate.
     pub two_sided: bool,
     /// Hz between two bins.
     pub bin_hz: f64,
@@ -170,9 +170,9 @@ pub struct LimitLine {
     pub probe: String,
     /// The bearing, for the line of a race.
     pub bearing: Option<String>,
-    /// um, or a number.
+    /// Limit, um or dimensionless.
     pub max: f64,
-    /// Largest value of a block of the recording, in the unit of `max`; none without a complete block.
+    /// Largest value of a block of the recording, in the unit of `max`; `None` without a complete block.
     pub largest: Option<f64>,
 }
 
@@ -183,7 +183,7 @@ pub struct EnvelopeSpectrum {
     pub name: String,
     /// Least and greatest frequency of the band, Hz.
     pub band_hz: [f64; 2],
-    /// Why this band.
+    /// Reason for the choice of the band.
     pub reason: String,
     /// Hz between two bins.
     pub bin_hz: f64,
@@ -200,11 +200,11 @@ pub struct EnvelopeSpectrum {
 pub struct Trace {
     /// Probe.
     pub name: String,
-    /// s
+    /// Time of each sample, s.
     pub time: Vec<f64>,
-    /// um, NaN where missing
+    /// Readings, um; NaN where missing.
     pub measured: Vec<f64>,
-    /// um
+    /// Motion of the twin, um.
     pub twin: Vec<f64>,
     /// Times at which the keyphasor passed, s.
     pub keyphasor: Vec<f64>,
@@ -247,11 +247,11 @@ pub struct HalfSpectrum {
     pub name: String,
     /// Hz between two bins.
     pub bin_hz: f64,
-    /// um
+    /// Amplitudes of the readings, um.
     pub measured: Vec<f64>,
-    /// um
+    /// Amplitudes of the twin, um.
     pub twin: Vec<f64>,
-    /// um, of measured - twin
+    /// Amplitudes of measured - twin, um.
     pub residual: Vec<f64>,
 }
 
@@ -284,9 +284,9 @@ pub struct MarkedLine {
 pub struct ForceTrace {
     /// Bearing.
     pub name: String,
-    /// s
+    /// Time of each sample, s.
     pub time: Vec<f64>,
-    /// FX, FY, FZ from the measured displacement, N
+    /// FX, FY, FZ from the measured displacement, N.
     pub measured: [Vec<f64>; 3],
     /// The same of the twin.
     pub twin: [Vec<f64>; 3],

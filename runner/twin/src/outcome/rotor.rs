@@ -50,6 +50,7 @@ mod tests {
             evidence: vec![],
             vibration: None,
             parameters: FaultParameters { station_mm: Some(estimate(-10.0)), ..FaultParameters::default() },
+            lines: vec![],
             sentence: String::new(),
             figures: crate::outcome::FaultFigures::default(),
         };

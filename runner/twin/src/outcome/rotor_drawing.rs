@@ -1,5 +1,5 @@
-//! Drawing of a rotor, the data of its figure. Stations are those of the scene: from the centre of mass of a rigid rotor, from the origin
-//! of a flexible rotor's drawing.
+//! Data of the figure of a rotor. Stations are those of the scene: from the centre of mass of a rigid rotor, from the origin of a
+//! flexible rotor's drawing.
 
 use crate::scene::{Direction, Scene};
 
@@ -40,7 +40,7 @@ pub struct DrawnDisk {
     pub station_mm: f64,
     /// Outer diameter; without a size in the scene, that of a solid cylinder with the disk's mass and polar inertia.
     pub diameter_mm: f64,
-    /// Width; none without a size in the scene.
+    /// Width; `None` without a size in the scene.
     pub width_mm: Option<f64>,
 }
 
@@ -49,9 +49,9 @@ pub struct DrawnDisk {
 pub struct DrawnProbe {
     /// Its column.
     pub name: String,
-    /// Station; without a meaning for an axial probe.
+    /// Station; it has no meaning for an axial probe.
     pub station_mm: f64,
-    /// Direction from +X towards +Y; none of an axial probe.
+    /// Direction from +X towards +Y; `None` for an axial probe.
     pub angle_deg: Option<f64>,
 }
 
@@ -60,14 +60,14 @@ pub struct DrawnProbe {
 pub struct DrawnUnbalance {
     /// Moment.
     pub moment_g_mm: f64,
-    /// From the keyphasor mark in the direction of rotation.
+    /// Angle from the keyphasor mark in the direction of rotation.
     pub angle_deg: f64,
     /// Station.
     pub station_mm: f64,
 }
 
 impl RotorDrawing {
-    /// Returns the drawing of a scene's rotor; none of a scene without one.
+    /// Returns the drawing of a scene's rotor; `None` for a scene without a rotor.
     #[must_use]
     pub fn new(scene: &Scene) -> Option<Self> {
         let rotor = scene.rotor.as_ref()?;
@@ -117,7 +117,7 @@ impl RotorDrawing {
         })
     }
 
-    /// Returns the stations of the two ends of the shaft: of a rigid rotor the outermost stations on it.
+    /// Returns the stations of the two ends of the shaft; for a rigid rotor, the outermost stations on it.
     #[must_use]
     pub fn ends_mm(&self) -> [f64; 2] {
         if let (Some(first), Some(last)) = (self.sections.first(), self.sections.last()) {

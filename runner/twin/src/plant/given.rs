@@ -140,7 +140,7 @@ impl Given {
     }
 }
 
-/// Returns the displacement at these coordinates per unit of each of `n`; coordinates that do not exist are left out.
+/// Returns the displacement at these coordinates per unit of each of `n`; coordinates that do not exist are omitted.
 fn rows(coordinates: &Coordinates, n: usize) -> Rows {
     coordinates.map(|coordinate| {
         let mut row = vec![0.0; n];

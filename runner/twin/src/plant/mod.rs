@@ -144,7 +144,7 @@ impl Plant {
             let pressure = geometry.contact(Race::Inner).ellipse(loads.iter().copied().fold(0.0, f64::max)).2;
             if pressure > PRESSURE_LIMIT {
                 self.notes.push(format!(
-                    "Bearing {}: the balls press with {:.2} GPa at rest, beyond {:.1} GPa, the static limit of ISO 76.",
+                    "Bearing {}: the contact pressure in static equilibrium is {:.2} GPa, beyond {:.1} GPa, the static limit of ISO 76.",
                     mounted.name,
                     pressure / 1e9,
                     PRESSURE_LIMIT / 1e9

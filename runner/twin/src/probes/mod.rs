@@ -149,14 +149,14 @@ fn unobservable(probes: &[Probe]) -> UnobservableError {
         "there is no radial probe".to_owned()
     } else if parallel {
         format!(
-            "all {} radial probes look along {:.1} deg, so the motion across it is not observable",
+            "all {} radial probes measure along {:.1} deg, so the motion across it is not observable",
             radial.len(),
             first.to_degrees()
         )
     } else if planes.len() < 2 {
-        format!("all radial probes stand in one plane at {:.1} mm, so the tilt is not observable", planes[0] * 1e3)
+        format!("all radial probes are in one plane at {:.1} mm, so the tilt is not observable", planes[0] * 1e3)
     } else {
-        format!("{} radial probes leave part of the motion open", radial.len())
+        format!("{} radial probes do not determine the motion", radial.len())
     };
     UnobservableError { reason }
 }

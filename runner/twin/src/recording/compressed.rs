@@ -71,7 +71,7 @@ pub(super) fn to_file(mut source: impl Read, path: &Path) -> Result<File, Record
 /// Returns the error of unpacking.
 pub(super) fn failed(path: &Path, cause: io::Error) -> RecordingError {
     let found = match cause.kind() {
-        io::ErrorKind::UnexpectedEof => "a compressed file that is cut short".into(),
+        io::ErrorKind::UnexpectedEof => "a compressed file that is truncated".into(),
         _ => cause.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
     };
     RecordingError::Format { file: path.into(), found, expected: EXPECTED }

@@ -254,7 +254,7 @@ impl RecordingError {
     /// Returns the error of a binary file whose reading ended with `cause`.
     pub(super) fn unreadable(file: &Path, cause: &io::Error, expected: &'static str) -> Self {
         let found = match cause.kind() {
-            io::ErrorKind::UnexpectedEof => "a file that is cut short".to_owned(),
+            io::ErrorKind::UnexpectedEof => "a file that is truncated".to_owned(),
             _ => cause.to_string(),
         };
         Self::Format { file: file.into(), found, expected }

@@ -97,7 +97,7 @@ impl Files {
         if !others.is_empty() {
             let ending = if most.is_empty() { "without the ending of a format".to_owned() } else { format!(".{most}") };
             notes.push(format!(
-                "Files of the folder that are hidden or not {ending} are left out: {}.",
+                "Files of the folder that are hidden or not {ending} are omitted: {}.",
                 listed(others.iter().map(|path| shown(path)))
             ));
         }

@@ -14,9 +14,9 @@ pub enum Flaw {
     MissingValue,
     /// A row has fewer cells than the header has names. Absent cells are missing readings.
     ShortRow,
-    /// A row repeats the time stamp of an earlier one. The row is left out.
+    /// A row repeats the time stamp of an earlier one. The row is omitted.
     RepeatedTimeStamp,
-    /// A time stamp is before that of an earlier row. The row is left out.
+    /// A time stamp is before that of an earlier row. The row is omitted.
     BackwardTimeStamp,
     /// A single time stamp is too late while the next row continues regularly. The row is kept as the next sample.
     StrayTimeStamp,
@@ -28,7 +28,7 @@ pub enum Flaw {
     ClippedProbe,
     /// A keyphasor pulse is missing. It is interpolated; the count of samples is one of pulses.
     MissedPulse,
-    /// A keyphasor pulse is spurious. It is left out.
+    /// A keyphasor pulse is spurious. It is omitted.
     SpuriousPulse,
     /// A pulse of a toothed wheel is where its gap is expected. The next gap is angle 0 again.
     ToothInGap,
@@ -219,13 +219,16 @@ impl Entry {
         let description = match self.flaw {
             Flaw::MissingValue => format!("no value in {samples}{}, {place}", places(count)),
             Flaw::ShortRow => {
-                format!("{} cut short, {place}: what is cut off counts as missing", counted(count, "row"))
+                format!(
+                    "{} truncated, {place}: the cells that are missing count as missing values",
+                    counted(count, "row")
+                )
             }
             Flaw::RepeatedTimeStamp => {
-                format!("{} left out for a repeated time stamp, {place}", counted(count, "row"))
+                format!("{} omitted for a repeated time stamp, {place}", counted(count, "row"))
             }
             Flaw::BackwardTimeStamp => {
-                format!("{} left out for a time stamp that goes back, {place}", counted(count, "row"))
+                format!("{} omitted for a time stamp that goes back, {place}", counted(count, "row"))
             }
             Flaw::StrayTimeStamp => {
                 format!("{} out of line, {place}: the row is kept in its place", counted(count, "time stamp"))
@@ -236,7 +239,7 @@ impl Entry {
             Flaw::MissedPulse => {
                 format!("{} missing and filled in{}, {place}", counted(self.samples, "pulse"), places(count))
             }
-            Flaw::SpuriousPulse => format!("{} too many and left out, {place}", counted(count, "pulse")),
+            Flaw::SpuriousPulse => format!("{} spurious and omitted, {place}", counted(count, "pulse")),
             Flaw::ToothInGap => {
                 format!(
                     "a pulse in the gap of the toothed wheel{}, {place}: the angle is 0 again at the next gap",

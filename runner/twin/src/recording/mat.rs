@@ -96,7 +96,7 @@ fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
 /// Reads the first of these variables that a file has, as a matrix with up to `most` rows and columns.
 ///
 /// # Errors
-/// No MATLAB file of version 5, none of the variables, a larger matrix; a file that is cut short.
+/// No MATLAB file of version 5, none of the variables, a larger matrix; a file that is truncated.
 pub fn matrix(path: &Path, variables: &[&str], most: usize) -> io::Result<DMatrix<f64>> {
     let mut file = File::open(path)?;
     let arrays = walk::arrays(&mut file)?;

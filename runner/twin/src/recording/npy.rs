@@ -32,7 +32,7 @@ pub(super) fn open(mut file: File, path: &Path, layout: FileLayout) -> Result<Bo
 /// Returns the error of a file that is no array.
 pub(super) fn wrong(path: &Path, cause: &io::Error, expected: &'static str) -> RecordingError {
     let found = match cause.kind() {
-        io::ErrorKind::UnexpectedEof => "a header that is cut short".into(),
+        io::ErrorKind::UnexpectedEof => "a header that is truncated".into(),
         _ => cause.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
     };
     RecordingError::Format { file: path.into(), found, expected }

@@ -111,7 +111,7 @@ fn read_at(file: &mut File, start: u64, length: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 == length { Ok(bytes) } else { Err(io::ErrorKind::UnexpectedEof.into()) }
 }
 
-/// Reads the central directory; entries that are no arrays are left out.
+/// Reads the central directory; entries that are no arrays are omitted.
 fn entries(file: &mut File, size: u64) -> io::Result<Vec<Entry>> {
     let tail = size.min(END + LONGEST_COMMENT);
     let bytes = read_at(file, size - tail, tail)?;
@@ -170,7 +170,7 @@ fn content(file: &mut File, entry: &Entry, size: u64) -> io::Result<u64> {
     head.take(22)?;
     let start = entry.start + ENTRY_HEAD + u64::from(head.u16()?) + u64::from(head.u16()?);
     if start.checked_add(entry.packed).is_none_or(|end| end > size) {
-        return Err(refuse(format!("an archive that is cut short within `{}`", entry.name)));
+        return Err(refuse(format!("an archive that is truncated within `{}`", entry.name)));
     }
     Ok(start)
 }

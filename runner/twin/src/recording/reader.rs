@@ -33,7 +33,7 @@ const RATE_TOLERANCE: f64 = 1e-3;
 ///
 /// - A cell that is NaN or empty is a missing reading.
 /// - In a short row the last cell is missing too: it may be a part of a number.
-/// - A row whose time stamp repeats or goes back is left out. A row whose time stamp is missing is the next sample.
+/// - A row whose time stamp repeats or goes back is omitted. A row whose time stamp is missing is the next sample.
 /// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until they change, its
 ///   readings are missing. The equal readings before are returned unchanged and are counted.
 pub struct Reader<'a> {
@@ -322,7 +322,7 @@ impl<'a> Reader<'a> {
         Ok(Some(self.cells.whole))
     }
 
-    /// Sets sample number and time of the row; returns false where it is left out.
+    /// Sets sample number and time of the row; returns false where it is omitted.
     fn place(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
         let grid = match &mut self.timing {
             Timing::Rate { rate, next } => {

@@ -190,7 +190,7 @@ impl Revolutions {
         Ok(())
     }
 
-    /// Evaluates the samples of a whole revolution; one with missing readings is left out.
+    /// Evaluates the samples of a whole revolution; one with missing readings is omitted.
     fn close(&mut self) -> Result<(), usize> {
         let count = self.samples.len();
         if count < MIN_SAMPLES {

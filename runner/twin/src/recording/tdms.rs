@@ -48,7 +48,7 @@ const DIGITAL_SCALER: u32 = 0x126a;
 pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, RecordingError> {
     let layout = read(&mut file).map_err(|cause| {
         let found = match cause.kind() {
-            io::ErrorKind::UnexpectedEof => "a description of channels that is cut short".into(),
+            io::ErrorKind::UnexpectedEof => "a description of channels that is truncated".into(),
             _ => cause.to_string(),
         };
         RecordingError::Format { file: path.into(), found, expected: EXPECTED }

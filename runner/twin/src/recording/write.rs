@@ -12,7 +12,7 @@ const LARGEST: u64 = 1 << 27;
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The ending names no format.
-    #[error("{}: unknown ending, expected .csv, .npy or .parquet", .file.display())]
+    #[error("{}: unknown extension, expected .csv, .npy or .parquet", .file.display())]
     Ending {
         /// File to write.
         file: PathBuf,
@@ -173,6 +173,6 @@ mod tests {
             assert!(read.iter().zip(&rows).all(equal), "{ending}");
         }
         let refused = Writer::create(&folder.path().join("r.wav"), &names, 1).err().unwrap().to_string();
-        assert!(refused.contains("r.wav: unknown ending, expected .csv, .npy or .parquet"), "{refused}");
+        assert!(refused.contains("r.wav: unknown extension, expected .csv, .npy or .parquet"), "{refused}");
     }
 }

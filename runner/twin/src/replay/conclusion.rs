@@ -47,7 +47,7 @@ impl Pipeline<'_> {
                 format!("The observer followed the cage of {name}: its slip was {low:.2} to {high:.2} %.")
             } else {
                 format!(
-                    "The observer lost the cage of {name}: its passing elements move the shaft too little, the observer does not describe the motion, or the shaft angle was interrupted. Until then its slip was {low:.2} to {high:.2} %."
+                    "The observer no longer follows the cage of {name}: its passing elements move the shaft too little, the observer does not describe the motion, or the shaft angle was interrupted. Until then its slip was {low:.2} to {high:.2} %."
                 )
             });
             cage.followed_slip_percent = Some(slips);

@@ -187,7 +187,7 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
     let distrusted = match (observer.rejected_samples, observer.restarts, observer.distrusted_samples) {
         (0, 0, 0) => String::new(),
         (rejected, restarts, samples) => format!(
-            " {rejected} samples departed so far (normalised square above {:.0}) that they corrected nothing; restarts of the observer: {restarts}; for {samples} samples the force is computed from the measured displacement instead.",
+            " {rejected} samples were rejected (normalised innovation squared above {:.0}); restarts of the observer: {restarts}; for {samples} samples the force is computed from the measured displacement instead.",
             observer.gate
         ),
     };

@@ -110,7 +110,7 @@ impl ReadingRange {
         if status != SampleStatus::default() {
             let count = self.count();
             notices.add("reading-out-of-range", sample.row.time, || {
-                format!("A reading is farther from zero than the bearings allow; {count} so far. It is left out.")
+                format!("A reading is farther from zero than the bearings allow; {count} so far. It is omitted.")
             });
         }
         if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {

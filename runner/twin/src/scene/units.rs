@@ -317,7 +317,7 @@ fn column(unit: &str, dimension: Dimension, expected: &str) -> Result<f64, Misma
     if !dimension.fits(powers) {
         return Err(mismatch(describe(powers)));
     }
-    if factor.is_finite() && factor > 0.0 { Ok(factor) } else { Err(mismatch("is out of all proportion".to_owned())) }
+    if factor.is_finite() && factor > 0.0 { Ok(factor) } else { Err(mismatch("is too large or too small".to_owned())) }
 }
 
 /// Splits `text` into the number at its start and the rest.

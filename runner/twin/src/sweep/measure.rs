@@ -61,7 +61,7 @@ pub struct Figures {
     pub effects: Vec<EffectChange>,
 }
 
-/// Predicted change of a bearing's force when an effect is left out (see [`crate::effect_significance::EffectSignificance`]).
+/// Predicted change of a bearing's force when an effect is omitted (see [`crate::effect_significance::EffectSignificance`]).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectChange {
     /// The scene's name of the bearing.

@@ -27,7 +27,7 @@ pub struct FidelityLevel {
 const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
 /// Keys of a bearing that only the lumped model takes and that its geometry can replace.
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
-/// Effects in the order in which they can be left out.
+/// Effects in the order in which they can be omitted.
 const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
 /// Newton steps of a cold solution that are compared, and those of the reference.
 const STEPS: [u8; 4] = [3, 4, 5, 6];
@@ -188,7 +188,7 @@ fn given_as_springs(of: &Bearing) -> bool {
     matches!(of.linear, Some(Linear::Matrix(_) | Linear::TwoSpring { .. }))
 }
 
-/// Returns the effects that any bearing names, in the order in which they can be left out.
+/// Returns the effects that any bearing names, in the order in which they can be omitted.
 fn named(scene: &Scene) -> Vec<&'static str> {
     let has = |name: &str| {
         scene.bearings.iter().any(|b| {

@@ -82,7 +82,7 @@ pub fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> 
     Ok(poses)
 }
 
-/// Returns the poses of the scene's recording; samples with a missing reading are left out. The axial position is that of the
+/// Returns the poses of the scene's recording; samples with a missing reading are omitted. The axial position is that of the
 /// static equilibrium where no probe measures it. Reads at most `most_rows` rows.
 ///
 /// # Errors

@@ -206,10 +206,10 @@ impl FaultDetector<'_> {
         };
         let others: Vec<String> = self.suspects.iter().filter(is_not_excluded).map(|s| s.name.clone()).collect();
         let level_db = growth.unwrap_or(line.level_db);
-        let over = if growth.is_some() { "the baseline" } else { "what is around it" };
+        let over = if growth.is_some() { "the baseline" } else { "its surroundings" };
         let sentence = format!(
             "{} of {bearing}: the envelope of {:.0} to {:.0} Hz at {} has its line at {:.1} Hz, {order:.2} per turn, \
-             {level_db:.0} dB above {over}, with {} of its multiples; the band swells by {:.0} %.{}",
+             {level_db:.0} dB above {over}, with {} of its multiples; the level in the band is modulated by {:.0} %.{}",
             component_name(found.family.kind),
             found.band[0],
             found.band[1],

@@ -23,7 +23,7 @@ pub fn envelope(
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: turn_hz }];
     lines.extend(suspects.iter().flat_map(|suspect| marked(suspect, turn_hz)));
     let reason = match found {
-        Some(_) => "the band on which the diagnosis rests",
+        Some(_) => "the band of the diagnosis",
         None => "the most impulsive band; no line of a bearing stands out of any",
     };
     Some(EnvelopeSpectrum {

@@ -147,7 +147,7 @@ impl<'a> Evaluation<'a> {
         (MIN_TURNS / self.turns()).ceil().clamp(1.0, 1e9) as usize
     }
 
-    /// Adds the snapshot of file `i`, readable file `position`; the error is the reason why it is left out.
+    /// Adds the snapshot of file `i`, readable file `position`; the error is the reason why it is omitted.
     fn add(&mut self, i: usize, position: usize, path: &Path, rate: f64) -> Result<(), String> {
         let (signals, first_stamp) = self.read(path, rate)?;
         let samples = *self.samples.get_or_insert(signals.samples());
@@ -348,7 +348,7 @@ impl<'a> Evaluation<'a> {
         left_out.sort_by_key(|(i, ..)| *i);
         let names = left_out.into_iter().map(|(_, file, reason)| format!("{file} ({reason})"));
         let (count, files) = (self.left_out.len(), self.files);
-        (count > 0).then(|| format!("{count} of {files} snapshots are left out: {}.", listed(names)))
+        (count > 0).then(|| format!("{count} of {files} snapshots are omitted: {}.", listed(names)))
     }
 
     /// States the lines that short snapshots do not separate from each other or from multiples of the shaft speed.
@@ -377,7 +377,7 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// Returns the reason why a file is left out, without its path.
+/// Returns the reason why a file is omitted, without its path.
 fn reason(path: &Path, error: &RecordingError) -> String {
     error.to_string().replace(&path.display().to_string(), "").trim_start_matches([':', ' ']).to_owned()
 }

@@ -104,7 +104,7 @@ fn the_band_that_is_drawn_shows_the_line() {
     let (_, drawn) = judged(&blows(order, 4100.0, STEADY, 3.0, 1));
     assert_eq!(drawn.len(), 1);
     let envelope = &drawn[0];
-    assert_eq!(envelope.reason, "the band on which the diagnosis rests");
+    assert_eq!(envelope.reason, "the band of the diagnosis");
     let at = (order * TURN_HZ / envelope.bin_hz).round() as usize;
     let peak = envelope.modulation[at - 1..=at + 1].iter().copied().fold(0.0, f64::max);
     let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);

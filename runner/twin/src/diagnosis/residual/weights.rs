@@ -95,7 +95,7 @@ impl Evidence<'_> {
         Ok(())
     }
 
-    /// Returns the change of the residual by a shaft that is stiffer by one deviation; none for a rigid rotor.
+    /// Returns the change of the residual by a shaft that is stiffer by one deviation; `None` for a rigid rotor.
     fn elasticity_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
         let Some(stiffer) = &self.stiffer else { return Ok(None) };
         let mut other = Self { shaft: stiffer.clone(), ..self.clone() };
@@ -219,7 +219,7 @@ impl Evidence<'_> {
             let (passed, rest) = (self.shaft.dynamics.displacements(&passed), self.shaft.dynamics.displacements(&rest));
             let mut force = inertia(&error);
             for (b, one) in evaluated.iter().enumerate() {
-                // Odd and even part of the change: the noise of the force, and what is left of it in the mean.
+                // The odd part of the change is the noise of the force, the even part its bias.
                 let change = |t: usize| {
                     let mut odd = linear(b, t, &rest[b][t]);
                     let mut even = [0.0; D];

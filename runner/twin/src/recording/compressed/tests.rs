@@ -58,5 +58,5 @@ fn short_and_damaged_files() {
     let file = gzip(&text());
     cut_short(&file, &["x"], &[]);
     damaged(&file, &["x", "y"]);
-    assert!(error(&gzip(&npy())[..40], &recording(&["c0"])).contains("a compressed file that is cut short"));
+    assert!(error(&gzip(&npy())[..40], &recording(&["c0"])).contains("a compressed file that is truncated"));
 }

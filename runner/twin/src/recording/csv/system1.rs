@@ -362,7 +362,7 @@ impl Table for System1 {
         cells.line = self.first_chosen().map_or(0, |record| record.line) + row as u64;
         cells.whole = self.names.len();
         if row >= self.rows {
-            // The incomplete row at the end of a file that is cut short.
+            // The incomplete row at the end of a file that is truncated.
             cells.whole = 0;
             cells.values.resize(self.selected.len(), f64::NAN);
             return Ok(core::mem::take(&mut self.is_torn));

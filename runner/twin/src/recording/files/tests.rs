@@ -27,7 +27,7 @@ fn names_are_in_natural_order() {
         files.notes,
         [
             "3 files from acc_1.csv to acc_10.csv, one snapshot each.",
-            "Files of the folder that are hidden or not .csv are left out: .acc_3.csv, read me.md, scene.toml."
+            "Files of the folder that are hidden or not .csv are omitted: .acc_3.csv, read me.md, scene.toml."
         ]
     );
     let order = ["2", "02", "10", "a", "a1b2", "a1b10", "a2"];

@@ -63,7 +63,7 @@ pub(super) fn all(source: &mut Source, dataset: &Dataset) -> io::Result<Vec<u8>>
 fn whole(dataset: &Dataset) -> io::Result<u64> {
     let size = u64::from(dataset.number.bytes);
     let bytes = dataset.lengths.iter().try_fold(size, |bytes, length| bytes.checked_mul(*length));
-    bytes.ok_or_else(|| refuse("a dataset beyond all bounds"))
+    bytes.ok_or_else(|| refuse("a dataset that is too large"))
 }
 
 /// Copies those elements of a vector that a part of its dataset has.
@@ -135,7 +135,7 @@ fn chunked(
     let size = u64::from(dataset.number.bytes);
     let unpacked = chunk.iter().try_fold(size, |bytes, length| bytes.checked_mul(*length));
     let most = source.size.saturating_mul(TIGHTEST).min(LARGEST);
-    let unpacked = unpacked.filter(|bytes| *bytes <= most).ok_or_else(|| refuse("a chunk beyond all bounds"))?;
+    let unpacked = unpacked.filter(|bytes| *bytes <= most).ok_or_else(|| refuse("a chunk that is too large"))?;
     let dimensions = chunk.len();
     let tiles = dataset.lengths.iter().zip(chunk).map(|(length, chunk)| length.div_ceil(*chunk));
     let expected = tiles.fold(1_u64, u64::saturating_mul).min(MAX_CHUNKS);

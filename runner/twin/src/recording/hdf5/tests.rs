@@ -63,7 +63,7 @@ fn rate_of_the_file() {
 
 #[test]
 fn other_content_is_refused() {
-    assert!(error(b"\x89HDF\r\n\x1a\n", &recording(&["x"])).contains("a file that is cut short"));
+    assert!(error(b"\x89HDF\r\n\x1a\n", &recording(&["x"])).contains("a file that is truncated"));
     let older = [b"MATLAB 7.3 MAT-file".as_slice(), &[b' '; 800]].concat();
     assert!(error(&older, &recording(&["x"])).contains("no HDF5 file"));
     assert_eq!(error(LATEST, &recording(&["x"])), ": no such column: `x`, expected one of `/y`");

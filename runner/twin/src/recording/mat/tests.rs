@@ -143,7 +143,7 @@ fn structures_beyond_all_bounds() {
     assert!(error(&mat(&[inner]), &recording(&["c"])).contains("no readable array at `c{1}{1}"));
     let size: Vec<u8> = [1 << 30, 1 << 30].iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
     let parts = [element(6, &[1, 0, 0, 0, 0, 0, 0, 0]), element(5, &size), element(1, b"c")];
-    assert!(error(&mat(&[element(14, &parts.concat())]), &recording(&["c"])).contains("cut short"));
+    assert!(error(&mat(&[element(14, &parts.concat())]), &recording(&["c"])).contains("truncated"));
 }
 
 #[test]

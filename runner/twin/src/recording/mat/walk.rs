@@ -65,7 +65,7 @@ impl Element {
 /// Returns the arrays of real numbers of a file with their paths, such as `bearing.gs` or `N09.Y(7).Data`.
 ///
 /// # Errors
-/// Another format, a file that is cut short, an array whose size contradicts its dimensions.
+/// Another format, a file that is truncated, an array whose size contradicts its dimensions.
 pub(super) fn arrays(file: &mut File) -> io::Result<Vec<(String, Matrix)>> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER as usize];

@@ -31,7 +31,7 @@ const DEAD: f64 = 2.5;
 /// starts from rest may be at 0.41, and when the trend is known.
 const TOO_SHORT: (f64, f64) = (0.4, 0.6);
 
-/// Number of consecutive intervals with a pulse left out in the middle after which the shaft is taken to turn twice as fast, as it
+/// Number of consecutive intervals with a pulse omitted in the middle after which the shaft is taken to turn twice as fast, as it
 /// may after a standstill.
 const TWICE_AS_FAST: u32 = 2;
 
@@ -73,10 +73,10 @@ pub(super) struct Keyphasor {
     last_reading: Option<u64>,
     /// Sample in the middle of a signal loss since the last pulse that was longer than the interval of pulses.
     lost: Option<u64>,
-    /// Pulses left out since the last one, and the last of those.
+    /// Pulses omitted since the last one, and the last of those.
     surplus: u32,
     surplus_at: Instant,
-    /// Intervals in a row with one pulse left out in the middle.
+    /// Intervals in a row with one pulse omitted in the middle.
     halved: u32,
 }
 

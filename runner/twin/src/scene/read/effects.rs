@@ -64,7 +64,7 @@ fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
     }
 }
 
-/// `lubricant`, which may be known where its film is left out.
+/// `lubricant`, which may be known where its film is omitted.
 pub(super) fn lubricant(table: &Table<'_>) -> Read<Option<Lubricant>> {
     table.read("lubricant", |node| {
         let table = node.table(&["viscosity", "pressure_viscosity", "roughness"])?;

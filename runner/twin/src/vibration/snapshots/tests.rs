@@ -113,8 +113,8 @@ fn snapshots_that_cannot_be_used_are_left_out() {
     std::fs::write(path(1), "").unwrap();
     let outcome = evaluated(folder.path()).unwrap();
     assert_eq!(outcome.snapshots.len(), 17);
-    let note = outcome.notes.iter().find(|note| note.contains("are left out")).unwrap();
-    assert!(note.starts_with("3 of 20 snapshots are left out: acc_1.csv (empty file"), "{note}");
+    let note = outcome.notes.iter().find(|note| note.contains("are omitted")).unwrap();
+    assert!(note.starts_with("3 of 20 snapshots are omitted: acc_1.csv (empty file"), "{note}");
     assert!(note.contains("acc_3.csv (2553 rows, expected 2560 as in the first), acc_5.csv ("), "{note}");
     assert_eq!(outcome.diagnoses[0].kind, FaultKind::OuterRace);
 }
