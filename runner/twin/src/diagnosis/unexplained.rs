@@ -46,12 +46,15 @@ pub(super) fn unexplained_lines(e: &Evidence, of: &Fitted) -> Vec<UnexplainedLin
             [(b, Precession::Forward, forward), (b, Precession::Backward, backward)]
         });
         let (b, precession, amplitude) = forces.max_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or_default();
+        let (mounted, cage) = (&bearings[b], &of.machine.bearings[b].cage);
+        let (n, cage_ratio) = (mounted.elements as f64, mounted.kinematics.cage_ratio * (1.0 - cage.slip));
+        let spin = mounted.kinematics.ball_ratio() * (1.0 - cage.spin_slip);
         UnexplainedLine {
             order: order(k),
             line_hz: e.transform.lines[k] / TAU,
             bearing: is_divided.then(|| bearings[b].name.clone()),
             precession,
-            frame: frame(e, of, b, if precession == Precession::Forward { order(k) } else { -order(k) }),
+            frame: frame(if precession == Precession::Forward { order(k) } else { -order(k) }, n, cage_ratio, spin),
             force_n: amplitude / e.transform.sum(),
         }
     };
@@ -59,20 +62,37 @@ pub(super) fn unexplained_lines(e: &Evidence, of: &Fitted) -> Vec<UnexplainedLin
 }
 
 /// Returns the frame of reference in which a line is a harmonic: of the passing of the elements over the ring that is stationary in it,
-/// of their spin, or of the shaft. A line that is a harmonic in none belongs to the fixed frame.
-fn frame(e: &Evidence, of: &Fitted, b: usize, order: f64) -> ReferenceFrame {
-    let (mounted, cage) = (&e.plant.bearings[b], &of.machine.bearings[b].cage);
-    let cage_ratio = mounted.kinematics.cage_ratio * (1.0 - cage.slip);
-    let n = mounted.elements as f64;
-    let spin = 2.0 * mounted.kinematics.ball_ratio() * (1.0 - cage.spin_slip);
-    let is_harmonic = |order: f64, first: f64| {
+/// of their spin, or of the shaft; the nearest one decides. A line that is a harmonic in none belongs to the fixed frame.
+fn frame(order: f64, n: f64, cage_ratio: f64, spin: f64) -> ReferenceFrame {
+    let distance = |order: f64, first: f64| {
         let harmonic = (order / first).round();
-        harmonic != 0.0 && (order - harmonic * first).abs() < NEAR
+        if harmonic == 0.0 { f64::INFINITY } else { (order - harmonic * first).abs() }
     };
     let frames = [
-        (ReferenceFrame::Fixed, is_harmonic(order, n * cage_ratio)),
-        (ReferenceFrame::Shaft, is_harmonic(order - 1.0, n * (1.0 - cage_ratio)) || is_harmonic(order, 1.0)),
-        (ReferenceFrame::Cage, is_harmonic(order - cage_ratio, spin)),
+        (ReferenceFrame::Fixed, distance(order, n * cage_ratio)),
+        (ReferenceFrame::Shaft, distance(order - 1.0, n * (1.0 - cage_ratio)).min(distance(order, 1.0))),
+        (ReferenceFrame::Cage, distance(order - cage_ratio, 2.0 * spin)),
     ];
-    frames.into_iter().find(|(_, is)| *is).map_or(ReferenceFrame::Fixed, |(frame, _)| frame)
+    let nearest = frames.into_iter().filter(|(_, distance)| *distance < NEAR).min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map_or(ReferenceFrame::Fixed, |(frame, _)| frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nine elements, the cage at 0.4 and the elements' spin at 2.33 of the shaft speed; backward precession has negative orders.
+    #[test]
+    fn a_line_belongs_to_the_frame_in_which_it_is_a_harmonic() {
+        let of = |order: f64| frame(order, 9.0, 0.4, 2.33);
+        for harmonic in [-2.0, -1.0, 1.0, 3.0] {
+            assert_eq!(of(harmonic * 3.6), ReferenceFrame::Fixed);
+            assert_eq!(of(harmonic * 5.4 + 1.0), ReferenceFrame::Shaft);
+            assert_eq!(of(harmonic * 4.66 + 0.4), ReferenceFrame::Cage);
+        }
+        assert_eq!(
+            [of(1.0), of(-2.0), of(2.37)],
+            [ReferenceFrame::Shaft, ReferenceFrame::Shaft, ReferenceFrame::Fixed]
+        );
+    }
 }
