@@ -11,6 +11,7 @@ use crate::scene::{
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Angle and speed of a cage, and of the balls about their own axes.
@@ -123,8 +124,8 @@ const MIN_RADIAL: f64 = 0.01;
 pub struct Evaluated {
     /// The bearing without its spalls.
     bearing: AnyBearing<f64>,
-    /// The bearing with its spalls, where it has any.
-    damaged: Option<AnyBearing<f64>>,
+    /// Its balls with and without the spalls.
+    passing: Vec<PassingBalls>,
     spalls: Vec<Defect>,
     /// Azimuth of each element with the cage at angle 0, rad.
     azimuths: Vec<f64>,
@@ -137,6 +138,53 @@ pub struct Evaluated {
     /// Cage speed over shaft speed by the scene.
     cage_ratio: f64,
     ball_ratio: f64,
+}
+
+/// Balls whose force is evaluated while one of them is on a spall: the force of the other balls is the same with and without it.
+struct PassingBalls {
+    balls: Range<usize>,
+    sound: AnyBearing<f64>,
+    damaged: AnyBearing<f64>,
+}
+
+/// Returns a bearing with ball `j` alone and the spalls that it can pass; `None` if there are none.
+fn alone(of: &BearingScene, j: usize) -> Option<BearingScene> {
+    let on_ball = |spall: &Defect| match spall.surface {
+        Surface::Ball(other) => (other == j).then_some(Defect { surface: Surface::Ball(0), ..*spall }),
+        Surface::Inner | Surface::Outer => Some(*spall),
+    };
+    let defect: Vec<Defect> = of.defect.iter().filter_map(on_ball).collect();
+    let azimuth = build::element_azimuth(of, j).radians() - of.first_element_azimuth;
+    (!defect.is_empty()).then(|| BearingScene {
+        elements: 1,
+        element_azimuths: vec![azimuth],
+        cage_runout: None,
+        defect,
+        ..of.clone()
+    })
+}
+
+impl PassingBalls {
+    /// Returns the balls of a bearing with spalls, each alone. The points of a displaced housing belong to all balls, and a table is
+    /// expensive: such a bearing is evaluated as a whole.
+    fn of(
+        bearing: &BearingScene,
+        model: Model,
+        built: impl Fn(&BearingScene) -> Result<AnyBearing<f64>>,
+    ) -> Result<Vec<Self>> {
+        let pair = |balls: Range<usize>, with: &BearingScene| {
+            let sound = built(&BearingScene { defect: vec![], ..with.clone() })?;
+            Ok(Self { balls, sound, damaged: built(with)? })
+        };
+        if bearing.defect.is_empty() {
+            return Ok(vec![]);
+        }
+        if model == Model::Tabulated || !bearing.housing_displacement.is_empty() {
+            return Ok(vec![pair(0..bearing.elements, bearing)?]);
+        }
+        let single = |j: usize| Some(pair(j..j + 1, &alone(bearing, j)?));
+        (0..bearing.elements).filter_map(single).collect()
+    }
 }
 
 /// Returns the model by which a bearing is evaluated: that of the scene; for a linearised bearing, the model that is linearised.
@@ -158,11 +206,10 @@ impl Evaluated {
     ) -> Result<Self> {
         let built = |of: &BearingScene| build::bearing(scene, of, model(of));
         let sound = BearingScene { defect: vec![], ..of.scene.clone() };
-        let damaged = if of.scene.defect.is_empty() { None } else { Some(built(&of.scene)?) };
         let kinematics = &plant.bearings[i].kinematics;
         Ok(Self {
             bearing: built(&sound)?,
-            damaged,
+            passing: PassingBalls::of(&of.scene, model(&of.scene), built)?,
             spalls: of.scene.defect.clone(),
             azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
             offset: plant.bearings[i].offset,
@@ -205,44 +252,52 @@ impl Evaluated {
     ///
     /// A ball passes a spall within a few samples: at the sampling rate, the pulse would be aliased.
     pub fn pulses(&self, motion: &Motion) -> Option<Vec<[f64; D]>> {
-        let damaged = self.damaged.as_ref()?;
+        if self.passing.is_empty() {
+            return None;
+        }
         let mut all = vec![[0.0; D]; motion.len() * PARTS];
-        for t in 0..motion.len() - 1 {
+        for (t, pulse) in all.as_chunks_mut::<PARTS>().0.iter_mut().enumerate().take(motion.len() - 1) {
             let (from, to) = (motion.turns[t], motion.turns[t + 1]);
-            if !self.passes(motion, from, to) {
-                continue;
-            }
             let (q0, q1) = (self.displaced[t].to_array(), self.displaced[t + 1].to_array());
-            for part in 0..PARTS {
-                let share = part as f64 / PARTS as f64;
-                let turns = from + share * (to - from);
-                let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
-                let state = self.state_at(motion, turns, motion.speed[t]);
-                let (with, without) = (self.wrench(damaged, &q, &state), self.wrench(&self.bearing, &q, &state));
-                all[t * PARTS + part] = std::array::from_fn(|i| with[i] - without[i]);
+            for one in self.passing.iter().filter(|one| self.passes(&one.balls, motion, from, to)) {
+                for (part, change) in pulse.iter_mut().enumerate() {
+                    let share = part as f64 / PARTS as f64;
+                    let turns = from + share * (to - from);
+                    let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
+                    let state = self.state_at(motion, turns, motion.speed[t]);
+                    change.iter_mut().zip(self.change(one, &q, &state)).for_each(|(sum, x)| *sum += x);
+                }
             }
         }
         Some(all)
     }
 
-    /// Returns true where a ball is on a spall between two positions of the shaft.
-    fn passes(&self, motion: &Motion, from: f64, to: f64) -> bool {
+    /// Returns the change of the force of some balls by the spalls.
+    fn change(&self, of: &PassingBalls, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
+        let [with, without] = [&of.damaged, &of.sound].map(|of| self.wrench(of, at, state));
+        std::array::from_fn(|i| with[i] - without[i])
+    }
+
+    /// Returns true where one of `balls` is on a spall between two positions of the shaft.
+    fn passes(&self, balls: &Range<usize>, motion: &Motion, from: f64, to: f64) -> bool {
         let middle = 0.5 * (from + to);
         let cage = TAU * self.cage.revolutions(self.cage_ratio, middle, motion);
         let ball = TAU * (self.cage.spin_phase + self.ball_ratio * middle);
         let near = |angle: f64, reach: f64| (angle - TAU * (angle / TAU).round()).abs() < reach;
+        let azimuths = &self.azimuths[balls.clone()];
         self.spalls.iter().any(|spall| {
             let moved = |ratio: f64| 0.5 * (TAU * ratio * (to - from)).abs() + spall.half_width;
             let cage_ratio = self.cage_ratio * (1.0 - self.cage.slip);
             match spall.surface {
-                Surface::Outer => self.azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(cage_ratio))),
+                Surface::Outer => azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(cage_ratio))),
                 Surface::Inner => {
                     let inner = TAU * middle + spall.azimuth;
-                    self.azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - cage_ratio)))
+                    azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - cage_ratio)))
                 }
-                Surface::Ball(_) => {
+                Surface::Ball(j) => {
                     let reach = moved(self.ball_ratio);
-                    near(ball - spall.azimuth, reach) || near(ball + 0.5 * TAU - spall.azimuth, reach)
+                    balls.contains(&j)
+                        && (near(ball - spall.azimuth, reach) || near(ball + 0.5 * TAU - spall.azimuth, reach))
                 }
             }
         })
@@ -258,10 +313,11 @@ impl Evaluated {
         self.force_in(t, &self.state(motion, t))
     }
 
-    /// Returns the force of the damaged bearing at sample `t` with the cage at another angle.
-    pub fn damaged_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+    /// Returns the change of the force by the spalls at sample `t` with the cage at another angle, at which only the first ball is on
+    /// a spall.
+    pub fn change_at_first_ball(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
         let state = BearingKinematicState { cage, ..self.state(motion, t) };
-        self.wrench(self.damaged.as_ref().unwrap_or(&self.bearing), &self.displaced[t], &state)
+        self.passing.first().map_or([0.0; D], |one| self.change(one, &self.displaced[t], &state))
     }
 
     /// Returns the force at sample `t` with the cage at another angle.

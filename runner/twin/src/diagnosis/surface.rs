@@ -166,7 +166,6 @@ impl Compliance {
         let mut harmonics = vec![[[zero; D]; WIDTH]; e.motion.len()];
         let mut of = machine.bearings[bearing].clone();
         of.scene.defect.clear();
-        let sound = e.evaluated_as(machine, bearing, &of)?;
         let first = e.plant.bearings[bearing].element_azimuths[0].revolutions();
         for a in 0..AZIMUTHS {
             let azimuth = TAU * a as f64 / AZIMUTHS as f64;
@@ -179,11 +178,9 @@ impl Compliance {
             let turns: [C; WIDTH] =
                 std::array::from_fn(|l| C::from_polar(1.0 / AZIMUTHS as f64, -(l as f64 - f64::from(L)) * azimuth));
             for (t, harmonics) in harmonics.iter_mut().enumerate() {
-                let (with, without) = (damaged.damaged_at(&e.motion, t, cage), sound.force_at(&e.motion, t, cage));
-                for i in 0..D {
-                    let k = (without[i] - with[i]) / DEPTH;
+                for (i, change) in damaged.change_at_first_ball(&e.motion, t, cage).into_iter().enumerate() {
                     for (h, turn) in harmonics.iter_mut().zip(&turns) {
-                        h[i] += turn * k;
+                        h[i] -= turn * (change / DEPTH);
                     }
                 }
             }
