@@ -1,8 +1,9 @@
 //! The same bits everywhere: checksums over a recording on the desktop and on five kinds of microcontroller.
 
-use super::{HOST, build_package};
-use std::path::Path;
+use super::{HOST, build};
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 use std::thread;
 
 /// Samples of the recording that are taken: 40 turns of the shaft, or 4 in the usual run.
@@ -80,23 +81,33 @@ fn on_board(machine: &RotorBearingSystem, board: &str, image: &Path) -> Command 
     command
 }
 
+/// Builds the program for this machine with AVX2 and FMA, once, and returns its path.
+pub fn with_avx2() -> PathBuf {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    let flags = ["--config", "build.rustflags=[\"-Ctarget-feature=+avx2,+fma\"]"];
+    BUILT.get_or_init(|| build("images-avx2", "release", &["bits"], &[HOST], &flags)).join(HOST).join("release/bits")
+}
+
 /// Every run beside the reference: its name and what to start.
-fn runs() -> Vec<(String, Command)> {
-    let mut runs = vec![("x86-64, not optimised".to_owned(), Command::new(build_package("bits", HOST, "dev", None)))];
+fn runs(folder: &Path) -> Vec<(String, Command)> {
+    // With assertions on one machine in the usual run, on all of them in the full one.
+    let checked = if ballrace_tests::runs_all() { &MACHINES[..] } else { &MACHINES[..1] };
+    let targets: Vec<&str> = checked.iter().map(|machine| machine.target).chain([HOST]).collect();
+    build("images", "dev", &["bits"], &targets, &[]);
+    let image = |target: &str, profile: &str| folder.join(target).join(profile).join("bits");
+    let mut runs = vec![("x86-64, not optimised".to_owned(), Command::new(image(HOST, "debug")))];
     if cfg!(target_arch = "x86_64") && std::arch::is_x86_feature_detected!("avx2") {
-        let image = build_package("bits", HOST, "release", Some("-Ctarget-feature=+avx2,+fma"));
-        runs.push(("x86-64 with AVX2 and FMA".to_owned(), Command::new(image)));
+        runs.push(("x86-64 with AVX2 and FMA".to_owned(), Command::new(with_avx2())));
     } else {
         println!("no AVX2 here: not compared");
     }
-    for (i, machine) in MACHINES.iter().enumerate() {
-        let assertions = [("release", machine.release_board), ("dev", machine.debug_board)];
-        // With assertions on one machine in the usual run, on all of them in the full one.
-        let profiles = if ballrace_tests::runs_all() || i == 0 { &assertions[..] } else { &assertions[..1] };
-        for &(profile, board) in profiles {
-            let image = build_package("bits", machine.target, profile, None);
-            runs.push((format!("{}, {profile}", machine.target), on_board(machine, board, &image)));
-        }
+    for machine in &MACHINES {
+        let image = image(machine.target, "release");
+        runs.push((format!("{}, release", machine.target), on_board(machine, machine.release_board, &image)));
+    }
+    for machine in checked {
+        let image = image(machine.target, "debug");
+        runs.push((format!("{}, dev", machine.target), on_board(machine, machine.debug_board, &image)));
     }
     runs
 }
@@ -104,14 +115,16 @@ fn runs() -> Vec<(String, Command)> {
 #[test]
 #[ignore = "needs qemu-system-arm, qemu-system-misc and five targets; tests/run runs it"]
 fn every_machine_gives_the_same_bits() {
+    let targets: Vec<&str> = MACHINES.iter().map(|machine| machine.target).chain([HOST]).collect();
+    let images = build("images", "release", &["bits"], &targets, &[]);
     let folder = tempfile::tempdir().expect("a folder");
     let mut bytes = recording();
     std::fs::write(folder.path().join("recording.bin"), &bytes).expect("the recording is written");
-    let host = build_package("bits", HOST, "release", None);
+    let host = images.join(HOST).join("release/bits");
     let expected = checksums(&mut Command::new(&host), folder.path());
     assert!(expected.lines().count() >= 17, "{expected}");
 
-    let runs = std::sync::Mutex::new(runs());
+    let runs = std::sync::Mutex::new(runs(&images));
     let next = || runs.lock().expect("no thread panics while it takes a run").pop();
     thread::scope(|scope| {
         for _ in 0..2 {

@@ -20,45 +20,45 @@ mod smallest;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
+use std::time::Instant;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Builds every image once and gives the folder they are in.
-fn images() -> &'static Path {
+const FPU: &str = "thumbv7em-none-eabihf";
+const HOST: &str = "x86_64-unknown-linux-gnu";
+
+/// Builds packages in a folder of `target` and returns the folder. Cargo builds all targets of one call in parallel.
+fn build(folder: &str, profile: &str, packages: &[&str], targets: &[&str], more: &[&str]) -> PathBuf {
+    let built = root().join("target").join(folder);
+    let started = Instant::now();
+    let success = cargo()
+        .args(["build", "--profile", profile, "--target-dir"])
+        .arg(&built)
+        .args(packages.iter().flat_map(|package| ["-p", package]))
+        .args(targets.iter().flat_map(|target| ["--target", target]))
+        .args(more)
+        .status()
+        .expect("cargo runs")
+        .success();
+    assert!(success, "{packages:?} build; missing target? type: rustup target add {}", targets.join(" "));
+    println!("{packages:?} for {targets:?}, {profile}: built in {:.1} s", started.elapsed().as_secs_f64());
+    built
+}
+
+/// Returns the folder of the images for a Cortex-M4F.
+fn images() -> PathBuf {
     static IMAGES: OnceLock<PathBuf> = OnceLock::new();
-    IMAGES.get_or_init(|| build("images", &[]))
+    let packages = ["baked", "firmware", "counts", "isr", "smallest"];
+    IMAGES.get_or_init(|| build("images", "release", &packages, &[FPU], &[])).join(FPU).join("release")
 }
 
 /// The images with the kernel's feature `defmt`, and the example logging by it.
-fn images_with_defmt() -> &'static Path {
+fn images_with_defmt() -> PathBuf {
     static IMAGES: OnceLock<PathBuf> = OnceLock::new();
-    IMAGES.get_or_init(|| build("images-defmt", &["-p", "firmware", "-p", "smallest", "--features", "defmt"]))
-}
-
-fn build(folder: &str, arguments: &[&str]) -> PathBuf {
-    let target = root().join("target").join(folder);
-    let built = cargo().args(["build", "--release", "--target-dir"]).arg(&target).args(arguments).status();
-    let built = built.expect("cargo runs");
-    assert!(built.success(), "the images build; missing target? type: rustup target add thumbv7em-none-eabihf");
-    target.join("thumbv7em-none-eabihf/release")
-}
-
-const HOST: &str = "x86_64-unknown-linux-gnu";
-
-/// Builds the program of one package for any target, and gives it.
-fn build_package(package: &str, target: &str, profile: &str, flags: Option<&str>) -> PathBuf {
-    let folder = root().join("target").join(if flags.is_some() { "images-avx2" } else { "images" });
-    let mut cargo = cargo();
-    cargo.args(["build", "-p", package, "--profile", profile, "--target", target, "--target-dir"]).arg(&folder);
-    if let Some(flags) = flags {
-        cargo.env("RUSTFLAGS", flags);
-    }
-    let built = cargo.status().expect("cargo runs");
-    assert!(built.success(), "{package} builds; missing target? type: rustup target add {target}");
-    let profile_folder = if profile == "dev" { "debug" } else { profile };
-    folder.join(target).join(profile_folder).join(package)
+    let build = || build("images-defmt", "release", &["firmware", "smallest"], &[FPU], &["--features", "defmt"]);
+    IMAGES.get_or_init(build).join(FPU).join("release")
 }
 
 /// Cargo in the workspace of the images.

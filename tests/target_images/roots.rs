@@ -2,8 +2,16 @@
 
 use std::process::Command;
 
+const BOARDS: [(&str, &str); 2] = [(super::FPU, "mps2-an386"), ("thumbv8m.main-none-eabihf", "mps2-an505")];
+
+/// Builds the program for all targets once and returns its path for one of them.
 fn image(target: &str) -> std::path::PathBuf {
-    super::build_package("roots", target, "release", None)
+    static BUILT: std::sync::OnceLock<std::path::PathBuf> = std::sync::OnceLock::new();
+    let targets: Vec<&str> = BOARDS.iter().map(|(target, _)| *target).chain([super::HOST]).collect();
+    BUILT
+        .get_or_init(|| super::build("images", "release", &["roots"], &targets, &[]))
+        .join(target)
+        .join("release/roots")
 }
 
 /// All 2^32 inputs, 20 s on two cores; in the usual run one of 101.
@@ -20,7 +28,7 @@ fn every_root_on_the_desktop() {
 #[test]
 #[ignore = "needs qemu-system-arm and two targets; tests/run runs it"]
 fn a_dense_set_of_roots_on_the_target() {
-    for (target, board) in [("thumbv7em-none-eabihf", "mps2-an386"), ("thumbv8m.main-none-eabihf", "mps2-an505")] {
+    for (target, board) in BOARDS {
         let printed = String::from_utf8(super::emulated_on(board, &image(target), &[])).expect("text");
         assert_eq!(printed.trim(), "1081089 compared, 0 differ", "{target}");
     }

@@ -24,7 +24,7 @@ fn kernel_bytes(images: &Path) -> usize {
 #[test]
 #[ignore = "needs gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
 fn eight_radial_elements_take_less_than_2_kib_of_flash() {
-    let bytes = kernel_bytes(super::images());
+    let bytes = kernel_bytes(&super::images());
     println!("kernel code of the smallest image: {bytes} bytes");
     assert!((100..2048).contains(&bytes), "{bytes} bytes");
 }
@@ -32,7 +32,7 @@ fn eight_radial_elements_take_less_than_2_kib_of_flash() {
 #[test]
 #[ignore = "needs gcc-arm-none-eabi and the target thumbv7em-none-eabihf; tests/run runs it"]
 fn defmt_costs_nothing_when_off_or_unused() {
-    let (without, with) = (super::images(), super::images_with_defmt());
+    let (without, with) = (&super::images(), &super::images_with_defmt());
     assert_eq!(kernel_bytes(without), kernel_bytes(with), "unused, it adds nothing to the kernel");
     let names_defmt = |folder: &Path, image| binutils("nm", &folder.join(image)).contains("defmt");
     assert!(!names_defmt(without, "smallest") && !names_defmt(without, "firmware"), "off, nothing of it is there");

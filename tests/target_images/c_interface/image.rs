@@ -1,9 +1,8 @@
 //! Images of C for the emulated Cortex-M4F, linked with the library.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::OnceLock;
 
 /// Float ABI of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,22 +34,26 @@ impl Abi {
     }
 }
 
-/// Returns the static library, which is built once for each target, with the panic handler that does not link where a
-/// panic can be reached.
-pub fn library(target: &'static str) -> PathBuf {
-    type Built = Mutex<BTreeMap<&'static str, Arc<OnceLock<PathBuf>>>>;
-    static BUILT: Built = Mutex::new(BTreeMap::new());
-    let cell = BUILT.lock().expect("no thread panics while it holds the lock").entry(target).or_default().clone();
-    cell.get_or_init(|| build(target)).clone()
+/// Returns the static library for a target, with the panic handler that does not link where a panic can be reached. It is built for
+/// both targets at once, each in a folder of its own.
+pub fn library(target: &str) -> PathBuf {
+    static BUILT: OnceLock<()> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        std::thread::scope(|scope| drop([Abi::Hard, Abi::Soft].map(|abi| scope.spawn(move || build(abi.target())))));
+    });
+    folder(target).join(target).join("c-library/libballrace_c.a")
 }
 
-fn build(target: &str) -> PathBuf {
-    let folder = super::super::root().join("target/c");
+fn folder(target: &str) -> PathBuf {
+    super::super::root().join("target/c").join(target)
+}
+
+fn build(target: &str) {
     let built = Command::new(env!("CARGO"))
         .args(["rustc", "--locked", "--quiet", "-p", "ballrace-c", "--profile", "c-library"])
         .args(["--no-default-features", "--features", "panic-never", "--target", target, "--crate-type", "staticlib"])
         .arg("--target-dir")
-        .arg(&folder)
+        .arg(folder(target))
         // Names of symbols contain the types of generic functions.
         .args(["--", "-C", "symbol-mangling-version=v0"])
         .current_dir(super::super::root())
@@ -60,7 +63,6 @@ fn build(target: &str) -> PathBuf {
         built.expect("cargo runs").success(),
         "the library builds; missing target? type: rustup target add {target}"
     );
-    folder.join(target).join("c-library/libballrace_c.a")
 }
 
 /// An image to be linked.
