@@ -7,7 +7,7 @@ mod marks;
 mod section;
 mod subjects;
 
-use section::{COMPILED_BY, Section};
+use section::Section;
 use std::error::Error;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,8 @@ use std::{env, fs};
 use subjects::balls::PLAIN_C;
 use subjects::{COLUMNS, Subject};
 
+/// Start of the text before the table.
+const COMPILED_BY: &str = "Compiled by ";
 const SECTION: Section = Section { name: "callgrind", first_column: "instructions per call" };
 /// Given to the copy of this program that runs under callgrind.
 const COUNTED: &str = "--counted";

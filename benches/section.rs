@@ -6,9 +6,6 @@ use std::process;
 
 const NOT_MEASURED: &str = "–";
 
-/// Start of the preamble of a section.
-pub const COMPILED_BY: &str = "Compiled by ";
-
 /// A table between `<!-- name:begin -->` and `<!-- name:end -->`.
 pub struct Section {
     pub name: &'static str,

@@ -15,6 +15,7 @@ use crate::contact::law::{LoadDeflectionLaw, PointContactLaw};
 use crate::frame::Displacement;
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
+use crate::math::lanes::Lanes;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
@@ -95,13 +96,14 @@ impl AngularConstants<f64> {
     }
 }
 
-/// Distance of the groove centres in the plane of one ball, and the deflection.
+/// Distance of the groove centres in the plane of one ball, and the deflection. With `Lanes`: of several balls.
 #[derive(Clone, Copy)]
 struct Grooves<T> {
     radial: T,
     axial: T,
     length: T,
-    twice_deflection: T,
+    /// Deflection of both contacts together; negative in a gap.
+    gap: T,
 }
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>> Angular<T, M, P> {
@@ -169,48 +171,34 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Angular<T, M, P,
         let rim = self.ring.at_rim(&to_cage_frame(u, M::sin_cos(at.cage)));
         for (position, ball) in self.ring.positions.all().zip(balls) {
             let motion = Motion::of(&position, &rim, at, &self.surface);
-            let [grooves] = self.grooves([motion]);
-            let motion = motion.with_waviness();
-            let deviation = motion.deviation.inner + motion.deviation.outer;
-            *ball = GrooveCentres {
-                distance: [grooves.radial, grooves.axial],
-                deflection: self.excess(motion) / (grooves.length + self.distance) + deviation,
-            };
+            let Grooves { radial: Lanes([r]), axial: Lanes([z]), gap: Lanes([gap]), .. } = self.grooves(motion.alone());
+            *ball = GrooveCentres { distance: [r, z], deflection: gap };
         }
     }
 
-    /// Computes `A_r^2 + A_z^2 - A^2`.
-    #[inline(always)]
-    fn excess(&self, m: Motion<T>) -> T {
-        let (r0, z0) = self.unloaded;
-        let (r, z) = (r0 + m.radial, z0 + m.axial);
-        ((r0 + r) * m.radial + (z0 + z) * m.axial) + self.excess
-    }
-
-    /// Computes `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, with the numerator from the displacements.
+    /// Computes the distance of the groove centres and `|(A_r, A_z)| - A` as `(A_r^2 + A_z^2 - A^2)/(|.| + A)`, with the
+    /// numerator from the displacements.
     ///
     /// The difference of two nearly equal lengths would lose three digits of a micrometre in `f32`, and all digits with an
     /// approximate square root.
     #[inline(always)]
-    fn grooves<const K: usize>(&self, at: [Motion<T>; K]) -> [Grooves<T>; K] {
-        let at = at.map(Motion::with_waviness);
-        let (r0, z0) = self.unloaded;
-        let lengths = M::sqrt_each(at.map(|m| self.distance_squared + self.excess(m)));
-        let mut grooves = lengths.map(|length| Grooves { radial: r0, axial: z0, length, twice_deflection: T::ZERO });
-        for (groove, m) in grooves.iter_mut().zip(at) {
-            groove.radial += m.radial;
-            groove.axial += m.axial;
-            let gap = self.excess(m) / (groove.length + self.distance) + (m.deviation.inner + m.deviation.outer);
-            groove.twice_deflection = gap.twice_positive_part();
-        }
-        grooves
+    fn grooves<const K: usize>(&self, at: Motion<Lanes<T, K>>) -> Grooves<Lanes<T, K>> {
+        let all = Lanes::<T, K>::splat;
+        let m = at.with_waviness();
+        let (r0, z0) = (all(self.unloaded.0), all(self.unloaded.1));
+        let (radial, axial) = (r0 + m.radial, z0 + m.axial);
+        // A_r^2 + A_z^2 - A^2
+        let excess = ((r0 + radial) * m.radial + (z0 + axial) * m.axial) + all(self.excess);
+        let length = (all(self.distance_squared) + excess).sqrt::<M>();
+        let gap = excess / (length + all(self.distance)) + (m.deviation.inner + m.deviation.outer);
+        Grooves { radial, axial, length, gap }
     }
 }
 
-impl<T: Scalar> Grooves<T> {
-    /// Returns the contact with `load` along the line of groove centres.
+impl<T: Scalar, const K: usize> Grooves<Lanes<T, K>> {
+    /// Returns the contacts with `load` along the line of groove centres.
     #[inline(always)]
-    fn contact(&self, load: T) -> Contact<T> {
+    fn contacts(&self, load: Lanes<T, K>) -> Contact<Lanes<T, K>> {
         let by_length = load / self.length;
         let axial = by_length * self.axial;
         Contact { radial: by_length * self.radial, axial, tilting: axial, load }
@@ -231,30 +219,33 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, S: Surface<T>> Elements for Ang
         &self.ring
     }
     #[inline(always)]
-    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
+    fn contacts<const K: usize>(&self, at: Motion<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let grooves = self.grooves(at);
-        let loads = <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load(
+        let twice_deflection = grooves.gap.twice_positive_part();
+        grooves.contacts(Lanes(<PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load(
             &self.law,
-            grooves.map(|g| g.twice_deflection),
-        );
-        core::array::from_fn(|j| grooves[j].contact(loads[j]))
+            twice_deflection.0,
+        )))
     }
 
     /// Stiffness `k e e^T + (Q/l)(1 - e e^T)` with `k = dQ/d(delta)`: elongation and rotation of the contact line.
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
-        let [g] = self.grooves([at]);
-        let (load, slope) =
-            <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load_and_slope(&self.law, g.twice_deflection);
-        let (cos, sin) = (g.radial / g.length, g.axial / g.length);
-        let across = load / g.length;
+        let grooves = self.grooves(at.alone());
+        let Grooves { radial: Lanes([r]), axial: Lanes([z]), length: Lanes([length]), gap: Lanes([gap]) } = grooves;
+        let (load, slope) = <PointContactLaw<T> as LoadDeflectionLaw<T, M>>::unscaled_load_and_slope(
+            &self.law,
+            gap.twice_positive_part(),
+        );
+        let (cos, sin) = (r / length, z / length);
+        let across = load / length;
         let extra = slope - across;
         let stiffness = ContactStiffness {
             radial: across + extra * cos * cos,
             cross: extra * cos * sin,
             axial: across + extra * sin * sin,
         };
-        (g.contact(load), stiffness)
+        (grooves.contacts(Lanes([load])).alone(), stiffness)
     }
 }
 

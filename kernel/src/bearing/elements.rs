@@ -1,7 +1,7 @@
 //! Common evaluation of all models with independent elements.
 
 use super::Reaction;
-use super::element_position::ElementLayout;
+use super::element_position::{BLOCK_SIZE, ElementBlock, ElementLayout, ElementPosition};
 use super::ring::{
     CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame,
 };
@@ -9,6 +9,7 @@ use super::surface::Surface;
 use crate::frame::{Displacement, Stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
+use crate::math::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 
@@ -31,8 +32,8 @@ pub trait Elements {
     /// Returns the surface deviations.
     fn surface(&self) -> &Self::Surface;
 
-    /// Computes the contacts of `K` elements, to be multiplied by the scale of the ring.
-    fn contacts<const K: usize>(&self, at: [Motion<Self::Scalar>; K]) -> [Contact<Self::Scalar>; K];
+    /// Computes the contacts of `K` elements side by side, to be multiplied by the scale of the ring.
+    fn contacts<const K: usize>(&self, at: Motion<Lanes<Self::Scalar, K>>) -> Contact<Lanes<Self::Scalar, K>>;
 
     /// Computes the contact of one element and its stiffness, to be multiplied by the scale of the ring.
     fn contact_and_stiffness(
@@ -40,18 +41,37 @@ pub trait Elements {
         at: Motion<Self::Scalar>,
     ) -> (Contact<Self::Scalar>, ContactStiffness<Self::Scalar>);
 
+    /// Adds the forces of `K` elements side by side, in their order.
+    #[inline(always)]
+    fn add_block<const K: usize>(
+        &self,
+        sum: &mut WrenchSum<Self::Scalar>,
+        block: &[ElementPosition<Self::Scalar>; K],
+        rim: &Displacement<Self::Scalar>,
+        at: &BearingKinematicState<Self::Scalar>,
+    ) {
+        let motion = Motion::of_block(&ElementBlock::of(block), rim, at, self.surface());
+        sum.add_each(block, &self.contacts(motion), 0);
+    }
+
     /// Computes the reaction of all elements in the cage frame.
     #[inline(always)]
     fn sum(&self, u: &Displacement<Self::Scalar>, at: &BearingKinematicState<Self::Scalar>) -> Reaction<Self::Scalar> {
         let ring = self.ring();
         let rim = ring.at_rim(u);
         let mut sum = WrenchSum::new();
-        for position in ring.positions.stored() {
-            if Self::ElementPositions::IS_PAIRED {
+        let stored = ring.positions.stored();
+        if Self::ElementPositions::IS_PAIRED {
+            for position in stored {
                 sum.add_pair(position, &self.contacts(Motion::of_pair(position, &rim, at, self.surface())));
-            } else {
-                let [contact] = self.contacts([Motion::of(position, &rim, at, self.surface())]);
-                sum.add(position, &contact);
+            }
+        } else {
+            let (blocks, rest) = stored.as_chunks::<BLOCK_SIZE>();
+            for block in blocks {
+                self.add_block(&mut sum, block, &rim, at);
+            }
+            for position in rest {
+                self.add_block(&mut sum, core::array::from_ref(position), &rim, at);
             }
         }
         sum.finish(ring.arm, ring.scale)
@@ -144,8 +164,8 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
     ) {
         let rim = self.ring().at_rim(u);
         for (position, load) in self.ring().positions.all().zip(loads) {
-            let [contact] = self.contacts([Motion::of(&position, &rim, at, self.surface())]);
-            *load = self.ring().scale * contact.load;
+            let contact = self.contacts(Motion::of(&position, &rim, at, self.surface()).alone());
+            *load = self.ring().scale * contact.alone().load;
         }
     }
 }

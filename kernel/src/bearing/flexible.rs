@@ -110,7 +110,7 @@ impl<E: Elements> FlexibleRing<E::Scalar> for E {
         let turn = E::Math::sin_cos(at.cage);
         let mut sum = WrenchSum::new();
         each_element(self, u, (at, turn), housing, |position, motion| {
-            let [contact] = self.contacts([motion]);
+            let contact = self.contacts(motion.alone()).alone();
             sum.add(position, &contact);
             contact
         });

@@ -15,9 +15,11 @@ use crate::contact::law::LoadDeflectionLaw;
 use crate::frame::{Displacement, Stiffness};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
+use crate::math::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
 use core::marker::PhantomData;
+use core::ops::{Add, Sub};
 
 /// Radial elements: a radial ball or roller bearing.
 ///
@@ -121,12 +123,7 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
     /// Returns the radial displacement at which the element makes contact.
     #[inline(always)]
     fn gap(&self, azimuth: Phase, at: &BearingKinematicState<T>) -> T {
-        self.gap_of(self.surface.deviation(azimuth, at))
-    }
-
-    #[inline(always)]
-    fn gap_of(&self, shape: ElementDeviation<T>) -> T {
-        self.play - (shape.radial + shape.inner + shape.outer)
+        gap(self.play, self.surface.deviation(azimuth, at))
     }
 
     /// Returns twice the deflection of a stored element; of a pair, less that of the opposite element.
@@ -153,6 +150,12 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
     }
 }
 
+/// Returns the radial displacement at which an element makes contact; with `Lanes`, of several elements.
+#[inline(always)]
+fn gap<L: Copy + Add<Output = L> + Sub<Output = L>>(play: L, shape: ElementDeviation<L>) -> L {
+    play - (shape.radial + shape.inner + shape.outer)
+}
+
 impl<T, M, L, P, S> Elements for Radial<T, M, L, P, S>
 where
     T: Scalar,
@@ -174,14 +177,16 @@ where
         &self.ring
     }
     #[inline(always)]
-    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
-        let shapes = self.law.unscaled_load(at.map(|m| (m.radial - self.gap_of(m.deviation)).twice_positive_part()));
-        shapes.map(|load| Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load })
+    fn contacts<const K: usize>(&self, at: Motion<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
+        let none = Lanes::splat(T::NEGATIVE_ZERO);
+        let deflection = at.radial - gap(Lanes::splat(self.play), at.deviation);
+        let load = Lanes(self.law.unscaled_load(deflection.twice_positive_part().0));
+        Contact { radial: load, axial: none, tilting: none, load }
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
         let (load, slope) =
-            self.law.unscaled_load_and_slope((at.radial - self.gap_of(at.deviation)).twice_positive_part());
+            self.law.unscaled_load_and_slope((at.radial - gap(self.play, at.deviation)).twice_positive_part());
         (
             Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load },
             ContactStiffness { radial: slope, cross: T::NEGATIVE_ZERO, axial: T::NEGATIVE_ZERO },
@@ -215,9 +220,9 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Ele
         &self.ring
     }
     #[inline(always)]
-    fn contacts<const K: usize>(&self, at: [Motion<T>; K]) -> [Contact<T>; K] {
-        let shapes = self.law.unscaled_load(at.map(|m| (m.axial - self.play).twice_positive_part()));
-        shapes.map(|load| Contact { radial: T::NEGATIVE_ZERO, axial: load, tilting: load, load })
+    fn contacts<const K: usize>(&self, at: Motion<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
+        let load = Lanes(self.law.unscaled_load((at.axial - Lanes::splat(self.play)).twice_positive_part().0));
+        Contact { radial: Lanes::splat(T::NEGATIVE_ZERO), axial: load, tilting: load, load }
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {

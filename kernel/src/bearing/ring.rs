@@ -41,6 +41,16 @@ pub struct Contact<T> {
     pub(super) load: T,
 }
 
+impl<T: Scalar> Contact<Lanes<T, 1>> {
+    /// Returns the contact of a block of one element.
+    #[inline(always)]
+    pub(super) fn alone(self) -> Contact<T> {
+        let Self { radial: Lanes([radial]), axial: Lanes([axial]), tilting: Lanes([tilting]), load: Lanes([load]) } =
+            self;
+        Contact { radial, axial, tilting, load }
+    }
+}
+
 /// Symmetric stiffness of one element in its contact plane.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactStiffness<T> {
@@ -79,12 +89,6 @@ impl<T: Scalar> Motion<T> {
         Self { radial: radial(position, rim), axial: axial_by_tilt(position, rim) + rim.w, deviation }
     }
 
-    /// Adds the waviness of the grooves to the displacement.
-    #[inline(always)]
-    pub(super) fn with_waviness(self) -> Self {
-        Self { radial: self.radial + self.deviation.radial, axial: self.axial + self.deviation.axial, ..self }
-    }
-
     /// Returns the motions of an element and of the opposite one.
     #[inline(always)]
     pub(super) fn of_pair<S: Surface<T>>(
@@ -92,18 +96,44 @@ impl<T: Scalar> Motion<T> {
         rim: &Displacement<T>,
         at: &BearingKinematicState<T>,
         surface: &S,
-    ) -> [Self; 2] {
+    ) -> Motion<Lanes<T, 2>> {
         let (radial, tilt) = (radial(position, rim), axial_by_tilt(position, rim));
         let azimuth = position.azimuth.wrapping_add(at.cage);
-        [
-            Self { radial, axial: rim.w + tilt, deviation: surface.deviation(azimuth, at) },
-            Self { radial: -radial, axial: rim.w - tilt, deviation: surface.deviation(azimuth.opposite(), at) },
-        ]
+        Motion {
+            radial: Lanes([radial, -radial]),
+            axial: Lanes([rim.w + tilt, rim.w - tilt]),
+            deviation: side_by_side(&[surface.deviation(azimuth, at), surface.deviation(azimuth.opposite(), at)]),
+        }
+    }
+
+    /// Returns the motion as that of a block of one element.
+    #[inline(always)]
+    pub(super) fn alone(self) -> Motion<Lanes<T, 1>> {
+        Motion { radial: Lanes([self.radial]), axial: Lanes([self.axial]), deviation: side_by_side(&[self.deviation]) }
+    }
+}
+
+impl<T: Copy + core::ops::Add<Output = T>> Motion<T> {
+    /// Adds the waviness of the grooves to the displacement.
+    #[inline(always)]
+    pub(super) fn with_waviness(self) -> Self {
+        Self { radial: self.radial + self.deviation.radial, axial: self.axial + self.deviation.axial, ..self }
+    }
+}
+
+/// Returns the deviations of `K` elements side by side.
+#[inline(always)]
+fn side_by_side<T: Scalar, const K: usize>(each: &[ElementDeviation<T>; K]) -> ElementDeviation<Lanes<T, K>> {
+    ElementDeviation {
+        radial: Lanes::gather(each, |deviation| deviation.radial),
+        axial: Lanes::gather(each, |deviation| deviation.axial),
+        inner: Lanes::gather(each, |deviation| deviation.inner),
+        outer: Lanes::gather(each, |deviation| deviation.outer),
     }
 }
 
 impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
-    /// Returns the motions of a block of elements, with the waviness of their grooves.
+    /// Returns the motions of a block of elements.
     #[inline(always)]
     pub(super) fn of_block<S: Surface<T>>(
         &ElementBlock { cos, sin, azimuths, .. }: &ElementBlock<T, K>,
@@ -113,15 +143,11 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
     ) -> Self {
         let all = Lanes::<T, K>::splat;
         let deviations = azimuths.map(|azimuth| surface.deviation(azimuth.wrapping_add(at.cage), at));
-        let deviation = ElementDeviation {
-            radial: Lanes::gather(&deviations, |deviation| deviation.radial),
-            axial: Lanes::gather(&deviations, |deviation| deviation.axial),
-            inner: Lanes::gather(&deviations, |deviation| deviation.inner),
-            outer: Lanes::gather(&deviations, |deviation| deviation.outer),
-        };
-        let radial = all(rim.u) * cos + all(rim.v) * sin + deviation.radial;
-        let axial = all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w) + deviation.axial;
-        Self { radial, axial, deviation }
+        Self {
+            radial: all(rim.u) * cos + all(rim.v) * sin,
+            axial: all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w),
+            deviation: side_by_side(&deviations),
+        }
     }
 }
 
@@ -202,10 +228,11 @@ impl<T: Scalar> WrenchSum<T> {
 
     /// Adds the forces of an element and of the opposite one.
     #[inline(always)]
-    pub(super) fn add_pair(&mut self, position: &ElementPosition<T>, [here, there]: &[Contact<T>; 2]) {
-        self.add_along(position, here.radial - there.radial, here.tilting - there.tilting);
-        self.z += here.axial + there.axial;
-        self.load += here.load + there.load;
+    pub(super) fn add_pair(&mut self, position: &ElementPosition<T>, pair: &Contact<Lanes<T, 2>>) {
+        let Contact { radial: Lanes(radial), axial: Lanes(axial), tilting: Lanes(tilting), load: Lanes(load) } = pair;
+        self.add_along(position, radial[0] - radial[1], tilting[0] - tilting[1]);
+        self.z += axial[0] + axial[1];
+        self.load += load[0] + load[1];
     }
 
     #[inline(always)]

@@ -158,7 +158,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
     ) -> TableQuery<Lanes<T, K>> {
         let all = Lanes::<T, K>::splat;
         let constants = &self.constants;
-        let motion = Motion::of_block(balls, &evaluation.rim, evaluation.at, &self.surface);
+        let motion = Motion::of_block(balls, &evaluation.rim, evaluation.at, &self.surface).with_waviness();
         let a = Plane { r: motion.radial + all(constants.offset), z: motion.axial };
         let deviations = motion.deviation.inner + motion.deviation.outer;
         let rest = Plane { r: all(evaluation.rest.r), z: all(evaluation.rest.z) };
