@@ -142,7 +142,7 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// Adds `increment` to a counter.
 pub fn add(counter: &AtomicU64, increment: u64) {
-    counter.fetch_add(increment, Ordering::Relaxed);
+    counter.fetch_add(increment, Ordering::Release);
 }
 
 /// Flag that is set when the monitor loop has ended.

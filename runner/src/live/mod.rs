@@ -295,9 +295,11 @@ impl Monitor<'_, '_> {
             let block_time = self.schedule.wait();
             self.service.keep_alive();
             let block_start = Instant::now();
+            // Counted before the block, so that the events that precede a row in the ring are recorded before it ends a silence.
+            let arrived_rows = self.arrived_rows();
             let caught_up = self.process_block(block_time)?;
             self.publish()?;
-            self.check_silence()?;
+            self.check_silence(arrived_rows)?;
             self.report_backlog()?;
             self.acknowledge_alarms()?;
             self.update_view();
@@ -516,10 +518,14 @@ impl Monitor<'_, '_> {
         }
     }
 
-    /// Raises an event when the source becomes silent, and when it sends samples again.
-    fn check_silence(&mut self) -> Result<()> {
+    /// Returns the number of rows that the source has sent, with the dropped ones.
+    fn arrived_rows(&self) -> u64 {
         let counters = &self.receiver.counters;
-        let arrived_rows = counters.rows.load(Ordering::Relaxed) + counters.dropped.load(Ordering::Relaxed);
+        counters.rows.load(Ordering::Acquire) + counters.dropped.load(Ordering::Acquire)
+    }
+
+    /// Raises an event when the source becomes silent, and when it sends samples again.
+    fn check_silence(&mut self, arrived_rows: u64) -> Result<()> {
         // A recording is never silent. A source with rows in the ring may be blocked by the full ring.
         if arrived_rows != self.arrived_rows || self.receiver.has_row() || self.options.source.is_recording() {
             self.arrived_rows = arrived_rows;
