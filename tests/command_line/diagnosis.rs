@@ -87,6 +87,53 @@ fn a_wave_beside_one_of_the_scene_has_its_own_size() {
     assert!((amplitude / (0.4 * 0.986) - 1.0).abs() < 0.02, "{diagnosis:#}");
 }
 
+/// 9 waves on the inner race have the line of 15 on the outer race, for a cage 1 % slower, and the load hides the ball pass.
+#[test]
+fn waves_whose_lines_coincide_are_not_decided() {
+    let (diagnoses, _) =
+        diagnoses("waviness = [{ surface = \"inner\", order = 9, amplitude = \"0.3 um\", phase = \"40 deg\" }]\n");
+    let [diagnosis] = &diagnoses[..] else { panic!("expected one diagnosis: {diagnoses:#?}") };
+    assert_eq!((&diagnosis["kind"], &diagnosis["bearing"]), (&"other".into(), &"A".into()), "{diagnosis:#}");
+    let sentence = diagnosis["sentence"].as_str().unwrap();
+    for cause in ["waviness of order 9 on inner race of A", "waviness of order 15 on outer race of A", "Not decided: "]
+    {
+        assert!(sentence.contains(cause), "{sentence}");
+    }
+    let odds = number(diagnosis, "/odds_to_next");
+    assert!((1.0..19.0).contains(&odds), "{odds}");
+    assert!(diagnosis.get("amplitude_um").is_none() && !list(diagnosis, "lines").is_empty(), "{diagnosis:#}");
+}
+
+/// A wave of the balls has one line, which is no ball pass of another number of balls.
+#[test]
+fn waves_of_the_balls_are_plausible() {
+    let (diagnoses, _) = diagnoses("waviness = [{ surface = \"ball\", order = 2, amplitude = \"0.4 um\" }]\n");
+    let [diagnosis] = &diagnoses[..] else { panic!("expected one diagnosis: {diagnoses:#?}") };
+    assert_eq!(
+        [&diagnosis["kind"], &diagnosis["bearing"], &diagnosis["form"], &diagnosis["waviness_order"]],
+        [&"element".into(), &"A".into(), &"waviness".into(), &Value::from(2)],
+        "{diagnosis:#}"
+    );
+}
+
+/// Both bearings are damaged: the cages that the healthy machine shows are wrong at first.
+#[test]
+fn spalls_on_both_outer_races_are_named() {
+    let desk = desk(&spall(), 40);
+    let of_b = spall().replace(&format!("azimuth = \"{AZIMUTH} deg\""), "azimuth = \"60 deg\"");
+    desk.put("generating.toml", swap(&desk.read("generating.toml"), CAGES[1], &format!("{}{of_b}", CAGES[1])));
+    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
+    let outcome = desk.replay("scene.toml", &[]);
+    let mut named: Vec<(&str, &str, f64)> = list(&outcome, "findings")
+        .iter()
+        .map(|of| (of["bearing"].as_str().unwrap(), of["kind"].as_str().unwrap(), number(of, "/azimuth_deg/value")))
+        .collect();
+    named.sort_by(|a, b| a.0.cmp(b.0));
+    let [("A", "outer-race", of_a), ("B", "outer-race", of_b)] = named[..] else { panic!("{named:?}") };
+    let error = |azimuth: f64, truth: f64| ((azimuth - truth + 180.0).rem_euclid(360.0) - 180.0).abs();
+    assert!(error(of_a, AZIMUTH) < 3.0 && error(of_b, 60.0) < 3.0, "{named:?}");
+}
+
 /// Deviations of the calibrated parameters in a baseline.
 fn deviations(desk: &Desk, baseline: &str) -> Vec<f64> {
     let baseline: Value = serde_json::from_str(&desk.read(baseline)).unwrap();

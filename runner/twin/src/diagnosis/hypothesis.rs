@@ -25,7 +25,7 @@ pub struct Candidate {
     pub cause: Cause,
     /// Fall of chi-squared expected before the fit.
     pub gain: f64,
-    /// Machines to start a fit from, the likeliest first.
+    /// Machines to start a fit from; further ones are tried if the first [`STARTS`] lead nowhere.
     starts: Vec<Machine>,
     unknowns: Vec<Unknown>,
 }
@@ -36,7 +36,7 @@ pub struct Fault {
     pub cause: Cause,
     /// Fall of chi-squared by it.
     pub gain: f64,
-    /// Cause of the second-best candidate, and its fall of chi-squared.
+    /// Cause of the second-best candidate, and the logarithm of the odds against it.
     pub next: Option<(Cause, f64)>,
     pub fitted: Fitted,
     /// Bearings whose cage can be observed with it.
@@ -46,11 +46,17 @@ pub struct Fault {
 /// Scored candidate fault.
 struct Judged<'a> {
     fault: Fault,
+    /// Minus twice the logarithm of its probability before the recording, and of the share of it that the recording leaves.
+    prior: f64,
     /// The recording weighted for the machine with the fault, where that differs in stiffness.
     evidence: Option<Evidence<'a>>,
 }
 
 impl Judged<'_> {
+    fn chi_square(&self) -> f64 {
+        self.fault.fitted.chi_square
+    }
+
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
     fn fit_further(&mut self, of: &Prepared) -> Result<()> {
         let Fault { fitted, observable, gain, .. } = &mut self.fault;
@@ -100,9 +106,44 @@ fn best_of(
 /// Clearances that are tried, over the present one.
 const CLEARANCES: [f64; 8] = [0.3, 0.6, 0.85, 1.15, 1.4, 1.8, 2.3, 3.0];
 /// Number of golden-section steps about the best of them.
-const CLOSER: usize = 3;
+const CLOSER: usize = 5;
+/// Share of the largest gain by which an equal one may be smaller.
+const EQUAL_GAIN: f64 = 0.02;
 /// Tilts that are tried, rad: one about a number of axes, others about the best axis.
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
+
+/// Returns the best of the clearances that are tried, as factors of the present one, and of some about it.
+///
+/// A clearance so large that no ball touches its race leaves the same residual as any larger one, and a fit has no slope there: of equal
+/// clearances, the smallest is the start.
+fn largest_gain<T: Clone>(of: impl Fn(f64) -> Result<(f64, T)>) -> Result<(f64, T)> {
+    let mut tried = CLEARANCES.into_iter().map(&of).collect::<Result<Vec<_>>>()?;
+    let high = tried.iter().fold(f64::NEG_INFINITY, |high, (gain, _)| high.max(*gain));
+    let equal = high - EQUAL_GAIN * high.abs();
+    let at = tried.iter().position(|(gain, _)| *gain >= equal).unwrap_or(0);
+    let mut best = tried.swap_remove(at);
+    let [mut from, mut to] = [at.saturating_sub(1), (at + 1).min(CLEARANCES.len() - 1)].map(|i| CLEARANCES[i]);
+    let inner = |from: f64, to: f64| [0.382, 0.618].map(|share| from + share * (to - from));
+    let [mut lower, mut upper] = inner(from, to).map(|factor| of(factor).map(|tried| (factor, tried)));
+    for _ in 0..CLOSER {
+        let ((below, (first, machine)), (above, (second, other))) = (lower?, upper?);
+        for (gain, machine) in [(first, &machine), (second, &other)] {
+            if gain > best.0 {
+                best = (gain, machine.clone());
+            }
+        }
+        if first >= second {
+            to = above;
+            let next = inner(from, to)[0];
+            (lower, upper) = (of(next).map(|tried| (next, tried)), Ok((below, (first, machine))));
+        } else {
+            from = below;
+            let next = inner(from, to)[1];
+            (lower, upper) = (Ok((above, (second, other))), of(next).map(|tried| (next, tried)));
+        }
+    }
+    Ok(best)
+}
 
 /// State of the search for candidates.
 struct Search<'a, 'b> {
@@ -151,41 +192,14 @@ impl Search<'_, '_> {
         if given <= 0.0 {
             return Ok(None);
         }
-        let machines = CLEARANCES.into_iter().map(|factor| {
+        let of = |factor: f64| {
             let mut machine = self.now.machine.clone();
             Unknown::Clearance(b).set(&mut machine, factor * given);
-            machine
-        });
-        let (gain, start) = best_of(self.e, self.now, b, machines)?;
-        let (gain, start) = self.closer(b, given, gain, start)?;
+            best_of(self.e, self.now, b, std::iter::once(machine))
+        };
+        let (gain, start) = largest_gain(of)?;
         let unknowns = self.with_cages(vec![Unknown::Clearance(b)]);
         Ok(Some(Candidate { cause: Cause::Clearance(b), gain, starts: vec![start], unknowns }))
-    }
-
-    /// Returns the best clearance between the neighbours of the best one tried: where a clearance is so large that no ball touches
-    /// its race, a fit has no slope.
-    fn closer(&self, b: usize, given: f64, gain: f64, start: Machine) -> Result<(f64, Machine)> {
-        let tried = clearance(&start.bearings[b].scene) / given;
-        let below = CLEARANCES.iter().copied().filter(|c| *c < 0.999 * tried).fold(CLEARANCES[0], f64::max);
-        let above = CLEARANCES.iter().copied().filter(|c| *c > 1.001 * tried).fold(f64::INFINITY, f64::min);
-        let mut range = [below, above.min(CLEARANCES[CLEARANCES.len() - 1])];
-        let mut best = (gain, start);
-        for _ in 0..CLOSER {
-            // Golden section.
-            let inner = [0.382, 0.618].map(|share| range[0] + share * (range[1] - range[0]));
-            let mut gains = [0.0; 2];
-            for (gain, factor) in gains.iter_mut().zip(inner) {
-                let mut machine = self.now.machine.clone();
-                Unknown::Clearance(b).set(&mut machine, factor * given);
-                let (own, machine) = best_of(self.e, self.now, b, std::iter::once(machine))?;
-                *gain = own;
-                if own > best.0 {
-                    best = (own, machine);
-                }
-            }
-            range = if gains[0] >= gains[1] { [range[0], inner[1]] } else { [inner[0], range[1]] };
-        }
-        Ok(best)
     }
 
     /// Returns a tilt of the ring of a bearing. A small tilt is found by the slopes of the force; a large one, and one whose force is
@@ -215,8 +229,7 @@ impl Search<'_, '_> {
         let known = is_locked.then_some((bearing.cage.phase + bearing.scene.first_element_azimuth / TAU) * per);
         let guesses = family.spalls(known);
         let gain = guesses.first()?.0;
-        let starts =
-            guesses.iter().take(STARTS).map(|(_, guess)| with_spall(self.now, family, guess, is_locked)).collect();
+        let starts = guesses.iter().map(|(_, guess)| with_spall(self.now, family, guess, is_locked)).collect();
         let d = bearing.scene.defect.len();
         let mut own = vec![
             Unknown::CagePhase(b),
@@ -261,6 +274,8 @@ impl Search<'_, '_> {
 const FAR: f64 = 1.5;
 /// Starts of a fit that are tried for a spall.
 const STARTS: usize = 3;
+/// Share of the expected gain of a spall below which further starts are tried.
+const EXPECTED: f64 = 0.5;
 
 /// Returns the unknowns of a candidate without those of the cages.
 fn own(candidate: &Candidate) -> Vec<Unknown> {
@@ -268,18 +283,29 @@ fn own(candidate: &Candidate) -> Vec<Unknown> {
     candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
 }
 
-/// Fits a candidate from the best of its starts; `None` if that start is too far from the recording (see [`FAR`]).
+/// Fits a candidate from the best of its first starts; `None` if that start is too far from the recording (see [`FAR`]).
 fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fitted>> {
-    let mut start: Option<Fitted> = None;
-    for machine in &candidate.starts {
-        let tried = evaluate(e, machine)?;
-        if start.as_ref().is_none_or(|best| tried.chi_square < best.chi_square) {
-            start = Some(tried);
-        }
-    }
-    let Some(start) = start.filter(|start| start.chi_square < FAR * now.chi_square) else { return Ok(None) };
+    let (first, others) = candidate.starts.split_at(STARTS.min(candidate.starts.len()));
+    let evaluated =
+        |machines: &[Machine]| machines.iter().map(|machine| evaluate(e, machine)).collect::<Result<Vec<_>>>();
+    let closest = |starts: Vec<Fitted>| starts.into_iter().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+    let Some(start) = closest(evaluated(first)?) else { return Ok(None) };
+    let is_near = start.chi_square < FAR * now.chi_square;
     if let Cause::Spall(..) = candidate.cause {
-        return fit(e, &start, &candidate.unknowns, 30).map(Some);
+        let fitted = if is_near { Some(fit(e, &start, &candidate.unknowns, 30)?) } else { None };
+        let gain = fitted.as_ref().map_or(0.0, |fitted| now.chi_square - fitted.chi_square);
+        if gain > EXPECTED * candidate.gain {
+            return Ok(fitted);
+        }
+        // The fit ended in another minimum than that which the linear search promises.
+        let mut others = evaluated(others)?;
+        others.sort_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+        others.truncate(STARTS);
+        let others = others.iter().map(|start| fit(e, start, &candidate.unknowns, 30)).collect::<Result<Vec<_>>>()?;
+        return Ok(closest(others.into_iter().chain(fitted).collect()));
+    }
+    if !is_near {
+        return Ok(None);
     }
     let first = fit(e, &start, &own(candidate), 8)?;
     Ok(Some(match candidate.cause {
@@ -384,6 +410,9 @@ pub const MIN_GAIN: f64 = 100.0;
 const MODEL_ERROR: f64 = 0.03;
 /// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
 pub const PROFILE_ERROR: f64 = 0.05;
+/// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
+/// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
+const FORCE_ERROR: f64 = 0.01;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
@@ -422,18 +451,24 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
             tried.extend(judged_all(of, &now, further, 1)?);
         }
         tried.retain(|judged| is_fault(&judged));
-        let sort = |tried: &mut Vec<Judged>| tried.sort_by(|a, b| b.fault.gain.total_cmp(&a.fault.gain));
-        sort(&mut tried);
-        let equal = tried.iter().take_while(|judged| judged.fault.gain > tried[0].fault.gain - MIN_GAIN).count();
-        if equal > 1 {
-            for judged in &mut tried[..equal] {
+        let closest = |tried: &[Judged]| tried.iter().map(Judged::chi_square).fold(f64::INFINITY, f64::min);
+        let equal = |tried: &[Judged]| closest(tried) + (FORCE_ERROR * FORCE_ERROR * best).max(MIN_GAIN);
+        let nearly = equal(&tried);
+        if tried.iter().filter(|judged| judged.chi_square() < nearly).count() > 1 {
+            for judged in tried.iter_mut().filter(|judged| judged.chi_square() < nearly) {
                 judged.fit_further(of)?;
             }
-            sort(&mut tried);
         }
-        let mut tried = tried.into_iter();
-        let Some(Judged { mut fault, evidence }) = tried.next() else { break };
-        fault.next = tried.next().map(|next| (next.fault.cause, next.fault.gain));
+        let equal = equal(&tried);
+        let score = |judged: &Judged| (judged.chi_square() - equal).max(0.0) + judged.prior;
+        tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let next = if let [first, next, ..] = tried.as_slice() {
+            Some((next.fault.cause, 0.5 * (score(next) - score(first))))
+        } else {
+            None
+        };
+        let Some(Judged { mut fault, evidence, .. }) = tried.into_iter().next() else { break };
+        fault.next = next;
         now = fault.fitted.clone();
         of.observable.clone_from(&fault.observable);
         if let Some(evidence) = evidence {
@@ -492,8 +527,11 @@ fn judged<'a>(
     match candidate.cause {
         cause if search && changes_stiffness(cause, &of.evidence) => {
             let (own, again, seen) = weighted(of, candidate, first)?;
-            (fitted, observable) = (again, seen);
-            evidence = Some(own);
+            // Without contact, a machine has no stiffness to be weighted by.
+            if again.chi_square < FAR * now.chi_square {
+                (fitted, observable) = (again, seen);
+                evidence = Some(own);
+            }
         }
         Cause::Spall(b, _) => observable[b] = true,
         _ if search && !is_explained => (fitted, observable) = with_cages(of, candidate, first)?,
@@ -503,14 +541,29 @@ fn judged<'a>(
         observable[b] = true;
     }
     let penalty = values.ln() * candidate.unknowns.len() as f64;
-    let unusual = |b: &MachineBearing| ((b.cage.slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2);
-    let slips: f64 = fitted.machine.bearings.iter().map(unusual).sum();
+    let unusual = |(b, bearing): (usize, &MachineBearing)| {
+        // The cage ratio of the scene may be an estimate from this recording.
+        let kinematics = &of.evidence.plant.bearings[b].kinematics;
+        let slip = 1.0 - kinematics.cage_ratio * (1.0 - bearing.cage.slip) / kinematics.rolling_cage_ratio;
+        ((slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2)
+    };
+    let slips = fitted.machine.bearings.iter().enumerate().map(unusual).sum::<f64>();
+    let slips = slips + precision_of_slip(candidate.cause, &fitted);
     // Only the gain of the fault counts, not that of the cages that are fitted with it.
     let at = candidate.cause.next_index(&now.machine);
     let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, at, &now.machine))?.chi_square;
     let before = before.min(now.chi_square);
-    let gain = before - fitted.chi_square - penalty - slips;
-    Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, evidence })
+    let prior = penalty + slips;
+    let gain = before - fitted.chi_square - prior;
+    Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, prior, evidence })
+}
+
+/// Returns what the logarithm of the likelihood (times -2) loses because the slip must lie within its standard deviation: of two
+/// waves whose lines coincide, that of the higher harmonic of the ball pass fits a narrower range of slips (Laplace's approximation).
+fn precision_of_slip(cause: Cause, fitted: &Fitted) -> f64 {
+    let at = cause.shows_cage().and_then(|b| fitted.unknowns.iter().position(|u| *u == Unknown::CageSlip(b)));
+    let deviation = at.map(|i| fitted.covariance[(i, i)].sqrt()).filter(|deviation| *deviation > 0.0);
+    deviation.map_or(0.0, |deviation| 2.0 * (USUAL_SLIP[1] / deviation).max(1.0).ln())
 }
 
 /// Removes the faults before the last one that explain nothing in addition to it: each was selected without the later faults.
@@ -572,4 +625,24 @@ fn weighted_from<'a>(
     evidence.weight_for(&closer.machine)?;
     let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
     Ok((evidence, fitted, observable))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gain with a peak at 1.55 and with all balls lifted from 2 on.
+    #[test]
+    fn the_smallest_of_equal_clearances_is_the_start() {
+        let of = |gain: &dyn Fn(f64) -> f64| {
+            largest_gain(|factor| Ok((gain(factor), factor))).map_or(f64::NAN, |best| best.1)
+        };
+        let peak = of(&|factor| 100.0 - 100.0 * (factor - 1.55_f64).powi(2));
+        assert!((peak - 1.55).abs() < 0.05, "{peak}");
+        let lifted = of(&|factor| factor.min(2.0));
+        assert!((2.0..=2.3).contains(&lifted), "{lifted}");
+        // Gains may all be negative.
+        let negative = of(&|factor| -1.0 - factor);
+        assert!((0.3..0.35).contains(&negative), "{negative}");
+    }
 }

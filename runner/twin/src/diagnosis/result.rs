@@ -15,22 +15,25 @@ use crate::outcome::{
 };
 use crate::scene::RotationSource;
 use nalgebra::DVector;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
 const WITHIN_95: f64 = 1.96;
 /// Largest odds that are reported: beyond it, the model error dominates.
 const LARGEST_ODDS: f64 = 1e12;
+/// Least odds against another kind of fault, or another bearing, for one to be named: it is right in 19 of 20 cases.
+const LEAST_ODDS: f64 = 19.0;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
 const UNEXPLAINED: f64 = 9.0;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
 const STIFFNESS_ERROR: f64 = 0.005;
-/// Search for the end of an interval: factor of its steps, share of the allowed rise that counts as reached, and largest size over
-/// that of a parabola.
-const WIDER: f64 = 1.4;
-const NEARLY: f64 = 0.8;
+/// Search for the end of an interval: factor of its steps, steps of the fit of the other unknowns, and largest size over that of a
+/// parabola.
+const WIDER: f64 = 1.6;
+const REFITTED: usize = 3;
 const FARTHEST: f64 = 10.0;
 
 /// Result of a diagnosis.
@@ -108,7 +111,14 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
         let each = if matches!(fault.cause, Cause::Waviness(..)) { 2 } else { 1 };
         let at = fault.cause.next_index(&of.healthy.machine) + each * earlier;
         let figures = fault_figures(material, e, &of.healthy.machine, &last, (fault.cause, at))?;
-        diagnoses.push(reported.diagnosis(fault, at, i == 0).with_figures(figures));
+        let diagnosis = reported.diagnosis(fault, at, i == 0).with_figures(figures);
+        if i > 0 && !diagnosis.parameters.is_significant() {
+            continue;
+        }
+        diagnoses.push(match fault.equally_likely() {
+            Some(other) => undecided(diagnosis, fault.cause, other, e, &of.healthy),
+            None => diagnosis,
+        });
     }
     let strength = |diagnosis: &Diagnosis| diagnosis.parameters.log_likelihood_gain.unwrap_or(0.0);
     diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -139,6 +149,43 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
     }
     let cages = cages(e, &last, &of.observable);
     Ok(DiagnosisResult { diagnoses, cages, outcome, notes })
+}
+
+impl Fault {
+    /// Returns the odds against the second-best candidate; `None` without one.
+    fn odds(&self) -> Option<f64> {
+        self.next.map(|(_, odds)| odds.min(LARGEST_ODDS.ln()).exp())
+    }
+
+    /// Returns the second-best candidate if it is another kind of fault, or on another bearing, and the recording does not decide
+    /// between the two.
+    fn equally_likely(&self) -> Option<Cause> {
+        let (next, _) = self.next?;
+        let is_other = (next.kind(), next.bearing()) != (self.cause.kind(), self.cause.bearing());
+        (is_other && self.odds()? < LEAST_ODDS).then_some(next)
+    }
+}
+
+/// Returns the diagnosis that a recording does not decide between two causes, from that of the first: lines of two surfaces coincide
+/// for different slips of the cage.
+fn undecided(first: Diagnosis, cause: Cause, other: Cause, e: &Evidence, healthy: &Fitted) -> Diagnosis {
+    let bearings: Vec<String> = e.plant.bearings.iter().map(|b| b.name.clone()).collect();
+    let FaultParameters { log_likelihood_gain, odds_to_next, explained, .. } = first.parameters;
+    Diagnosis {
+        kind: FaultKind::Other,
+        bearing: first.bearing.filter(|_| cause.bearing() == other.bearing()),
+        sentence: format!(
+            "Not decided: {} or {}, odds {:.1}. Either explains {:.0} % of the residual; a recording at another speed or load may decide.",
+            cause.name(&bearings),
+            other.name(&bearings),
+            odds_to_next.unwrap_or(1.0),
+            100.0 * explained.unwrap_or(0.0),
+        ),
+        lines: unexplained_lines(e, healthy),
+        parameters: FaultParameters { log_likelihood_gain, odds_to_next, explained, ..FaultParameters::default() },
+        figures: FaultFigures::default(),
+        ..first
+    }
 }
 
 impl Cause {
@@ -250,7 +297,7 @@ impl Reported<'_, '_> {
     }
 
     /// Returns the decrease and the increase of an unknown at which chi-squared has risen as by [`WITHIN_95`] deviations, with the other
-    /// unknowns moved along their covariance. The rise is not a parabola where an element loses contact: more depth changes no force.
+    /// unknowns fitted again. The rise is not a parabola where an element loses contact: more depth changes no force.
     fn reach(&self, unknown: Unknown) -> [f64; 2] {
         let linear = WITHIN_95 * self.deviation(unknown);
         let Some(i) = self.last.unknowns.iter().position(|u| *u == unknown) else { return [linear; 2] };
@@ -258,18 +305,32 @@ impl Reported<'_, '_> {
         if variance.is_nan() || variance <= 0.0 {
             return [linear; 2];
         }
-        let allowed = (WITHIN_95 * self.inflation).powi(2);
-        let rise = |by: f64| {
-            let mut machine = self.last.machine.clone();
+        let allowed = WITHIN_95 * self.inflation;
+        let is_other = |u: &Unknown| *u != unknown && u.part() == unknown.part();
+        let others: Vec<Unknown> = self.last.unknowns.iter().copied().filter(is_other).collect();
+        // Returns the machine with the unknown changed, from one with another change.
+        let moved = |from: &Fitted, change: f64| {
+            let mut machine = from.machine.clone();
+            let step = unknown.get(&self.last.machine) + change - unknown.get(&from.machine);
             for (j, other) in self.last.unknowns.iter().enumerate() {
-                other.set(&mut machine, other.get(&self.last.machine) + by * self.last.covariance[(i, j)] / variance);
+                other.set(&mut machine, other.get(&from.machine) + step * self.last.covariance[(i, j)] / variance);
             }
-            // The damping of the fit, which every fit has, is part of its covariance.
-            changed(self.e, self.last, &machine).map_or(f64::INFINITY, |moved| moved.chi_square - self.last.chi_square)
+            changed(self.e, from, &machine).and_then(|moved| fit(self.e, &moved, &others, REFITTED)).ok()
         };
         [-1.0, 1.0].map(|sign| {
             let (mut reach, most) = (linear, FARTHEST * linear);
-            while reach < most && rise(sign * reach) < allowed * NEARLY {
+            let (mut before, mut last) = ((linear, 0.0), Cow::Borrowed(self.last));
+            while let Some(next) = moved(&last, sign * reach) {
+                let rise = (next.chi_square - self.last.chi_square).max(0.0).sqrt();
+                if rise > allowed {
+                    let share = (allowed - before.1) / (rise - before.1);
+                    return before.0 + share * (reach - before.0);
+                }
+                if reach >= most {
+                    break;
+                }
+                before = (reach, rise);
+                last = Cow::Owned(next);
                 reach *= WIDER;
             }
             reach.min(most)
@@ -433,7 +494,7 @@ impl Reported<'_, '_> {
         let bearings: Vec<String> = self.e.plant.bearings.iter().map(|b| b.name.clone()).collect();
         let bearing = cause.bearing().map(|b| bearings[b].clone());
         let gain = 0.5 * fault.gain;
-        let odds = fault.next.map(|(_, next)| (gain - 0.5 * next).min(LARGEST_ODDS.ln()).exp());
+        let odds = fault.odds();
         let explained =
             fault.gain / (fault.gain + (fault.fitted.chi_square - fault.fitted.residual.len() as f64).max(0.0));
         let mut parameters = self.parameters(cause, at);

@@ -221,15 +221,19 @@ fn order(e: &Evidence, bearing: usize, component: Component, slip: f64, cage_sli
     }
 }
 
-/// Returns the slips at which the lines of a family stand out most, with their scores.
-pub fn scan(
+/// Slips that a scan returns by each of its two scores.
+const PEAKS: usize = 4;
+
+/// Returns the slips at which the lines of a family stand out most: by all its harmonics, as those of a spall, and by the strongest
+/// of them, as that of a wave.
+fn scan(
     e: &Evidence,
     residual: &[f64],
     bearing: usize,
     component: Component,
     cage_slip: Option<f64>,
     [from, to]: [f64; 2],
-) -> Vec<(f64, f64)> {
+) -> Vec<f64> {
     let lines = e.transform.lines.len();
     let per = 2 * e.rows;
     // Energy of each line and two neighbours on both sides, over that of noise.
@@ -243,10 +247,10 @@ pub fn scan(
     let speed = e.motion.mean_speed().abs();
     let finest = 2.0 * HARMONICS as f64 * e.plant.bearings[bearing].elements as f64 * speed / bin;
     let steps = ((to - from) * finest).ceil() as usize;
-    let mut scores: Vec<(f64, f64)> = (0..=steps)
+    let mut scores: [Vec<(f64, f64)>; 2] = (0..=steps)
         .map(|i| {
             let slip = from + (to - from) * i as f64 / steps as f64;
-            let mut score = 0.0;
+            let (mut sum, mut strongest) = (0.0, 0.0_f64);
             for k in 1..=HARMONICS {
                 let side = if component == Component::Outer { 0..=0 } else { -1..=1 };
                 let best = side
@@ -257,21 +261,29 @@ pub fn scan(
                     .filter(|&at| at > 8 && at + 2 < lines)
                     .map(around)
                     .fold(0.0, f64::max);
-                score += (1.0 + best).ln();
+                sum += (1.0 + best).ln();
+                strongest = strongest.max(best);
             }
-            (score, slip)
+            [(sum, slip), (strongest, slip)]
         })
-        .collect();
-    scores.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Peaks that are not neighbours.
-    let mut peaks: Vec<(f64, f64)> = vec![];
+        .fold(Default::default(), |[mut sums, mut strongest]: [Vec<_>; 2], [sum, line]| {
+            sums.push(sum);
+            strongest.push(line);
+            [sums, strongest]
+        });
+    let mut peaks: Vec<f64> = vec![];
     let apart = 3.0 * (to - from) / steps as f64;
-    for s in scores {
-        if peaks.iter().all(|p| (p.1 - s.1).abs() > apart) {
-            peaks.push(s);
-        }
-        if peaks.len() >= 4 {
-            break;
+    for scores in &mut scores {
+        scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = peaks.len() + PEAKS;
+        for (_, slip) in scores {
+            // Peaks that are not neighbours.
+            if peaks.iter().all(|peak| (peak - *slip).abs() > apart) {
+                peaks.push(*slip);
+            }
+            if peaks.len() == most {
+                break;
+            }
         }
     }
     peaks
@@ -334,8 +346,9 @@ impl Family {
         }
     }
 
-    /// Returns the spalls that explain most, one for each half width tried, best first, with their falls of chi-squared. `known` is
-    /// the angle of the cage if it is known, in pitches (for a ball: its azimuth in revolutions, except for whole pitches).
+    /// Returns spalls with their falls of chi-squared: the best of each half width tried, best first, then the best at some angles of
+    /// the cage. `known` is the angle of the cage if it is known, in pitches (for a ball: its azimuth in revolutions, except for whole
+    /// pitches).
     pub fn spalls(&self, known: Option<f64>) -> Vec<(f64, SpallGuess)> {
         let is_ball = self.component == Component::Ball;
         // Balls: the two contacts make half a revolution of spin a period.
@@ -346,20 +359,33 @@ impl Family {
             Some(_) => 1,
         };
         let phases: Vec<f64> = (0..count).map(|p| known.unwrap_or(0.0) + p as f64 / count as f64).collect();
-        let mut best: Vec<(f64, SpallGuess)> = HALF_WIDTHS
-            .iter()
-            .filter_map(|&half_width| {
-                let centres = (0..CENTRES).map(|c| whole * c as f64 / CENTRES as f64);
-                let tried = centres.flat_map(|centre| self.tried(half_width, centre, &phases));
-                tried.max_by(|a, b| a.0.total_cmp(&b.0))
-            })
-            .collect();
-        best.sort_by(|a, b| b.0.total_cmp(&a.0));
-        best
+        let larger = |best: Option<(f64, SpallGuess)>, other: Option<(f64, SpallGuess)>| match (best, other) {
+            (Some(best), Some(other)) => Some(if other.0 > best.0 { other } else { best }),
+            (best, other) => best.or(other),
+        };
+        let mut of_width = [None; HALF_WIDTHS.len()];
+        let mut of_phase = vec![None; phases.len()];
+        for (half_width, best) in HALF_WIDTHS.into_iter().zip(&mut of_width) {
+            for c in 0..CENTRES {
+                let tried = self.tried(half_width, whole * c as f64 / CENTRES as f64, &phases);
+                for (tried, of_phase) in tried.into_iter().zip(&mut of_phase) {
+                    *of_phase = larger(*of_phase, tried);
+                    *best = larger(*best, tried);
+                }
+            }
+        }
+        let sorted = |all: &[Option<(f64, SpallGuess)>]| {
+            let mut all: Vec<(f64, SpallGuess)> = all.iter().flatten().copied().collect();
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            all
+        };
+        let mut guesses = sorted(&of_width);
+        guesses.extend(sorted(&of_phase));
+        guesses
     }
 
-    /// Returns the spall of this width and place at the best of `phases`.
-    fn tried(&self, half_width: f64, centre: f64, phases: &[f64]) -> Option<(f64, SpallGuess)> {
+    /// Returns the spalls of this width and place at each of `phases`; none where its depth would be negative.
+    fn tried(&self, half_width: f64, centre: f64, phases: &[f64]) -> Vec<Option<(f64, SpallGuess)>> {
         let of = |phase: f64, (linear, quadratic): (f64, f64)| {
             let depth = linear / quadratic.max(1e-300);
             (depth > 0.0).then_some((linear * depth, SpallGuess { centre, half_width, depth, phase }))
@@ -373,11 +399,10 @@ impl Family {
                 (*k as f64, h.backward, linear, quadratic)
             })
         };
-        let best = |all: &mut dyn Iterator<Item = (f64, SpallGuess)>| all.max_by(|a, b| a.0.total_cmp(&b.0));
         if self.component == Component::Ball {
             let sums =
                 |phase: f64| products(phase).fold((0.0, 0.0), |(l, q), (_, _, linear, quad)| (l + linear.re, q + quad));
-            return best(&mut phases.iter().filter_map(|&phase| of(phase, sums(phase))));
+            return phases.iter().map(|&phase| of(phase, sums(phase))).collect();
         }
         // A change of the cage angle shifts the phase of each harmonic as a whole.
         let at_zero: Vec<_> = products(0.0).collect();
@@ -389,7 +414,7 @@ impl Family {
             };
             at_zero.iter().map(turned).sum()
         };
-        best(&mut phases.iter().filter_map(|&phase| of(phase, (linear(phase), quadratic))))
+        phases.iter().map(|&phase| of(phase, (linear(phase), quadratic))).collect()
     }
 
     /// Amplitudes of a spall of depth 1 at harmonic `k`.
@@ -469,8 +494,12 @@ pub fn best_family(
     let mut best: Vec<(f64, Family)> = if observable && component != Component::Ball {
         vec![at(slip)]
     } else {
-        let peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
-        peaks.into_iter().map(|(_, peak)| at(peak)).collect()
+        let mut peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
+        if component != Component::Ball {
+            // The cage may be known from earlier samples.
+            peaks.push(slip);
+        }
+        peaks.into_iter().map(at).collect()
     };
     let sort = |all: &mut Vec<(f64, Family)>| all.sort_by(|a, b| b.0.total_cmp(&a.0));
     sort(&mut best);

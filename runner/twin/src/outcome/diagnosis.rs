@@ -117,6 +117,12 @@ pub struct FaultParameters {
 }
 
 impl FaultParameters {
+    /// Returns true if no interval of a size contains 0.
+    pub(crate) fn is_significant(&self) -> bool {
+        let sizes = [&self.depth_um, &self.amplitude_um, &self.tilt_mrad, &self.moment_g_mm];
+        sizes.into_iter().flatten().all(|size| size.low > 0.0)
+    }
+
     /// Returns the size of the fault in the unit of its kind: depth, amplitude, tilt, clearance or moment.
     #[must_use]
     pub fn size(&self) -> Option<f64> {

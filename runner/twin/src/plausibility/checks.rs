@@ -17,8 +17,11 @@ const NEAR: f64 = 0.05;
 const MAX_OUT_OF_RANGE: f64 = 0.1;
 /// Radial readings smaller than this share of the range that the bearings allow have another unit.
 const TOO_SMALL: f64 = 1e-4;
-/// Ratio of the motion at two probes beyond which one of them has another unit or sensitivity.
+/// Ratio of the motion at two probes of a plane beyond which one of them has another unit or sensitivity.
 const PROBE_RATIO: f64 = 50.0;
+/// The same for probes of different planes of a rigid rotor: its end in a worn bearing moves many times as much as the other, and
+/// a plane in millimetres instead of micrometres is off by 1000.
+const PLANE_RATIO: f64 = 200.0;
 /// Ratio of backward and forward 1X from which an orbit counts as backward.
 const BACKWARD: f64 = 3.0;
 /// Ratio of the 1X amplitude to its standard deviation by noise above which its direction is significant; noise exceeds it once in
@@ -330,11 +333,11 @@ fn unequal(checked: &Checked) -> Option<Implausibility> {
     let is_rigid = checked.scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none());
     let radial: Vec<usize> = (0..checked.readings.len()).filter(|i| checked.readings[*i].radial.is_some()).collect();
     let planes = probes::planes(&checked.recording.probes).into_iter().map(|plane| plane.probes.to_vec());
-    let groups = planes.chain(is_rigid.then_some(radial));
+    let groups = planes.map(|plane| (plane, PROBE_RATIO)).chain(is_rigid.then_some((radial, PLANE_RATIO)));
     let rms = checked.evidence.collected.rms_in_range();
     let motion =
         |i: &usize| Some(ProbeMotion { column: &checked.readings.get(*i)?.column, rms: (*rms.get(*i)?)? * 1e6 });
-    groups.filter_map(|group| odd_one(group.iter().filter_map(motion).collect())).next()
+    groups.filter_map(|(group, ratio)| odd_one(group.iter().filter_map(motion).collect(), ratio)).next()
 }
 
 /// Motion at a probe.
@@ -344,17 +347,17 @@ struct ProbeMotion<'a> {
     rms: f64,
 }
 
-fn odd_one(mut group: Vec<ProbeMotion>) -> Option<Implausibility> {
+fn odd_one(mut group: Vec<ProbeMotion>, ratio: f64) -> Option<Implausibility> {
     group.sort_by(|a, b| a.rms.total_cmp(&b.rms));
     let (small, large, middle) = (group.first()?, group.last()?, group.get(group.len() / 2)?);
-    (large.rms > PROBE_RATIO * small.rms).then(|| {
+    (large.rms > ratio * small.rms).then(|| {
         // The outlier has the larger ratio to the median.
         let is_large = large.rms * small.rms > middle.rms * middle.rms;
         let (odd, other) = if is_large { (large, small) } else { (small, large) };
         Implausibility {
             subject: odd.column.to_owned(),
             found: format!(
-                "{} um rms about the mean, while {} has {} um; expected within a factor of {PROBE_RATIO}",
+                "{} um rms about the mean, while {} has {} um; expected within a factor of {ratio}",
                 micrometres(odd.rms),
                 other.column,
                 micrometres(other.rms)

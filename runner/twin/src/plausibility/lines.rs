@@ -91,9 +91,29 @@ impl OrderSpectrum {
 
     /// Returns the largest power over the floor in a range of orders, without the bins that `others` may hold.
     fn largest(&self, orders: RangeInclusive<f64>, others: &[RangeInclusive<f64>]) -> f64 {
+        self.free(orders, others).into_iter().map(|bin| self.power(bin)).fold(0.0, f64::max)
+    }
+
+    /// Returns the bin of the strongest line in a range of orders. A bin on the flank of a stronger line is none.
+    fn line(&self, orders: RangeInclusive<f64>, others: &[RangeInclusive<f64>]) -> Option<usize> {
+        let width = 2 * LINE_WIDTH as usize;
+        let is_line = |bin: &usize| {
+            let around = bin.saturating_sub(width)..=bin + width;
+            around.into_iter().all(|other| self.power(other) <= self.power(*bin))
+        };
+        let free = self.free(orders, others).into_iter().filter(is_line);
+        free.max_by(|a, b| self.power(*a).total_cmp(&self.power(*b)))
+    }
+
+    /// Returns the power of a bin over the local floor.
+    fn power(&self, bin: usize) -> f64 {
+        self.over_floor.get(bin).copied().unwrap_or(0.0)
+    }
+
+    /// Returns the bins of a range of orders without those that `others` may hold.
+    fn free(&self, orders: RangeInclusive<f64>, others: &[RangeInclusive<f64>]) -> Vec<usize> {
         let others: Vec<_> = others.iter().map(|orders| self.bins(orders.clone())).collect();
-        let is_free = |bin: &usize| !others.iter().any(|range| range.contains(bin));
-        self.bins(orders).filter(is_free).filter_map(|bin| self.over_floor.get(bin)).fold(0.0, |a: f64, b| a.max(*b))
+        self.bins(orders).filter(|bin| !others.iter().any(|range| range.contains(bin))).collect()
     }
 }
 
@@ -218,21 +238,27 @@ fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec
         let others: Vec<_> = others.cloned().chain(harmonics_of_shaft()).collect();
         let own: Vec<_> = others.iter().chain(&bearing.lines).cloned().collect();
         let around = |order: f64| SLIP.start() * order..=SLIP.end() * order;
-        let pass = |elements: usize| {
-            // A line that the bearing of the scene may have is no evidence for another number.
-            let known = if elements == bearing.elements { &others } else { &own };
-            spectrum.largest(around(elements as f64 * bearing.cage), known)
-        };
-        if pass(bearing.elements) > ABSENT {
+        let pass = |elements: usize| around(elements as f64 * bearing.cage);
+        if spectrum.largest(pass(bearing.elements), &others) > ABSENT {
             return None;
         }
+        // A line that the bearing of the scene may have is no evidence for another number.
+        let line = |elements: usize| spectrum.line(pass(elements), &own);
+        // A ball pass has harmonics; a single line may come from a wave on a ball or a race of the bearing of the scene.
+        let is_pass = |bin: usize| {
+            let order = 2.0 * bin as f64 / spectrum.revolutions;
+            spectrum.power(bin) > PRESENT && spectrum.line(order..=order, &[]).is_some_and(|bin| spectrum.power(bin) > ABSENT)
+        };
         let counts = (bearing.elements / 2).max(3)..=bearing.elements + bearing.elements / 2;
-        let seen: Vec<usize> =
-            counts.filter(|count| *count != bearing.elements && pass(*count) > ABSENT).collect();
+        let seen: Vec<(usize, usize)> = counts
+            .filter(|count| *count != bearing.elements)
+            .filter_map(|count| Some((count, line(count)?)))
+            .filter(|(_, bin)| spectrum.power(*bin) > ABSENT)
+            .collect();
         // Lines at several multiples of the cage speed do not determine a number of elements.
-        let [count] = seen.as_slice() else { return None };
+        let [(count, bin)] = seen.as_slice() else { return None };
         let speed = scene.shaft.speed.range().1.abs() / TAU;
-        (pass(*count) > PRESENT).then(|| {
+        is_pass(*bin).then(|| {
             let [scene_order, order] = [bearing.elements, *count].map(|n| n as f64 * bearing.cage);
             Implausibility {
                 subject: format!("bearing {}: elements", bearing.name),
@@ -248,4 +274,24 @@ fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec
         })
     });
     wrong.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bins beside a strong line hold more than noise, but no line.
+    #[test]
+    fn flanks_are_no_lines() {
+        let revolutions = 100.0;
+        let flank = |bin: usize| 1e5 / (1.0 + (bin as f64 - 400.0).powi(4));
+        let mut over_floor: Vec<f64> = (0..1000).map(flank).collect();
+        over_floor[420] = 50.0;
+        let spectrum = OrderSpectrum { share: vec![0.0; over_floor.len()], over_floor, revolutions };
+        let harmonics = [4.0..=4.0];
+        assert!(spectrum.largest(4.04..=4.1, &harmonics) > ABSENT);
+        assert_eq!(spectrum.line(4.04..=4.1, &harmonics), None);
+        assert_eq!(spectrum.line(4.04..=4.25, &harmonics), Some(420));
+        assert_eq!(spectrum.line(3.9..=4.1, &[]), Some(400));
+    }
 }
