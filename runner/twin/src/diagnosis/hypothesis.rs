@@ -48,13 +48,15 @@ struct Judged<'a> {
     fault: Fault,
     /// Minus twice the logarithm of its probability before the recording, and of the share of it that the recording leaves.
     prior: f64,
+    /// Fall of chi-squared where the uncertain parameters of a calibrated machine may act on its force.
+    tolerated: f64,
     /// The recording weighted for the machine with the fault, where that differs in stiffness.
     evidence: Option<Evidence<'a>>,
 }
 
 impl Judged<'_> {
     fn chi_square(&self) -> f64 {
-        self.fault.fitted.chi_square
+        self.fault.fitted.chi_square - self.tolerated
     }
 
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
@@ -62,11 +64,26 @@ impl Judged<'_> {
         let Fault { fitted, observable, gain, .. } = &mut self.fault;
         let mut unknowns = cage::unknowns(observable, &fitted.machine);
         unknowns.extend(fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
-        let further = fit(self.evidence.as_ref().unwrap_or(&of.evidence), fitted, &unknowns, 10)?;
+        let evidence = self.evidence.as_ref().unwrap_or(&of.evidence);
+        let further = fit(evidence, fitted, &unknowns, 10)?;
         *gain += fitted.chi_square - further.chi_square;
         *fitted = further;
+        self.tolerated = tolerated(evidence, fitted)?;
+        self.prior += precision_of_slip(self.fault.cause, &self.fault.fitted);
         Ok(())
     }
+}
+
+/// Returns the fall of minus twice the log-likelihood where the covariance of the residual is that of the noise plus that of the uncertain
+/// parameters: with the changes `C` of the residual `r` by one deviation of each, `r^T C (1 + C^T C)^-1 C^T r - ln det(1 + C^T C)`.
+fn tolerated(e: &Evidence, fitted: &Fitted) -> Result<f64> {
+    let changes = e.uncertain_changes(&fitted.spectra, &fitted.machine)?;
+    let n = changes.len();
+    let covariance = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + dot(&changes[i], &changes[j]));
+    let along = DVector::from_iterator(n, changes.iter().map(|change| dot(change, &fitted.residual)));
+    let Some(factors) = covariance.cholesky() else { return Ok(0.0) };
+    let logarithm = 2.0 * factors.l_dirty().diagonal().map(f64::ln).sum();
+    Ok(along.dot(&factors.solve(&along)) - logarithm)
 }
 
 /// Range of slips searched.
@@ -452,14 +469,14 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
         }
         tried.retain(|judged| is_fault(&judged));
         let closest = |tried: &[Judged]| tried.iter().map(Judged::chi_square).fold(f64::INFINITY, f64::min);
-        let equal = |tried: &[Judged]| closest(tried) + (FORCE_ERROR * FORCE_ERROR * best).max(MIN_GAIN);
-        let nearly = equal(&tried);
+        let left = FORCE_ERROR * FORCE_ERROR * best;
+        let nearly = closest(&tried) + left + MIN_GAIN;
         if tried.iter().filter(|judged| judged.chi_square() < nearly).count() > 1 {
             for judged in tried.iter_mut().filter(|judged| judged.chi_square() < nearly) {
                 judged.fit_further(of)?;
             }
         }
-        let equal = equal(&tried);
+        let equal = closest(&tried) + left;
         let score = |judged: &Judged| (judged.chi_square() - equal).max(0.0) + judged.prior;
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let next = if let [first, next, ..] = tried.as_slice() {
@@ -547,15 +564,19 @@ fn judged<'a>(
         let slip = 1.0 - kinematics.cage_ratio * (1.0 - bearing.cage.slip) / kinematics.rolling_cage_ratio;
         ((slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2)
     };
-    let slips = fitted.machine.bearings.iter().enumerate().map(unusual).sum::<f64>();
-    let slips = slips + precision_of_slip(candidate.cause, &fitted);
+    let slips: f64 = fitted.machine.bearings.iter().enumerate().map(unusual).sum();
     // Only the gain of the fault counts, not that of the cages that are fitted with it.
     let at = candidate.cause.next_index(&now.machine);
     let before = evaluate(&of.evidence, &without(&fitted.machine, candidate.cause, at, &now.machine))?.chi_square;
     let before = before.min(now.chi_square);
     let prior = penalty + slips;
     let gain = before - fitted.chi_square - prior;
-    Ok(Judged { fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable }, prior, evidence })
+    Ok(Judged {
+        fault: Fault { cause: candidate.cause, gain, next: None, fitted, observable },
+        prior,
+        tolerated: 0.0,
+        evidence,
+    })
 }
 
 /// Returns what the logarithm of the likelihood (times -2) loses because the slip must lie within its standard deviation: of two

@@ -30,8 +30,9 @@ const UNEXPLAINED: f64 = 9.0;
 const NOISE_ERROR: f64 = 0.01;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
 const STIFFNESS_ERROR: f64 = 0.005;
-/// Search for the end of an interval: factor of its steps, steps of the fit of the other unknowns, and largest size over that of a
-/// parabola.
+/// Search for the end of an interval: share of the error of the profile below which it is not made, factor of its steps, steps of the
+/// fit of the other unknowns, and largest size over that of a parabola.
+const SMALL: f64 = 0.4;
 const WIDER: f64 = 1.6;
 const REFITTED: usize = 3;
 const FARTHEST: f64 = 10.0;
@@ -268,7 +269,7 @@ fn joint(of: &Prepared, faults: &[Fault]) -> Result<Fitted> {
     for fault in faults {
         all.extend(fault.fitted.unknowns.iter().copied().filter(|u| !all.contains(u)).collect::<Vec<_>>());
     }
-    fit(&of.evidence, &last.fitted, &all, 6)
+    fit(&of.evidence, &last.fitted, &all, 30)
 }
 
 /// A fitted machine whose unknowns are reported.
@@ -300,6 +301,9 @@ impl Reported<'_, '_> {
     /// unknowns fitted again. The rise is not a parabola where an element loses contact: more depth changes no force.
     fn reach(&self, unknown: Unknown) -> [f64; 2] {
         let linear = WITHIN_95 * self.deviation(unknown);
+        if linear < SMALL * PROFILE_ERROR * unknown.get(&self.last.machine) {
+            return [linear; 2];
+        }
         let Some(i) = self.last.unknowns.iter().position(|u| *u == unknown) else { return [linear; 2] };
         let variance = self.last.covariance[(i, i)];
         if variance.is_nan() || variance <= 0.0 {
@@ -317,11 +321,12 @@ impl Reported<'_, '_> {
             }
             changed(self.e, from, &machine).and_then(|moved| fit(self.e, &moved, &others, REFITTED)).ok()
         };
+        let rise = |of: &Fitted| (of.chi_square - self.last.chi_square).max(0.0).sqrt();
         [-1.0, 1.0].map(|sign| {
             let (mut reach, most) = (linear, FARTHEST * linear);
             let (mut before, mut last) = ((linear, 0.0), Cow::Borrowed(self.last));
             while let Some(next) = moved(&last, sign * reach) {
-                let rise = (next.chi_square - self.last.chi_square).max(0.0).sqrt();
+                let rise = rise(&next);
                 if rise > allowed {
                     let share = (allowed - before.1) / (rise - before.1);
                     return before.0 + share * (reach - before.0);

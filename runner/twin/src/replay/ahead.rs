@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Largest number of samples, averaged ones counted once, that are read ahead.
 const MAX_ROWS: usize = 1 << 18;
+/// Number of samples up to which a recording is read to its end, so that one diagnosis is that of its end and serves its twin.
+const WHOLE: usize = 1 << 16;
 
 /// The beginning of a recording.
 pub(super) struct Ahead {
@@ -26,13 +28,15 @@ pub(super) struct Ahead {
     pub rows: VecDeque<Row>,
     /// The recording has no further row.
     pub is_whole: bool,
+    /// The recording is longer than the block that is diagnosed.
+    pub is_longer_than_block: bool,
     samples: Vec<Sample>,
     /// Sample period, s.
     period: f64,
 }
 
 impl Ahead {
-    /// Reads as many rows as a diagnosis takes, after `first_rows`, which are read already.
+    /// Reads as many rows as a diagnosis takes, or a short recording to its end, after `first_rows`, which are read already.
     pub fn read(
         scene: &Scene,
         plant: &Plant,
@@ -48,7 +52,9 @@ impl Ahead {
         let mut rows = VecDeque::new();
         let mut is_whole = false;
         let mut has_angle = true;
-        while !block.is_full() && rows.len() < MAX_ROWS * recording.average as usize {
+        let mut first_block: Option<Block> = None;
+        let average = recording.average as usize;
+        while rows.len() < average * if first_block.is_some() { WHOLE } else { MAX_ROWS } {
             let row = match first_rows.pop_front() {
                 Some(row) => row,
                 None => {
@@ -68,6 +74,9 @@ impl Ahead {
                 }
             }
             rows.push_back(row);
+            if first_block.is_none() && block.is_full() {
+                first_block = Some(block.clone());
+            }
         }
         if is_whole && has_angle && tracker.finish().is_ok() {
             while let Some(mut sample) = tracker.pop() {
@@ -77,7 +86,9 @@ impl Ahead {
         }
         rows.append(&mut first_rows);
         let period = f64::from(recording.average) / rate;
-        Ok(Self { rows, is_whole, samples: block.into_samples(), period })
+        let is_longer_than_block = first_block.is_some();
+        let block = first_block.filter(|_| !is_whole).unwrap_or(block);
+        Ok(Self { rows, is_whole, is_longer_than_block, samples: block.into_samples(), period })
     }
 
     /// Returns everything about the samples read that is not plausible.

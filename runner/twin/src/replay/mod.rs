@@ -149,10 +149,11 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     replay.set_calibration(calibration, note);
     replay.add_diagnosis_time(took);
     if let Some(diagnosis) = diagnosed {
+        if ahead.is_longer_than_block {
+            replay.follow_cages(&diagnosis.cages);
+        }
         if ahead.is_whole {
             replay.set_diagnosis(diagnosis);
-        } else {
-            replay.follow_cages(&diagnosis.cages);
         }
     }
     let mut row = replay.blank();
