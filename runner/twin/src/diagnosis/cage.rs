@@ -2,6 +2,7 @@
 
 use super::Result;
 use super::fit::{Fitted, MIN_FALL, changed, evaluate, fit};
+use super::hypothesis::MODEL_ERROR;
 use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::Evidence;
@@ -22,6 +23,35 @@ pub fn slips(e: &Evidence, bearing: usize, [from, to]: [f64; 2]) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect()
 }
 
+/// Mean and first harmonic of the force of a bearing by the angle of its cage, at each sample.
+struct CageHarmonics {
+    mean: Vec<[f64; D]>,
+    first: Vec<[C; D]>,
+}
+
+impl CageHarmonics {
+    fn of(e: &Evidence, start: &Fitted, bearing: usize) -> Result<Self> {
+        let n = e.plant.bearings[bearing].elements as f64;
+        let len = e.motion.len();
+        let evaluated = e.evaluated(&start.machine, bearing)?;
+        let mut mean = vec![[0.0; D]; len];
+        let mut first = vec![[C::new(0.0, 0.0); D]; len];
+        for p in 0..PHASES {
+            let part = p as f64 / PHASES as f64;
+            let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
+            let cage = Phase::from_revolutions(part / n);
+            for t in 0..len {
+                let f = evaluated.force_at(&e.motion, t, cage);
+                for i in 0..D {
+                    mean[t][i] += f[i] / PHASES as f64;
+                    first[t][i] += turn * f[i];
+                }
+            }
+        }
+        Ok(Self { mean, first })
+    }
+}
+
 /// Returns candidates for slip and phase of the cage of `bearing` with their falls of chi-squared, best first.
 ///
 /// The first harmonic of the ball pass is fitted at each slip of `range`.
@@ -35,23 +65,7 @@ pub fn search(
     let n = e.plant.bearings[bearing].elements as f64;
     let ratio = e.plant.bearings[bearing].kinematics.cage_ratio;
     let of = &start.machine.bearings[bearing];
-    let len = e.motion.len();
-    // Mean and first harmonic of the force by the cage angle.
-    let evaluated = e.evaluated(&start.machine, bearing)?;
-    let mut mean = vec![[0.0; D]; len];
-    let mut first = vec![[C::new(0.0, 0.0); D]; len];
-    for p in 0..PHASES {
-        let part = p as f64 / PHASES as f64;
-        let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
-        let cage = Phase::from_revolutions(part / n);
-        for t in 0..len {
-            let f = evaluated.force_at(&e.motion, t, cage);
-            for i in 0..D {
-                mean[t][i] += f[i] / PHASES as f64;
-                first[t][i] += turn * f[i];
-            }
-        }
-    }
+    let CageHarmonics { mean, first } = CageHarmonics::of(e, start, bearing)?;
     // Residual with the mean force of this bearing.
     let force = e.force(&start.spectra.replaced(bearing, e.about_centre(bearing, &|t| mean[t])));
     let residual = e.at_probes(&force);
@@ -106,6 +120,72 @@ fn with_drift(e: &Evidence, settled: Fitted, observable: &[bool]) -> Result<Fitt
 /// Returns the least significant fall of chi-squared: [`OBSERVABLE`], times chi-squared per value where that exceeds 1.
 fn threshold(now: &Fitted) -> f64 {
     OBSERVABLE * (now.chi_square / now.residual.len() as f64).max(1.0)
+}
+
+/// Slips of each of two cages that are tried together.
+const TRIED_TOGETHER: usize = 8;
+/// Least distance of such slips, in steps of the search: the width of a line.
+const APART: f64 = 4.0;
+
+/// Fits slip and phase of both cages of a rotor on two bearings, and of each cage of another rotor; returns which are observable.
+///
+/// Where the lines of both cages overlap, the first cage may take the line of the second, and a fit of one after the other does not leave that
+/// minimum: the likeliest slips of both are tried together.
+pub fn fit_cages_together(
+    e: &Evidence,
+    band: &Baseband,
+    machine: &Machine,
+    range: [f64; 2],
+) -> Result<(Fitted, Vec<bool>)> {
+    let found = fit_cages(e, band, machine, range)?;
+    let now = &found.0;
+    if machine.bearings.len() != 2 || now.chi_square < (1.0 + MODEL_ERROR) * now.residual.len() as f64 {
+        return Ok(found);
+    }
+    let start = evaluate(e, machine)?;
+    let mut tried: [Vec<(Cage, Vec<f64>)>; 2] = Default::default();
+    for (bearing, tried) in tried.iter_mut().enumerate() {
+        // The other cage has no line: at an unknown angle it would be a false one.
+        let other = 1 - bearing;
+        let mean = CageHarmonics::of(e, &start, other)?.mean;
+        let spectra = start.spectra.replaced(other, e.about_centre(other, &|t| mean[t]));
+        let alone = Fitted { spectra, ..start.clone() };
+        let candidates = search(e, band, &alone, bearing, range)?;
+        let all = slips(e, bearing, range);
+        let apart = APART * (range[1] - range[0]) / all.len() as f64;
+        let mut peaks: Vec<Cage> = vec![];
+        for (_, cage) in candidates {
+            if peaks.len() < TRIED_TOGETHER && peaks.iter().all(|peak| (peak.slip - cage.slip).abs() > apart) {
+                peaks.push(cage);
+            }
+        }
+        for cage in peaks {
+            let mut machine = start.machine.clone();
+            machine.bearings[bearing].cage = cage;
+            let residual = changed(e, &start, &machine)?.residual;
+            tried.push((cage, residual.iter().zip(&start.residual).map(|(a, b)| a - b).collect()));
+        }
+    }
+    let mut best: Option<(f64, [Cage; 2])> = None;
+    for (of_first, first) in &tried[0] {
+        for (of_second, second) in &tried[1] {
+            let sums = start.residual.iter().zip(first).zip(second).map(|((r, a), b)| r + a + b);
+            let square: f64 = sums.map(|r| r * r).sum();
+            if best.as_ref().is_none_or(|(least, _)| square < *least) {
+                best = Some((square, [*of_first, *of_second]));
+            }
+        }
+    }
+    let Some((_, cages)) = best else { return Ok(found) };
+    let mut machine = machine.clone();
+    for (bearing, cage) in machine.bearings.iter_mut().zip(cages) {
+        bearing.cage = cage;
+    }
+    let together = fit(e, &evaluate(e, &machine)?, &unknowns(&[true; 2], &machine), 12)?;
+    if now.chi_square - together.chi_square < threshold(now) {
+        return Ok(found);
+    }
+    Ok((with_drift(e, together, &[true; 2])?, vec![true; 2]))
 }
 
 /// Fits slip and phase of every cage; returns which are observable.

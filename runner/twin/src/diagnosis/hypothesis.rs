@@ -291,7 +291,7 @@ impl Search<'_, '_> {
 const FAR: f64 = 1.5;
 /// Starts of a fit that are tried for a spall.
 const STARTS: usize = 3;
-/// Share of the expected gain of a spall below which further starts are tried.
+/// Share of the expected gain of a spall below which further starts are tried, and of the largest expected gain below which they are not.
 const EXPECTED: f64 = 0.5;
 
 /// Returns the unknowns of a candidate without those of the cages.
@@ -300,8 +300,9 @@ fn own(candidate: &Candidate) -> Vec<Unknown> {
     candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
 }
 
-/// Fits a candidate from the best of its first starts; `None` if that start is too far from the recording (see [`FAR`]).
-fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fitted>> {
+/// Fits a candidate from the best of its first starts, and a likely spall from further ones if that leads nowhere; `None` if the start is
+/// too far from the recording (see [`FAR`]).
+fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted, is_likely: bool) -> Result<Option<Fitted>> {
     let (first, others) = candidate.starts.split_at(STARTS.min(candidate.starts.len()));
     let evaluated =
         |machines: &[Machine]| machines.iter().map(|machine| evaluate(e, machine)).collect::<Result<Vec<_>>>();
@@ -311,7 +312,7 @@ fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted) -> Result<Option<Fi
     if let Cause::Spall(..) = candidate.cause {
         let fitted = if is_near { Some(fit(e, &start, &candidate.unknowns, 30)?) } else { None };
         let gain = fitted.as_ref().map_or(0.0, |fitted| now.chi_square - fitted.chi_square);
-        if gain > EXPECTED * candidate.gain {
+        if !is_likely || gain > EXPECTED * candidate.gain {
             return Ok(fitted);
         }
         // The fit ended in another minimum than that which the linear search promises.
@@ -424,7 +425,7 @@ const SEARCHED: usize = 2;
 pub const MIN_GAIN: f64 = 100.0;
 /// Relative amount by which the chi-squared of a true machine may exceed the number of values: the force is evaluated at samples
 /// and interpolated between them.
-const MODEL_ERROR: f64 = 0.03;
+pub const MODEL_ERROR: f64 = 0.03;
 /// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
 pub const PROFILE_ERROR: f64 = 0.05;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
@@ -520,9 +521,12 @@ fn judged_all<'a, 'b>(
     candidates: impl Iterator<Item = &'b Candidate>,
     searched: usize,
 ) -> Result<Vec<Judged<'a>>> {
+    let candidates: Vec<&Candidate> = candidates.collect();
+    let top = candidates.iter().map(|candidate| candidate.gain).fold(0.0, f64::max);
     let mut fits = vec![];
     for candidate in candidates {
-        fits.extend(fitted(&of.evidence, candidate, now)?.map(|fitted| (candidate, fitted)));
+        let is_likely = candidate.gain > EXPECTED * top;
+        fits.extend(fitted(&of.evidence, candidate, now, is_likely)?.map(|fitted| (candidate, fitted)));
     }
     fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
     let ranked = fits.iter().enumerate();

@@ -133,7 +133,7 @@ impl<'a> Prepared<'a> {
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
-        let (healthy, observable) = cage::fit_cages(&evidence, &band, machine, hypothesis::SLIPS)?;
+        let (healthy, observable) = cage::fit_cages_together(&evidence, &band, machine, hypothesis::SLIPS)?;
         Ok(Some(Self { evidence, band, healthy, observable }))
     }
 }

@@ -66,7 +66,7 @@ fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
     path
 }
 
-/// In live operation the first diagnosis finds the cages, and the observer follows them from there. With false cages the residual of a
+/// In live operation the first diagnosis finds the cages, whose lines overlap in its block, and the observer follows them from there. With false cages the residual of a
 /// radial probe is at least twice its noise: the ball pass has an amplitude of 0.008 to 0.012 um.
 #[test]
 fn cages_are_followed_in_live_operation() {
