@@ -1,8 +1,7 @@
 //! Angle and speed of a cage from the variable compliance of its bearing.
 
 use super::Result;
-use super::fit::{Fitted, MIN_FALL, changed, evaluate, fit};
-use super::hypothesis::MODEL_ERROR;
+use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
 use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::Evidence;

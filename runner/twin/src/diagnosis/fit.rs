@@ -55,6 +55,9 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     Ok(Fitted { machine: machine.clone(), spectra, residual, chi_square, ..before.clone() })
 }
 
+/// Relative amount by which the chi-squared of a true machine may exceed the number of values: the force is evaluated at samples
+/// and interpolated between them.
+pub const MODEL_ERROR: f64 = 0.03;
 /// Fall of chi-squared in a step below which a fit ends.
 pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.

@@ -1,6 +1,6 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
-use super::fit::{Fitted, MIN_FALL, evaluate, fit};
+use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
 use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
@@ -305,7 +305,7 @@ fn own(candidate: &Candidate) -> Vec<Unknown> {
 fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted, is_likely: bool) -> Result<Option<Fitted>> {
     let (first, others) = candidate.starts.split_at(STARTS.min(candidate.starts.len()));
     let evaluated =
-        |machines: &[Machine]| machines.iter().map(|machine| evaluate(e, machine)).collect::<Result<Vec<_>>>();
+        |machines: &[Machine]| machines.iter().map(|machine| changed(e, now, machine)).collect::<Result<Vec<_>>>();
     let closest = |starts: Vec<Fitted>| starts.into_iter().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
     let Some(start) = closest(evaluated(first)?) else { return Ok(None) };
     let is_near = start.chi_square < FAR * now.chi_square;
@@ -423,9 +423,6 @@ const FURTHER: usize = 3;
 const SEARCHED: usize = 2;
 /// Least significant fall of chi-squared by a fault: odds of e^50 against chance, with thousands of alternatives tried.
 pub const MIN_GAIN: f64 = 100.0;
-/// Relative amount by which the chi-squared of a true machine may exceed the number of values: the force is evaluated at samples
-/// and interpolated between them.
-pub const MODEL_ERROR: f64 = 0.03;
 /// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
 pub const PROFILE_ERROR: f64 = 0.05;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
