@@ -315,7 +315,7 @@ fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted, is_likely: bool) ->
         if !is_likely || gain > EXPECTED * candidate.gain {
             return Ok(fitted);
         }
-        // The fit ended in another minimum than that which the linear search promises.
+        // The fit ended in another minimum than that of the linear search.
         let mut others = evaluated(others)?;
         others.sort_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
         others.truncate(STARTS);
