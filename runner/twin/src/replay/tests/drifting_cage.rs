@@ -71,8 +71,6 @@ fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
 #[test]
 fn cages_are_followed_in_live_operation() {
     const DURATION: f64 = 24.0;
-    /// Times as fast as the machine.
-    const HASTE: f64 = 2.0;
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(&folder, DURATION);
     let scene = read_file(&path).unwrap();
@@ -85,7 +83,7 @@ fn cages_are_followed_in_live_operation() {
         if !reader.next_row(&mut row).unwrap() {
             break;
         }
-        let due = Duration::from_secs_f64(row.time / HASTE);
+        let due = Duration::from_secs_f64(row.time);
         replay.push(row).unwrap();
         if replay.rows().is_multiple_of(256) {
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
