@@ -19,6 +19,8 @@ fn implausible(scene: &str, recording: &str) -> Value {
     assert!(!list(&outcome, "implausible").is_empty());
     assert!(desk.read("scene-report.html").contains("not plausible"));
     assert!(!desk.files().contains(&"learned.json".to_owned()), "it is no baseline");
+    let is_said = |note: &Value| note.as_str().unwrap().starts_with("No baseline is stored in learned.json: ");
+    assert!(list(&outcome, "notes").iter().any(is_said), "{outcome:#}");
     let text = desk.run(&args[..2]).out;
     assert!(text.starts_with("The recording is not plausible") && text.contains("not judged"), "{text}");
     outcome

@@ -93,7 +93,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    write_results(args, &outcome?, report.as_deref(), format)
+    write_results(args, outcome?, report.as_deref(), format)
 }
 
 /// Replays in real time.
@@ -117,26 +117,37 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
     let options = args.live.options(source, None, replay);
     let stop = live::stop_on_signal()?;
     let outcome = monitor::monitor(scene, &options, &stop)?;
-    write_results(args, &outcome, report.as_deref(), format)
+    write_results(args, outcome, report.as_deref(), format)
 }
 
 /// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene is not stored
 /// as a baseline.
-fn write_results(args: &Args, outcome: &Outcome, report_path: Option<&Path>, format: Format) -> Result<ReplayStatus> {
-    let written = write_files(args, outcome, report_path);
+fn write_results(
+    args: &Args,
+    mut outcome: Outcome,
+    report_path: Option<&Path>,
+    format: Format,
+) -> Result<ReplayStatus> {
+    let is_plausible = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
+    let baseline = args.learn.as_deref().filter(|_| is_plausible);
+    if let (Some(path), None) = (&args.learn, baseline) {
+        outcome
+            .notes
+            .push(format!("No baseline is stored in {}: nothing in the recording was judged.", path.display()));
+    }
+    let written = write_files(&outcome, report_path, baseline);
     // The outcome is printed even if a file cannot be written.
-    print(outcome, report_path.filter(|_| written.is_ok()), format)?;
+    print(&outcome, report_path.filter(|_| written.is_ok()), format)?;
     written?;
-    Ok(ReplayStatus::from(outcome))
+    Ok(ReplayStatus::from(&outcome))
 }
 
 /// Writes the report and the baseline.
-fn write_files(args: &Args, outcome: &Outcome, report_path: Option<&Path>) -> Result<()> {
+fn write_files(outcome: &Outcome, report_path: Option<&Path>, baseline: Option<&Path>) -> Result<()> {
     if let Some(path) = report_path {
         AtomicFile::write(path, &report::html(outcome)?)?;
     }
-    let is_plausible = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
-    if let Some(path) = args.learn.as_ref().filter(|_| is_plausible) {
+    if let Some(path) = baseline {
         AtomicFile::write(path, &serde_json::to_string_pretty(&outcome.learned)?)?;
     }
     Ok(())

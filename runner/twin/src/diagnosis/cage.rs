@@ -4,7 +4,7 @@ use super::Result;
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
 use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
-use super::residual::Evidence;
+use super::residual::{Evidence, Spectra};
 use super::surface::Baseband;
 use ballrace::Phase;
 use std::f64::consts::TAU;
@@ -24,6 +24,7 @@ pub fn slips(e: &Evidence, bearing: usize, [from, to]: [f64; 2]) -> Vec<f64> {
 
 /// Mean and first harmonic of the force of a bearing by the angle of its cage, at each sample.
 struct CageHarmonics {
+    bearing: usize,
     mean: Vec<[f64; D]>,
     first: Vec<[C; D]>,
 }
@@ -47,42 +48,39 @@ impl CageHarmonics {
                 }
             }
         }
-        Ok(Self { mean, first })
+        Ok(Self { bearing, mean, first })
     }
-}
 
-/// Returns candidates for slip and phase of the cage of `bearing` with their falls of chi-squared, best first.
-///
-/// The first harmonic of the ball pass is fitted at each slip of `range`.
-pub fn search(
-    e: &Evidence,
-    band: &Baseband,
-    start: &Fitted,
-    bearing: usize,
-    range: [f64; 2],
-) -> Result<Vec<(f64, Cage)>> {
-    let n = e.plant.bearings[bearing].elements as f64;
-    let ratio = e.plant.bearings[bearing].kinematics.cage_ratio;
-    let of = &start.machine.bearings[bearing];
-    let CageHarmonics { mean, first } = CageHarmonics::of(e, start, bearing)?;
-    // Residual with the mean force of this bearing.
-    let force = e.force(&start.spectra.replaced(bearing, e.about_centre(bearing, &|t| mean[t])));
-    let residual = e.at_probes(&force);
-    let series = band.thin(e, |t| first[t]);
-    let mut found = Vec::new();
-    for slip in slips(e, bearing, range) {
-        let order = n * ratio * (1.0 - slip);
-        let Some((line, column)) = band.column(e, &series, bearing, order, |turns| order * turns) else { continue };
-        let part = band.part(e, &residual, line);
-        // The residual is -F1 e^(i psi)/2 at positive frequencies.
-        let square: f64 = column.iter().map(|c| c.norm_sqr()).sum();
-        let right: C = column.iter().zip(&part).map(|(c, r)| -c.conj() * r).sum();
-        let gain = right.norm_sqr() / square.max(1e-300);
-        // The amplitude is known; the phase alone is free.
-        found.push((gain, Cage { phase: right.arg() / TAU / n, slip, ..of.cage }));
+    /// Returns the spectra of `start` with the mean force of this bearing.
+    fn mean_alone(&self, e: &Evidence, start: &Fitted) -> Spectra {
+        start.spectra.replaced(self.bearing, e.about_centre(self.bearing, &|t| self.mean[t]))
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Ok(found)
+
+    /// Returns candidates for slip and phase of the cage with their falls of chi-squared, best first.
+    ///
+    /// The first harmonic of the ball pass is fitted at each slip of `range`.
+    fn search(&self, e: &Evidence, band: &Baseband, start: &Fitted, range: [f64; 2]) -> Vec<(f64, Cage)> {
+        let bearing = self.bearing;
+        let n = e.plant.bearings[bearing].elements as f64;
+        let ratio = e.plant.bearings[bearing].kinematics.cage_ratio;
+        let of = &start.machine.bearings[bearing];
+        let residual = e.residual(&self.mean_alone(e, start));
+        let series = band.thin(e, |t| self.first[t]);
+        let mut found = Vec::new();
+        for slip in slips(e, bearing, range) {
+            let order = n * ratio * (1.0 - slip);
+            let Some((line, column)) = band.column(e, &series, bearing, order, |turns| order * turns) else { continue };
+            let part = band.part(e, &residual, line);
+            // The residual is -F1 e^(i psi)/2 at positive frequencies.
+            let square: f64 = column.iter().map(|c| c.norm_sqr()).sum();
+            let right: C = column.iter().zip(&part).map(|(c, r)| -c.conj() * r).sum();
+            let gain = right.norm_sqr() / square.max(1e-300);
+            // The amplitude is known; the phase alone is free.
+            found.push((gain, Cage { phase: right.arg() / TAU / n, slip, ..of.cage }));
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found
+    }
 }
 
 /// Fall of chi-squared from which the angle of a cage counts as observable: four unknowns found among a few hundred
@@ -143,13 +141,11 @@ pub fn fit_cages_together(
     }
     let start = evaluate(e, machine)?;
     let mut tried: [Vec<(Cage, Vec<f64>)>; 2] = Default::default();
+    let harmonics = [CageHarmonics::of(e, &start, 0)?, CageHarmonics::of(e, &start, 1)?];
     for (bearing, tried) in tried.iter_mut().enumerate() {
         // The other cage has no line: at an unknown angle it would be a false one.
-        let other = 1 - bearing;
-        let mean = CageHarmonics::of(e, &start, other)?.mean;
-        let spectra = start.spectra.replaced(other, e.about_centre(other, &|t| mean[t]));
-        let alone = Fitted { spectra, ..start.clone() };
-        let candidates = search(e, band, &alone, bearing, range)?;
+        let alone = Fitted { spectra: harmonics[1 - bearing].mean_alone(e, &start), ..start.clone() };
+        let candidates = harmonics[bearing].search(e, band, &alone, range);
         let all = slips(e, bearing, range);
         let apart = APART * (range[1] - range[0]) / all.len() as f64;
         let mut peaks: Vec<Cage> = vec![];
@@ -194,7 +190,7 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
     for round in 0..ROUNDS {
         let before = now.chi_square;
         for (bearing, is_observable) in observable.iter_mut().enumerate() {
-            let candidates = search(e, band, &now, bearing, range)?;
+            let candidates = CageHarmonics::of(e, &now, bearing)?.search(e, band, &now, range);
             *is_observable = candidates.first().is_some_and(|c| c.0 > threshold(&now));
             if !*is_observable {
                 continue;

@@ -1,15 +1,30 @@
 //! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
-use super::fit::{Prior, fit_whole};
+use super::fit::{Fitted, Prior, changed, fit_whole};
 use super::hypothesis::SLIPS;
 use super::machine::{Machine, Unknown};
+use super::residual::Evidence;
 use super::{Prepared, Result, cage};
 use crate::outcome::{CalibratedParameter, Calibration, ParameterName};
 use crate::scene::Scene;
 use nalgebra::{DMatrix, DVector};
 
-/// Number of rounds of fit, weighting and search of the cages.
-const ROUNDS: usize = 4;
+/// Clearances that are tried where a bearing carries no load, over that of the scene.
+const SMALLER_CLEARANCES: [f64; 12] = [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4];
+/// Largest number of rounds of fit, weighting and search of the cages.
+const MAX_ROUNDS: usize = 16;
+/// Precision of the prior until the last fit, over that of the scene: on the way to the minimum the damping may be far from both.
+const LOOSE: f64 = 0.25;
+/// Relative standard deviation of a damping from which it keeps its earlier value.
+const VAGUE: f64 = 0.1;
+/// Iterations of a fit: while the cages are false, a fit that converges adapts the other parameters to them.
+const ITERATIONS: usize = 8;
+/// Fall of chi-squared in a round, over its excess and its standard deviation by noise, below which Young's modulus is fitted as well: far
+/// from the recording, the other parameters explain it nearly as well, and with a false cage it leaves for a minimum from which the cage is
+/// not found.
+const SETTLED: f64 = 0.1;
+/// The same, below which the calibration ends.
+const DONE: f64 = 0.01;
 
 impl ParameterName {
     const OF_ROTOR: [(Self, Unknown); 6] = [
@@ -119,6 +134,54 @@ fn of_scene(machine: &Machine) -> Prior {
     }
 }
 
+/// Returns a machine whose bearings carry load: where no element touches its race, a fit has no slope.
+///
+/// The clearance of a bearing without load becomes the one that leaves the least.
+fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
+    let mut now = start.clone();
+    let with_clearance = parameters(&start.machine).into_iter().filter_map(|(.., unknown)| match unknown {
+        Unknown::Clearance(b) => Some(b),
+        _ => None,
+    });
+    for b in with_clearance {
+        let forces = e.evaluated(&now.machine, b)?.forces(&e.motion);
+        let loaded = forces.iter().filter(|force| force.iter().any(|f| *f != 0.0)).count();
+        if loaded * 2 > forces.len() {
+            continue;
+        }
+        let given = Unknown::Clearance(b).get(&start.machine);
+        for share in SMALLER_CLEARANCES {
+            let mut machine = now.machine.clone();
+            Unknown::Clearance(b).set(&mut machine, share * given);
+            let tried = changed(e, &now, &machine)?;
+            if tried.chi_square < now.chi_square {
+                now = tried;
+            }
+        }
+    }
+    Ok(now.machine)
+}
+
+/// Returns the fit with a damping that the recording hardly determines as it was known before: where the motion is not far above the noise,
+/// damping is estimated too high.
+fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior) -> Result<Fitted> {
+    let is_vague = |(i, unknown): (usize, &Unknown)| {
+        let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
+        matches!(unknown, Unknown::Damping(_)) && deviation > VAGUE * unknown.get(&fitted.machine)
+    };
+    let vague: Vec<Unknown> =
+        fitted.unknowns.iter().enumerate().filter(|of| is_vague(*of)).map(|(_, unknown)| *unknown).collect();
+    if vague.is_empty() {
+        return Ok(fitted);
+    }
+    let mut machine = fitted.machine.clone();
+    for unknown in &vague {
+        unknown.set(&mut machine, prior.mean_of(*unknown));
+    }
+    let unknowns: Vec<Unknown> = fitted.unknowns.iter().filter(|unknown| !vague.contains(unknown)).copied().collect();
+    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, 2 * ITERATIONS)
+}
+
 /// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
 pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Result<Calibration> {
     let own = parameters(&of.healthy.machine);
@@ -127,34 +190,49 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
         None => of_scene(&of.healthy.machine),
     };
     let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
-    // The modulus is fitted later: far from the recording, the other parameters explain it nearly as well.
-    let mut first = all.clone();
-    first.retain(|unknown| !matches!(unknown, Unknown::Modulus(_)));
-    first.extend(cage::unknowns(&of.observable, &of.healthy.machine));
-    let mut now = fit_whole(&of.evidence, &of.healthy, &first, &prior, 20)?;
-    for _ in 0..ROUNDS {
-        let unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
-        now = fit_whole(&of.evidence, &now, &unknowns, &prior, 20)?;
+    let mut now = of.healthy.clone();
+    let loaded = with_load(&of.evidence, &now)?;
+    if loaded != now.machine {
+        of.evidence.weight_for(&loaded)?;
+        (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &loaded, SLIPS)?;
+    }
+    let loose = prior.times(LOOSE);
+    let mut has_modulus = false;
+    for _ in 0..MAX_ROUNDS {
+        let before = now.chi_square;
+        let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
+        unknowns.retain(|unknown| has_modulus || !matches!(unknown, Unknown::Modulus(_)));
+        now = fit_whole(&of.evidence, &now, &unknowns, &loose, ITERATIONS)?;
         of.evidence.weight_for(&now.machine)?;
-        let (settled, seen) = cage::fit_cages(&of.evidence, &of.band, &now.machine, SLIPS)?;
-        of.observable = seen;
-        now = settled;
+        (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        let values = now.residual.len() as f64;
+        let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
+        let fall = before - now.chi_square;
+        if has_modulus && fall < DONE * excess {
+            break;
+        }
+        has_modulus |= fall < SETTLED * excess;
     }
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
-    let now = fit_whole(&of.evidence, &now, &unknowns, &prior, 10)?;
+    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, 2 * ITERATIONS)?;
+    let now = with_known_damping(&of.evidence, fitted, &prior)?;
     let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
     let inflation = chi_square_per_value.max(1.0).sqrt();
+    let place = |unknown: &Unknown| now.unknowns.iter().position(|fitted| fitted == unknown);
     let deviation = |i: usize| now.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
-    let row = |i: usize| (0..own.len()).map(|j| now.covariance[(i, j)] / (deviation(i) * deviation(j))).collect();
+    let correlation = |a: &Unknown, b: &Unknown| match (place(a), place(b)) {
+        (Some(i), Some(j)) => now.covariance[(i, j)] / (deviation(i) * deviation(j)),
+        _ => f64::from(u8::from(a == b)),
+    };
     let parameters = own
         .iter()
-        .enumerate()
-        .map(|(i, (name, b, unknown))| CalibratedParameter {
+        .map(|(name, b, unknown)| CalibratedParameter {
             name: *name,
             bearing: b.map(|b| now.machine.bearings[b].scene.name.clone()),
             value: unknown.get(&now.machine),
-            deviation: inflation * deviation(i),
+            deviation: place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i)),
         })
         .collect();
-    Ok(Calibration { parameters, correlation: (0..own.len()).map(row).collect(), chi_square_per_value })
+    let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
+    Ok(Calibration { parameters, correlation, chi_square_per_value })
 }

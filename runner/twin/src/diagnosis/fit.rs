@@ -74,6 +74,22 @@ pub struct Prior {
 }
 
 impl Prior {
+    /// Returns the mean of an unknown; 0 without one.
+    pub fn mean_of(&self, unknown: Unknown) -> f64 {
+        self.unknowns.iter().zip(&self.mean).find(|(own, _)| **own == unknown).map_or(0.0, |(_, mean)| *mean)
+    }
+
+    /// Returns the standard deviation of an unknown that no other correlates with.
+    pub fn deviation(&self, unknown: Unknown) -> f64 {
+        let own = self.unknowns.iter().position(|own| *own == unknown);
+        own.map_or(f64::INFINITY, |i| self.precision[(i, i)].powf(-0.5))
+    }
+
+    /// Returns the prior with its precision multiplied.
+    pub fn times(&self, factor: f64) -> Self {
+        Self { unknowns: self.unknowns.clone(), mean: self.mean.clone(), precision: &self.precision * factor }
+    }
+
     fn distance(&self, machine: &Machine) -> DVector<f64> {
         DVector::from_iterator(self.unknowns.len(), self.unknowns.iter().map(|u| u.get(machine))) - &self.mean
     }
@@ -161,13 +177,16 @@ fn levenberg_marquardt(
     let mut now = Fitted { unknowns: unknowns.to_vec(), ..start.clone() };
     now.residual = weights.residual(e, &now.machine, &now.spectra)?;
     now.chi_square = square(&now.residual);
-    let objective = |of: &Fitted| of.chi_square + prior.map_or(0.0, |prior| prior.chi_square(&of.machine));
+    // A model that leaves more than noise is as far from the machine as if its noise were higher by that factor.
+    let inflation = (now.chi_square / now.residual.len().max(1) as f64).max(1.0);
+    let prior = prior.map(|prior| prior.times(inflation));
+    let objective = |of: &Fitted| of.chi_square + prior.as_ref().map_or(0.0, |prior| prior.chi_square(&of.machine));
     let mut damping = 1e-4;
     let mut inverse = DMatrix::zeros(n, n);
     let mut slopes = weights.slopes(e, &now, unknowns)?;
     let mut is_exact = true;
     for _ in 0..iterations {
-        let system = NormalEquations::new(e, &now, unknowns, &slopes, prior);
+        let system = NormalEquations::new(e, &now, unknowns, &slopes, prior.as_ref());
         inverse = system.inverse();
         let mut improved = None;
         for _ in 0..DAMPINGS {

@@ -300,8 +300,8 @@ fn own(candidate: &Candidate) -> Vec<Unknown> {
     candidate.unknowns.iter().copied().filter(|u| !is_of_cage(u)).collect()
 }
 
-/// Fits a candidate from the best of its first starts, and a likely spall from further ones if that leads nowhere; `None` if the start is
-/// too far from the recording (see [`FAR`]).
+/// Fits a candidate from the best of its first starts, and a likely spall from further ones, however far, if that leads nowhere; `None` if
+/// no start is near enough to the recording (see [`FAR`]).
 fn fitted(e: &Evidence, candidate: &Candidate, now: &Fitted, is_likely: bool) -> Result<Option<Fitted>> {
     let (first, others) = candidate.starts.split_at(STARTS.min(candidate.starts.len()));
     let evaluated =
@@ -428,6 +428,9 @@ pub const PROFILE_ERROR: f64 = 0.05;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
 /// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
 const FORCE_ERROR: f64 = 0.01;
+/// Share of the largest gain by which a wave may be worse and is fitted further: where its line coincides with that of another, a first fit and
+/// uncertain parameters leave as much.
+const NEARLY: f64 = 0.02;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
@@ -469,8 +472,12 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
         let closest = |tried: &[Judged]| tried.iter().map(Judged::chi_square).fold(f64::INFINITY, f64::min);
         let left = FORCE_ERROR * FORCE_ERROR * best;
         let nearly = closest(&tried) + left + MIN_GAIN;
-        if tried.iter().filter(|judged| judged.chi_square() < nearly).count() > 1 {
-            for judged in tried.iter_mut().filter(|judged| judged.chi_square() < nearly) {
+        let is_near = |judged: &Judged| {
+            let is_wave = matches!(judged.fault.cause, Cause::Waviness(..));
+            judged.chi_square() < nearly + if is_wave { NEARLY * best } else { 0.0 }
+        };
+        if tried.iter().filter(|judged| is_near(judged)).count() > 1 {
+            for judged in tried.iter_mut().filter(|judged| is_near(judged)) {
                 judged.fit_further(of)?;
             }
         }

@@ -133,7 +133,12 @@ impl<'a> Prepared<'a> {
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
-        let (healthy, observable) = cage::fit_cages_together(&evidence, &band, machine, hypothesis::SLIPS)?;
+        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, hypothesis::SLIPS)?;
+        if !evidence.has_axial_probe() {
+            // The cages move the rotor axially.
+            evidence.weight_for(&healthy.machine)?;
+            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, hypothesis::SLIPS)?;
+        }
         Ok(Some(Self { evidence, band, healthy, observable }))
     }
 }

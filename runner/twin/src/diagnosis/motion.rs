@@ -16,10 +16,12 @@ pub const D: usize = 5;
 pub type C = Complex<f64>;
 
 /// Displacement of the rotor and motion of the shaft, sample by sample.
+#[derive(Clone)]
 pub struct Motion {
     /// Sample period, s.
     pub period: f64,
-    /// Pose: displacement of the centre of mass of a rigid shaft with these readings.
+    /// Pose: displacement of the centre of mass of a rigid shaft with these readings. The axial coordinate is an estimate where no
+    /// probe measures it.
     pub q: Vec<Displacement<f64>>,
     /// Total revolutions of the shaft.
     pub turns: Vec<f64>,

@@ -1,5 +1,6 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise; `weights` has that noise.
 
+mod axial;
 mod weights;
 
 use super::Result;
@@ -33,7 +34,7 @@ pub(super) struct Weighting {
     /// Rms noise of each probe, m.
     pub noise: Vec<f64>,
     pub solver: PoseSolver,
-    /// Without one, the axial coordinate is not measured and its equation of motion is omitted.
+    /// Without one, the axial coordinate is computed from the forces of the bearings at the measured radial motion.
     pub has_axial_probe: bool,
 }
 
@@ -78,6 +79,8 @@ pub(super) struct Evidence<'a> {
     pub whitening_of_bearing: Vec<Vec<Vec<[C; D]>>>,
     /// Per line and row: noise of the whitened residual over that of the displacement.
     noise_scale: Vec<Vec<f64>>,
+    /// No probe measures the axial coordinate, and the bearings have an axial stiffness.
+    is_axially_free: bool,
     /// Parameters that are not exactly known, with a root of their covariance.
     uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
     /// Changes of the whitened residual of the machine by which it is weighted, by each of them.
@@ -218,6 +221,7 @@ impl<'a> Evidence<'a> {
             whitening: vec![],
             whitening_of_bearing: vec![],
             noise_scale: vec![],
+            is_axially_free: false,
             uncertain: None,
             uncertain_slopes: Arc::default(),
             tolerance: vec![],
@@ -228,6 +232,20 @@ impl<'a> Evidence<'a> {
             correction: Default::default(),
             gravity,
         }))
+    }
+
+    /// Returns true if a probe measures the axial coordinate.
+    pub fn has_axial_probe(&self) -> bool {
+        self.weighting.has_axial_probe
+    }
+
+    /// Applies a changed pose of the motion.
+    fn set_pose(&mut self) {
+        let q: Vec<[f64; D]> = self.motion.q.iter().map(|q| q.to_array()).collect();
+        self.displacement = Arc::new(std::array::from_fn(|order| self.transform.five(order, |t| q[t])));
+        for shaft in std::iter::once(&mut self.shaft).chain(&mut self.stiffer) {
+            shaft.by_pose = Arc::new(shaft.dynamics.displacements(&q));
+        }
     }
 
     /// Finds the displacement of the bearings with unbalance and load of a machine, and with the moments of its bearings, which no pair of

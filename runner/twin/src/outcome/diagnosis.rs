@@ -279,3 +279,21 @@ impl Diagnosis {
         self.kind == other.kind && self.bearing == other.bearing && self.parameters.form == other.parameters.form
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_whose_interval_contains_zero_is_not_significant() {
+        let of = |low: f64| {
+            let size = Estimate { value: 0.4, low, high: 0.8 };
+            FaultParameters {
+                amplitude_um: Some(size),
+                clearance_um: Some(Estimate { low: -1.0, ..size }),
+                ..Default::default()
+            }
+        };
+        assert!(of(0.1).is_significant() && !of(0.0).is_significant());
+    }
+}

@@ -367,3 +367,18 @@ fn odd_one(mut group: Vec<ProbeMotion>, ratio: f64) -> Option<Implausibility> {
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One end of a rotor in a worn bearing may move 150 times as much as the other; a plane in another unit, 1000 times.
+    #[test]
+    fn planes_may_differ_by_less_than_another_unit() {
+        let planes = |other: f64| {
+            odd_one([("A", 0.1), ("B", other)].map(|(column, rms)| ProbeMotion { column, rms }).into(), PLANE_RATIO)
+        };
+        assert!(planes(15.0).is_none());
+        assert_eq!(planes(100.0).map(|found| found.subject), Some("B".to_owned()));
+    }
+}

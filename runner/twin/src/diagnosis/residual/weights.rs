@@ -24,6 +24,9 @@ impl Evidence<'_> {
         if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
             self.displace(machine)?;
         }
+        if !self.weighting.has_axial_probe {
+            self.follow_axially(machine)?;
+        }
         self.reference = self.mean_stiffness(machine)?;
         self.whitening = self.whitening_of(&self.reference);
         self.whiten_bearings();
@@ -168,9 +171,9 @@ impl Evidence<'_> {
         all
     }
 
-    /// Holds the axial coordinate where it is not measured.
+    /// Holds the axial coordinate where nothing determines it.
     pub(super) fn held(&self, mut stiffness: Square) -> Square {
-        if !self.weighting.has_axial_probe {
+        if !self.weighting.has_axial_probe && !self.is_axially_free {
             (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
             stiffness[(2, 2)] = C::new(1e30, 0.0);
         }
