@@ -376,9 +376,10 @@ mod tests {
     #[test]
     fn planes_may_differ_by_less_than_another_unit() {
         let planes = |other: f64| {
-            odd_one([("A", 0.1), ("B", other)].map(|(column, rms)| ProbeMotion { column, rms }).into(), PLANE_RATIO)
+            let motions = [("A_X", 0.1), ("A_Y", 0.11), ("B_X", other)];
+            odd_one(motions.map(|(column, rms)| ProbeMotion { column, rms }).into(), PLANE_RATIO)
         };
         assert!(planes(15.0).is_none());
-        assert_eq!(planes(100.0).map(|found| found.subject), Some("B".to_owned()));
+        assert_eq!(planes(100.0).map(|found| found.subject), Some("B_X".to_owned()));
     }
 }
