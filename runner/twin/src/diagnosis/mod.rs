@@ -134,7 +134,7 @@ impl<'a> Prepared<'a> {
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
         let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, hypothesis::SLIPS)?;
-        if !evidence.has_axial_probe() {
+        if evidence.follows_axially() {
             // The cages move the rotor axially.
             evidence.weight_for(&healthy.machine)?;
             (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, hypothesis::SLIPS)?;

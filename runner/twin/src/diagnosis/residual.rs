@@ -34,7 +34,7 @@ pub(super) struct Weighting {
     /// Rms noise of each probe, m.
     pub noise: Vec<f64>,
     pub solver: PoseSolver,
-    /// Without one, the axial coordinate is computed from the forces of the bearings at the measured radial motion.
+    /// Without one, the axial coordinate of a rigid rotor is computed from the forces of the bearings at the measured radial motion.
     pub has_axial_probe: bool,
 }
 
@@ -234,9 +234,9 @@ impl<'a> Evidence<'a> {
         }))
     }
 
-    /// Returns true if a probe measures the axial coordinate.
-    pub fn has_axial_probe(&self) -> bool {
-        self.weighting.has_axial_probe
+    /// Returns true if the axial motion is computed: no probe measures it, and the rotor is rigid.
+    pub fn follows_axially(&self) -> bool {
+        !self.weighting.has_axial_probe && !self.is_elastic()
     }
 
     /// Applies a changed pose of the motion.

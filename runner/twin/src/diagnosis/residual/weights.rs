@@ -24,7 +24,7 @@ impl Evidence<'_> {
         if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
             self.displace(machine)?;
         }
-        if !self.weighting.has_axial_probe {
+        if self.follows_axially() {
             self.follow_axially(machine)?;
         }
         self.reference = self.mean_stiffness(machine)?;
