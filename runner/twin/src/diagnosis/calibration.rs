@@ -167,7 +167,9 @@ fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
 fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior) -> Result<Fitted> {
     let is_vague = |(i, unknown): (usize, &Unknown)| {
         let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
-        matches!(unknown, Unknown::Damping(_)) && deviation > VAGUE * unknown.get(&fitted.machine)
+        matches!(unknown, Unknown::Damping(_))
+            && prior.unknowns.contains(unknown)
+            && deviation > VAGUE * unknown.get(&fitted.machine)
     };
     let vague: Vec<Unknown> =
         fitted.unknowns.iter().enumerate().filter(|of| is_vague(*of)).map(|(_, unknown)| *unknown).collect();

@@ -239,13 +239,11 @@ impl<'a> Evidence<'a> {
         !self.weighting.has_axial_probe && !self.is_elastic()
     }
 
-    /// Applies a changed pose of the motion.
+    /// Applies a changed pose of the motion of a rigid rotor.
     fn set_pose(&mut self) {
         let q: Vec<[f64; D]> = self.motion.q.iter().map(|q| q.to_array()).collect();
         self.displacement = Arc::new(std::array::from_fn(|order| self.transform.five(order, |t| q[t])));
-        for shaft in std::iter::once(&mut self.shaft).chain(&mut self.stiffer) {
-            shaft.by_pose = Arc::new(shaft.dynamics.displacements(&q));
-        }
+        self.shaft.by_pose = Arc::new(self.shaft.dynamics.displacements(&q));
     }
 
     /// Finds the displacement of the bearings with unbalance and load of a machine, and with the moments of its bearings, which no pair of
