@@ -180,7 +180,8 @@ fn foreign_hosts_methods_and_paths_are_refused() {
     assert!(!from("http://127.0.0.1:2").head.contains("access-control-allow-origin"));
 }
 
-/// A stream of states goes on while a thousand clients hold connections; memory is bounded and the loop keeps its deadlines.
+/// A stream of states goes on while a thousand clients connect and say nothing: the monitor holds few of their connections, so
+/// that memory is bounded, and the loop keeps its deadlines.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
@@ -207,7 +208,8 @@ fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
     // Other programs of this machine delay blocks as well: five seconds without the clients, then with them.
     let first = misses(&follow());
     let before = follow();
-    let memory = resident(site.child.id());
+    let open = || std::fs::read_dir(format!("/proc/{}/fd", site.child.id())).unwrap().count();
+    let open_before = open();
     let idle: Vec<TcpStream> = (0..1000)
         .filter_map(|_| {
             let mut client = TcpStream::connect(("127.0.0.1", site.port)).ok()?;
@@ -215,24 +217,17 @@ fn a_thousand_idle_clients_do_not_disturb_the_monitor() {
             Some(client)
         })
         .collect();
+    // 32 connections are held, and the system may hand over up to 128 more before the oldest are closed.
+    let held = open().saturating_sub(open_before);
+    assert!(idle.len() == 1000 && held <= 160, "{held} of {} connections are held", idle.len());
     let last = follow();
     let time = |state: &Value| state["time_s"].as_f64().unwrap();
     assert!(time(&last) - time(&before) > 3.0, "the monitor goes on");
     let (without, with) = (misses(&before) - first, misses(&last) - misses(&before));
     println!("{} clients: {with} deadlines missed in 5 s, {without} without them", idle.len());
     assert!(with <= 3 * without + 50, "{with} deadlines missed, {without} without the clients");
-    let grown = resident(site.child.id()).saturating_sub(memory);
-    assert!(grown < 32 << 20, "{grown} bytes");
     drop(idle);
     wait("an answer", || is(&site.get("/state"), 200).then_some(()));
-}
-
-/// Resident memory of a process, bytes.
-#[cfg(target_os = "linux")]
-fn resident(id: u32) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
-    let line = status.lines().find(|line| line.starts_with("VmRSS")).unwrap();
-    1024 * line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
 }
 
 /// More streams than are served, and one that is never read.

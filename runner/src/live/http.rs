@@ -168,11 +168,11 @@ async fn accept(listener: TcpListener, service: impl Service) {
             continue;
         };
         clients.retain(|(task, _)| !task.is_finished());
-        let is_short =
-            |(_, connection): &&(AbortHandle, Arc<Connection>)| !connection.is_stream.load(Ordering::Relaxed);
-        if clients.iter().filter(is_short).count() >= MAX_CLIENTS
-            && let Some((oldest, _)) = clients.iter().find(is_short)
+        let is_short = |(_, connection): &(AbortHandle, Arc<Connection>)| !connection.is_stream.load(Ordering::Relaxed);
+        if clients.iter().filter(|client| is_short(client)).count() >= MAX_CLIENTS
+            && let Some((oldest, _)) = clients.iter().position(is_short).and_then(|at| clients.remove(at))
         {
+            // Removed at once: a task that is aborted ends only when it runs again.
             oldest.abort();
         }
         let connection = Arc::new(Connection::default());
