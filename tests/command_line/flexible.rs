@@ -103,6 +103,38 @@ fn inner_race_spall_of_a_flexible_rotor() {
 }
 
 /// One clear error for each, with the line and the key.
+/// The unbalance of a flexible rotor stays in the planes of the drawing: near the bearings it would bend the rotor less.
+#[test]
+fn clearance_and_unbalance_of_a_flexible_rotor_are_fitted() {
+    let desk = Desk::empty();
+    let swaps = [
+        ("diametral_clearance = \"11.529 um\"", "diametral_clearance = \"13 um\""),
+        ("\"102.02123 g mm\"", "\"120 g mm\""),
+    ];
+    desk.put("scene.toml", swaps.iter().fold(scene(), |text, (from, to)| swap(&text, from, to)));
+    let recording = recorded("flexible/healthy.npy");
+    let arguments = ["fit", "scene.toml", "--recording", &recording, "--turns", "3", "--format", "json"];
+    let found: Value = serde_json::from_str(&desk.done(&arguments).out).unwrap();
+    assert_eq!(found["consistent"], true, "{found:#}");
+    let value = |name: &str, key: &str| {
+        let estimate = list(&found, "parameters").iter().find(|p| p["name"] == name);
+        estimate.unwrap_or_else(|| panic!("no {name} in {found:#}"))[key].as_f64().unwrap()
+    };
+    for (name, truth) in
+        [("DE: diametral_clearance", 11.529), ("unbalance: moment", 69.404), ("DE: youngs_modulus", 206.0)]
+    {
+        let [low, high] = ["low", "high"].map(|key| value(name, key));
+        assert!(low <= truth && truth <= high && high - low < 0.25 * truth, "{name}: {low} to {high}, {truth} is true");
+    }
+    // Damping is that of the drawing.
+    assert!(
+        list(&found, "parameters").iter().all(|p| !p["name"].as_str().unwrap().starts_with("damping")),
+        "{found:#}"
+    );
+    desk.done(&["equilibrium", "scene-fitted.toml"]);
+    assert_eq!(desk.read("scene-fitted.toml").matches("g mm\"").count(), 2, "{}", desk.read("scene-fitted.toml"));
+}
+
 #[test]
 fn wrong_drawings_are_refused() {
     let cases = [

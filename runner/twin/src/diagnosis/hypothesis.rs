@@ -1,7 +1,7 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
-use super::machine::{Machine, MachineBearing, Unknown, clearance, waves};
+use super::machine::{Machine, MachineBearing, Unknown, clearance, union, waves};
 use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
 use super::{Prepared, Result, cage};
@@ -62,8 +62,7 @@ impl Judged<'_> {
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
     fn fit_further(&mut self, of: &Prepared) -> Result<()> {
         let Fault { fitted, observable, gain, .. } = &mut self.fault;
-        let mut unknowns = cage::unknowns(observable, &fitted.machine);
-        unknowns.extend(fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
+        let unknowns = union(cage::unknowns(observable, &fitted.machine), &fitted.unknowns);
         let evidence = self.evidence.as_ref().unwrap_or(&of.evidence);
         let further = fit(evidence, fitted, &unknowns, 10)?;
         *gain += fitted.chi_square - further.chi_square;
@@ -193,15 +192,13 @@ impl Search<'_, '_> {
     }
 
     /// Returns `own` with the unknowns of the observable cages.
-    fn with_cages(&self, own: Vec<Unknown>) -> Vec<Unknown> {
-        let mut unknowns = self.cages.clone();
-        unknowns.extend(own.into_iter().filter(|u| !self.cages.contains(u)));
-        unknowns
+    fn with_cages(&self, own: &[Unknown]) -> Vec<Unknown> {
+        union(self.cages.clone(), own)
     }
 
     fn linear(&self, cause: Cause, own: Vec<Unknown>) -> Result<Candidate> {
         let (gain, start) = linear(self.e, self.now, &own)?;
-        Ok(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(own) })
+        Ok(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(&own) })
     }
 
     fn clearance(&self, b: usize) -> Result<Option<Candidate>> {
@@ -215,7 +212,7 @@ impl Search<'_, '_> {
             best_of(self.e, self.now, b, std::iter::once(machine))
         };
         let (gain, start) = largest_gain(of)?;
-        let unknowns = self.with_cages(vec![Unknown::Clearance(b)]);
+        let unknowns = self.with_cages(&[Unknown::Clearance(b)]);
         Ok(Some(Candidate { cause: Cause::Clearance(b), gain, starts: vec![start], unknowns }))
     }
 
@@ -236,7 +233,7 @@ impl Search<'_, '_> {
         let more = others.into_iter().map(|size| tilted(size, y.atan2(x))).chain([small]);
         let other = best_of(self.e, self.now, b, more)?;
         let (gain, start) = if other.0 > best.0 { other } else { best };
-        let unknowns = self.with_cages(own);
+        let unknowns = self.with_cages(&own);
         Ok(Candidate { cause: Cause::Misalignment(b), gain, starts: vec![start], unknowns })
     }
 
@@ -259,7 +256,7 @@ impl Search<'_, '_> {
             own.push(Unknown::SpinSlip(b));
         }
         let cause = Cause::Spall(b, family.component);
-        Some(Candidate { cause, gain, starts, unknowns: self.with_cages(own) })
+        Some(Candidate { cause, gain, starts, unknowns: self.with_cages(&own) })
     }
 
     /// Returns a wave of a race, or of all elements.
@@ -283,7 +280,7 @@ impl Search<'_, '_> {
         bearing.scene.waviness.extend(waves(surface, false, order, [0.0; 2]));
         let own = vec![Unknown::Wave(b, w), Unknown::Wave(b, w + 1), slip];
         let cause = Cause::Waviness(b, family.component, order);
-        Some(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(own) })
+        Some(Candidate { cause, gain, starts: vec![start], unknowns: self.with_cages(&own) })
     }
 }
 
@@ -604,11 +601,9 @@ fn pruned(of: &Prepared, faults: &mut Vec<Fault>, mut now: Fitted) -> Result<Fit
             i += 1;
             continue;
         }
-        let mut unknowns = cage::unknowns(&of.observable, &now.machine);
-        for fault in faults.iter().filter(|fault| fault.cause != cause) {
-            unknowns
-                .extend(fault.fitted.unknowns.iter().copied().filter(|u| !unknowns.contains(u)).collect::<Vec<_>>());
-        }
+        let others = faults.iter().filter(|fault| fault.cause != cause);
+        let of_cages = cage::unknowns(&of.observable, &now.machine);
+        let unknowns = others.fold(of_cages, |all, fault| union(all, &fault.fitted.unknowns));
         let start = evaluate(&of.evidence, &without(&now.machine, cause, 0, &of.healthy.machine))?;
         let fitted = fit(&of.evidence, &start, &unknowns, 20)?;
         if fitted.chi_square - now.chi_square < MIN_GAIN {

@@ -390,6 +390,16 @@ pub enum Unknown {
     Wave(usize, usize),
 }
 
+/// Returns `first` with those of `others` that it has not.
+pub fn union(mut first: Vec<Unknown>, others: &[Unknown]) -> Vec<Unknown> {
+    for unknown in others {
+        if !first.contains(unknown) {
+            first.push(*unknown);
+        }
+    }
+    first
+}
+
 /// Part of the machine whose force a parameter changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ForceSource {

@@ -4,7 +4,7 @@ use super::cage::unknowns;
 use super::fault_figures::fault_figures;
 use super::fit::{Fitted, changed, fit};
 use super::hypothesis::{Cause, Fault, MIN_GAIN, PROFILE_ERROR};
-use super::machine::{Machine, Unknown, clearance};
+use super::machine::{Machine, Unknown, clearance, union};
 use super::residual::{Evidence, dot};
 use super::surface::Component;
 use super::unexplained::unexplained_lines;
@@ -265,10 +265,8 @@ fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
 /// Fits the unknowns of all faults together.
 fn joint(of: &Prepared, faults: &[Fault]) -> Result<Fitted> {
     let Some(last) = faults.last() else { return Ok(of.healthy.clone()) };
-    let mut all = unknowns(&of.observable, &last.fitted.machine);
-    for fault in faults {
-        all.extend(fault.fitted.unknowns.iter().copied().filter(|u| !all.contains(u)).collect::<Vec<_>>());
-    }
+    let of_cages = unknowns(&of.observable, &last.fitted.machine);
+    let all = faults.iter().fold(of_cages, |all, fault| union(all, &fault.fitted.unknowns));
     fit(&of.evidence, &last.fitted, &all, 30)
 }
 

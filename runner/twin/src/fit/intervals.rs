@@ -95,10 +95,11 @@ pub(super) fn unbalance(
     };
     let given = |k: usize| unknown[index[k]].given;
     let given_amount = given(0).hypot(given(1));
-    let given_station = if given_amount > 0.0 {
-        (given(2) * given(0) + given(3) * given(1)) / (given_amount * given_amount)
+    let [given_station, given_across] = if given_amount > 0.0 {
+        let along = given(2) * given(0) + given(3) * given(1);
+        [along / (given_amount * given_amount), (given(3) * given(0) - given(2) * given(1)) / given_amount]
     } else {
-        0.0
+        [0.0; 2]
     };
     let single = across.abs() <= half(of_across);
     let identified = half(of_amount) < amount;
@@ -125,7 +126,7 @@ pub(super) fn unbalance(
         estimate("unbalance: station", "mm", 1e-3, origin + given_station, origin + station, half(of_station)),
     ];
     if !single {
-        all.push(estimate("unbalance: couple across", "g mm^2", 1e-9, 0.0, across, half(of_across)));
+        all.push(estimate("unbalance: couple across", "g mm^2", 1e-9, given_across, across, half(of_across)));
     }
     (all, single)
 }

@@ -473,7 +473,8 @@ impl Model<'_> {
             let angle_step = self.angle_step();
             let (more, single) =
                 unbalance(&values, covariance, self.unknown, [e, c], z, angle_step, scene.drawn_station(0.0));
-            one_plane = single;
+            // A flexible rotor bends differently under the same sum and couple in another plane.
+            one_plane = single && scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none());
             all.extend(more);
         }
         for (i, parameter) in self.unknown.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::CageEstimate;
 use crate::least_squares::Bounds;
-use crate::plant::Plant;
+use crate::plant::{Plant, unbalance_planes};
 use crate::scene::{FreeAngle, Linear, Model, Preload, Scene, Unbalance};
 use std::f64::consts::TAU;
 
@@ -160,7 +160,9 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
     }
     if groups.contains(&Group::Damping) {
         // At least a fiftieth of the critical damping for the stiffness at the static equilibrium.
-        for (k, entry) in [(0, 0), (1, 2), (2, 3)] {
+        // A flexible rotor has its damping by the drawing: what the scene does not have stays 0.
+        let exists = |entry: usize| rotor.flexible.is_none() || rotor.damping[entry] > 0.0;
+        for (k, entry) in [(0, 0), (1, 2), (2, 3)].into_iter().filter(|(_, entry)| exists(*entry)) {
             let mass = if k == 2 { rotor.diametral_inertia } else { rotor.mass };
             let critical = 2.0 * (mass * plant.stiffness[(entry, entry)].abs()).sqrt();
             add(ParameterKind::Damping(k), rotor.damping[entry], (0.5 * rotor.damping[entry]).max(0.02 * critical));
@@ -241,12 +243,18 @@ pub fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbal
     [at(first, near), at(second, far)]
 }
 
-/// Returns the stations of two planes, m: those of the outermost bearings or, if these coincide, two stations 0.1 m apart.
+/// Returns the stations of the two planes that carry the fitted unbalance, m: those of [`unbalance_planes`] on a flexible rotor, which bends
+/// less under an unbalance near a bearing; on a rigid one, where all planes are equivalent, the outermost bearings or, if these coincide, two
+/// stations 0.1 m apart.
 #[must_use]
 pub fn planes(scene: &Scene) -> [f64; 2] {
     let stations = || scene.bearings.iter().map(|b| b.station);
     let (near, far) = (stations().fold(f64::INFINITY, f64::min), stations().fold(f64::NEG_INFINITY, f64::max));
-    if far - near > 1e-3 { [near, far] } else { [near - 0.05, near + 0.05] }
+    let outermost = if far - near > 1e-3 { [near, far] } else { [near - 0.05, near + 0.05] };
+    match &scene.rotor {
+        Some(rotor) if rotor.flexible.is_some() => unbalance_planes(rotor, outermost),
+        _ => outermost,
+    }
 }
 
 /// Returns the scene with these values, SI, of `parameters`.

@@ -438,9 +438,8 @@ mod tests {
         (peak.0, [peak.1, lowest])
     }
 
-    /// The reduced rotor passes its first critical speed as one of 31 coordinates does.
     #[test]
-    fn a_reduced_rotor_passes_its_first_critical_speed_as_the_full_one_does() {
+    fn a_reduced_rotor_passes_its_first_critical_speed_as_one_of_31_coordinates_does() {
         let (few, [speed, lowest]) = run_up("");
         let (many, [speed_of_many, _]) = run_up("coordinates = 31");
         assert!((few / many - 1.0).abs() < 0.01, "{few} {many} m");

@@ -1,0 +1,176 @@
+//! Monitors many machines at once and prints what they lose:
+//! `cargo bench -q -p ballrace-benches --bench load -- --machines 16 --minutes 180`.
+//!
+//! Each machine has five probes at 51.2 kHz (`scene.toml`) and a monitor of its own, the release binary, which receives frames over TCP and
+//! writes events, state and indicators. `--program FILE` measures another binary.
+
+mod source;
+
+use serde_json::Value;
+use source::Source;
+use std::error::Error;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::{Duration, Instant};
+use std::{env, thread};
+
+const USAGE: &str =
+    "usage: cargo bench -q -p ballrace-benches --bench load -- [--machines N] [--minutes M] [--program FILE]";
+const SCENE: &str = include_str!("scene.toml");
+/// Sampling rate of the scene, Hz.
+const RATE: u64 = 51_200;
+/// Duration of the recording that is sent again and again, s: the motion repeats after five revolutions.
+const RECORDED: &str = "2 s";
+/// Time after which the memory of the monitors is compared with that at the end.
+const WARM: Duration = Duration::from_secs(60);
+
+struct Arguments {
+    machines: usize,
+    minutes: f64,
+    program: PathBuf,
+}
+
+impl Arguments {
+    fn parse(mut given: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
+        let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/release/ballrace");
+        let mut arguments = Self { machines: 16, minutes: 10.0, program };
+        while let Some(argument) = given.next() {
+            let mut value = || given.next().ok_or_else(|| format!("missing value of {argument}\n{USAGE}"));
+            match argument.as_str() {
+                "--bench" => {}
+                "--machines" => arguments.machines = value()?.parse()?,
+                "--minutes" => arguments.minutes = value()?.parse()?,
+                "--program" => arguments.program = value()?.into(),
+                option => return Err(format!("unknown option {option}\n{USAGE}").into()),
+            }
+        }
+        Ok(arguments)
+    }
+}
+
+/// A monitor of one machine in a folder of its own.
+struct Monitor {
+    folder: PathBuf,
+    process: Child,
+    source: Option<thread::JoinHandle<u64>>,
+}
+
+impl Monitor {
+    fn start(program: &Path, folder: PathBuf, port: u16) -> Result<Self, Box<dyn Error>> {
+        fs::create_dir(&folder)?;
+        fs::write(folder.join("scene.toml"), SCENE)?;
+        let process = Command::new(program)
+            .args(["replay", "scene.toml", "--paced", "--encoding", "frames", "--format", "json", "--no-report"])
+            .args(["--state", "state", "--events", "events.jsonl", "--indicators", "trend"])
+            .args(["--source", &format!("tcp:{port}")])
+            .current_dir(&folder)
+            .stdout(File::create(folder.join("outcome.json"))?)
+            .stderr(File::create(folder.join("messages.txt"))?)
+            .stdin(Stdio::null())
+            .spawn()?;
+        Ok(Self { folder, process, source: None })
+    }
+
+    /// Resident memory, MB, and processor time, s.
+    fn usage(&self) -> Result<[f64; 2], Box<dyn Error>> {
+        let read = |name: &str| fs::read_to_string(format!("/proc/{}/{name}", self.process.id()));
+        let status = read("status")?;
+        let resident = status.lines().find(|line| line.starts_with("VmRSS")).ok_or("no VmRSS")?;
+        let kilobytes: f64 = resident.split_whitespace().nth(1).ok_or("no VmRSS")?.parse()?;
+        // User and system time are fields 14 and 15; the name before them may have spaces.
+        let stat = read("stat")?;
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+        let ticks = |i: usize| fields.get(i).and_then(|field| field.parse::<f64>().ok()).unwrap_or(0.0);
+        Ok([kilobytes / 1e3, (ticks(11) + ticks(12)) / 100.0])
+    }
+
+    /// Ends the monitor by SIGTERM and returns its outcome.
+    fn stop(mut self) -> Result<(Value, u64), Box<dyn Error>> {
+        let sent = self.source.take().and_then(|source| source.join().ok()).unwrap_or(0);
+        Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status()?;
+        self.process.wait()?;
+        let text = fs::read_to_string(self.folder.join("outcome.json"))?;
+        let outcome = serde_json::from_str(&text).map_err(|error| {
+            let messages = fs::read_to_string(self.folder.join("messages.txt")).unwrap_or_default();
+            format!("{error}: {messages}")
+        })?;
+        Ok((outcome, sent))
+    }
+}
+
+impl Drop for Monitor {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+    }
+}
+
+/// Returns the frames of one recording without their sequence numbers.
+fn recorded(program: &Path, folder: &Path) -> Result<Vec<Vec<f32>>, Box<dyn Error>> {
+    fs::write(folder.join("scene.toml"), SCENE)?;
+    let simulated = Command::new(program)
+        .args(["simulate", "scene.toml", "--duration", RECORDED, "--settle", "2 s", "--as-recording"])
+        .args(["-o", "recording.csv"])
+        .current_dir(folder)
+        .output()?;
+    if !simulated.status.success() {
+        return Err(String::from_utf8_lossy(&simulated.stderr).into());
+    }
+    let text = fs::read_to_string(folder.join("recording.csv"))?;
+    let mut lines = text.lines();
+    let columns: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let first = columns.iter().position(|name| name.ends_with("_um")).ok_or("no probe in the recording")?;
+    lines.map(|line| Ok(line.split(',').skip(first).map(str::parse).collect::<Result<_, _>>()?)).collect()
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Arguments { machines, minutes, program } = Arguments::parse(env::args().skip(1))?;
+    let folder = tempfile::tempdir()?;
+    let frames = Arc::new(recorded(&program, folder.path())?);
+    let is_over = Arc::new(AtomicBool::new(false));
+    let mut monitors = vec![];
+    for i in 0..machines {
+        let port = source::free_port()?;
+        let mut monitor = Monitor::start(&program, folder.path().join(format!("machine-{}", i + 1)), port)?;
+        let (frames, is_over) = (frames.clone(), is_over.clone());
+        monitor.source = Some(thread::spawn(move || Source::new(port, &frames).run(RATE, &is_over)));
+        monitors.push(monitor);
+    }
+    let (start, duration) = (Instant::now(), Duration::from_secs_f64(60.0 * minutes));
+    thread::sleep(WARM.min(duration / 2));
+    let warm = monitors.iter().map(Monitor::usage).collect::<Result<Vec<_>, _>>()?;
+    let since = start.elapsed();
+    thread::sleep(duration.saturating_sub(since));
+    let end = monitors.iter().map(Monitor::usage).collect::<Result<Vec<_>, _>>()?;
+    let seconds = (start.elapsed() - since).as_secs_f64();
+    is_over.store(true, Relaxed);
+    println!("{machines} machines, five probes at {RATE} Hz each, {minutes} minutes\n");
+    println!(
+        "| machine | samples sent | processed | lost | missed deadlines of blocks | share of a core | memory after {:.0} s | at the end |",
+        since.as_secs_f64()
+    );
+    println!("| --- | --: | --: | --: | --: | --: | --: | --: |");
+    let mut total = 0.0;
+    for (i, (monitor, (warm, end))) in monitors.into_iter().zip(warm.iter().zip(&end)).enumerate() {
+        let (outcome, sent) = monitor.stop()?;
+        let of = |pointer: &str| outcome.pointer(pointer).and_then(Value::as_u64).unwrap_or(0);
+        let lost = of("/timing/source/lost_frames") + of("/timing/source/dropped_rows");
+        let share = (end[1] - warm[1]) / seconds;
+        total += share;
+        println!(
+            "| {} | {sent} | {} | {lost} | {} of {} | {:.1} % | {:.0} MB | {:.0} MB |",
+            i + 1,
+            of("/timing/source/rows"),
+            of("/timing/deadline_misses"),
+            of("/timing/blocks"),
+            100.0 * share,
+            warm[0],
+            end[0],
+        );
+    }
+    println!("\nAll monitors together: {total:.2} cores.");
+    Ok(())
+}
