@@ -333,7 +333,7 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
 }
 
 /// Remark where a simpler model has a smaller residual than the twin.
-pub(super) const BEATEN: &str = "WORSE: a simpler model has a smaller residual than the twin; the machine may have a fault or differ from the scene.";
+pub(super) const BEATEN: &str = "WORSE: a simpler model leaves over 2 % less than the twin. Where the twin leaves far more than the probe noise, the machine may have a fault or differ from the scene.";
 
 /// Returns the word for the standing of the twin against a simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {
