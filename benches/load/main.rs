@@ -2,10 +2,14 @@
 //! `cargo bench -q -p ballrace-benches --bench load -- --machines 16 --minutes 180`.
 //!
 //! Each machine has five probes at 51.2 kHz (`scene.toml`) and a monitor of its own, the release binary, which receives frames over TCP and
-//! writes events, state and indicators. `--program FILE` measures another binary.
+//! writes events, state and indicators. `--program FILE` measures another binary. With `BALLRACE_WRITE=1` the summary is written to
+//! `benches/README.md`.
 
+#[path = "../marks.rs"]
+mod marks;
 mod source;
 
+use marks::Marks;
 use serde_json::Value;
 use source::Source;
 use std::error::Error;
@@ -147,30 +151,76 @@ fn main() -> Result<(), Box<dyn Error>> {
     let end = monitors.iter().map(Monitor::usage).collect::<Result<Vec<_>, _>>()?;
     let seconds = (start.elapsed() - since).as_secs_f64();
     is_over.store(true, Relaxed);
-    println!("{machines} machines, five probes at {RATE} Hz each, {minutes} minutes\n");
+    let mut machines = vec![];
     println!(
-        "| machine | samples sent | processed | lost | missed deadlines of blocks | share of a core | memory after {:.0} s | at the end |",
+        "| machine | samples | lost | missed deadlines | share of a core | memory after {:.0} s | at the end |",
         since.as_secs_f64()
     );
-    println!("| --- | --: | --: | --: | --: | --: | --: | --: |");
-    let mut total = 0.0;
+    println!("| --- | --: | --: | --: | --: | --: | --: |");
     for (i, (monitor, (warm, end))) in monitors.into_iter().zip(warm.iter().zip(&end)).enumerate() {
-        let (outcome, sent) = monitor.stop()?;
-        let of = |pointer: &str| outcome.pointer(pointer).and_then(Value::as_u64).unwrap_or(0);
-        let lost = of("/timing/source/lost_frames") + of("/timing/source/dropped_rows");
-        let share = (end[1] - warm[1]) / seconds;
-        total += share;
-        println!(
-            "| {} | {sent} | {} | {lost} | {} of {} | {:.1} % | {:.0} MB | {:.0} MB |",
-            i + 1,
-            of("/timing/source/rows"),
-            of("/timing/deadline_misses"),
-            of("/timing/blocks"),
-            100.0 * share,
-            warm[0],
-            end[0],
-        );
+        let machine = Machine::new(monitor.stop()?, *warm, *end, seconds);
+        println!("| {} {}", i + 1, machine.row());
+        machines.push(machine);
     }
-    println!("\nAll monitors together: {total:.2} cores.");
+    let summary = summary(&machines, minutes);
+    println!("\n{summary}");
+    if env::var_os("BALLRACE_WRITE").is_some() {
+        let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+        let text = fs::read_to_string(&readme)?;
+        fs::write(&readme, Marks("load").replaced(&text, &summary).ok_or("no marks in benches/README.md")?)?;
+    }
     Ok(())
+}
+
+/// Figures of one machine.
+struct Machine {
+    sent: u64,
+    /// Samples that were sent and not processed.
+    lost: u64,
+    missed: u64,
+    blocks: u64,
+    share_of_core: f64,
+    /// Resident memory after the start and at the end, MB.
+    memory: [f64; 2],
+}
+
+impl Machine {
+    fn new((outcome, sent): (Value, u64), warm: [f64; 2], end: [f64; 2], seconds: f64) -> Self {
+        let of = |pointer: &str| outcome.pointer(pointer).and_then(Value::as_u64).unwrap_or(0);
+        Self {
+            sent,
+            lost: sent - of("/timing/source/rows").min(sent),
+            missed: of("/timing/deadline_misses"),
+            blocks: of("/timing/blocks"),
+            share_of_core: (end[1] - warm[1]) / seconds,
+            memory: [warm[0], end[0]],
+        }
+    }
+
+    fn row(&self) -> String {
+        let Self { sent, lost, missed, blocks, share_of_core, memory: [warm, end] } = self;
+        format!(
+            "| {sent} | {lost} | {missed} of {blocks} | {:.1} % | {warm:.0} MB | {end:.0} MB |",
+            100.0 * share_of_core
+        )
+    }
+}
+
+/// Returns the figures of all machines together.
+fn summary(machines: &[Machine], minutes: f64) -> String {
+    let sum = |of: fn(&Machine) -> u64| machines.iter().map(of).sum::<u64>();
+    let missed = 100.0 * sum(|m| m.missed) as f64 / sum(|m| m.blocks).max(1) as f64;
+    let cores: f64 = machines.iter().map(|m| m.share_of_core).sum();
+    let most = |i: usize| machines.iter().map(|m| m.memory[i]).fold(0.0, f64::max);
+    let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    format!(
+        "| machines | minutes | processors | samples | lost | missed deadlines | cores in use | most memory after the start | at the end |\n\
+         | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n\
+         | {} | {minutes} | {processors} | {} | {} | {missed:.2} % | {cores:.2} | {:.0} MB | {:.0} MB |",
+        machines.len(),
+        sum(|m| m.sent),
+        sum(|m| m.lost),
+        most(0),
+        most(1),
+    )
 }

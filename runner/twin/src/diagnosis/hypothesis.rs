@@ -73,16 +73,20 @@ impl Judged<'_> {
     }
 }
 
+/// Returns the fall of chi-squared where the uncertain parameters of a calibrated machine may act on the force of the fault.
+fn tolerated(e: &Evidence, fitted: &Fitted) -> Result<f64> {
+    Ok(fall_by_uncertain(&e.uncertain_changes(&fitted.spectra, &fitted.machine)?, &fitted.residual))
+}
+
 /// Returns the fall of minus twice the log-likelihood where the covariance of the residual is that of the noise plus that of the uncertain
 /// parameters: with the changes `C` of the residual `r` by one deviation of each, `r^T C (1 + C^T C)^-1 C^T r - ln det(1 + C^T C)`.
-fn tolerated(e: &Evidence, fitted: &Fitted) -> Result<f64> {
-    let changes = e.uncertain_changes(&fitted.spectra, &fitted.machine)?;
+fn fall_by_uncertain(changes: &[Vec<f64>], residual: &[f64]) -> f64 {
     let n = changes.len();
     let covariance = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + dot(&changes[i], &changes[j]));
-    let along = DVector::from_iterator(n, changes.iter().map(|change| dot(change, &fitted.residual)));
-    let Some(factors) = covariance.cholesky() else { return Ok(0.0) };
+    let along = DVector::from_iterator(n, changes.iter().map(|change| dot(change, residual)));
+    let Some(factors) = covariance.cholesky() else { return 0.0 };
     let logarithm = 2.0 * factors.l_dirty().diagonal().map(f64::ln).sum();
-    Ok(along.dot(&factors.solve(&along)) - logarithm)
+    along.dot(&factors.solve(&along)) - logarithm
 }
 
 /// Range of slips searched.
@@ -654,6 +658,32 @@ fn weighted_from<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Against the logarithm of a normal distribution with the whole covariance matrix of the residual.
+    #[test]
+    fn uncertain_parameters_tolerate_a_residual_along_their_changes() {
+        let value = |i: usize, k: usize| (0.7 * i as f64 + 2.1 * k as f64).sin();
+        let changes: Vec<Vec<f64>> = (0..3).map(|k| (0..20).map(|i| 2.0 * value(i, k)).collect()).collect();
+        let along: Vec<f64> = (0..20).map(|i| 3.0 * value(i, 0) - 2.0 * value(i, 2)).collect();
+        let covariance = DMatrix::from_fn(20, 20, |i, j| {
+            f64::from(u8::from(i == j)) + changes.iter().map(|change| change[i] * change[j]).sum::<f64>()
+        });
+        let logarithm = covariance.determinant().ln();
+        let inverse = covariance.try_inverse().unwrap_or_default();
+        for across in [0.0, 5.0] {
+            let residual: Vec<f64> =
+                along.iter().enumerate().map(|(i, x)| x + across * (2.9 * i as f64).cos()).collect();
+            let vector = DVector::from_column_slice(&residual);
+            let expected = vector.dot(&vector) - vector.dot(&(&inverse * &vector)) - logarithm;
+            let found = fall_by_uncertain(&changes, &residual);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} instead of {expected}");
+        }
+        // A residual along the changes is tolerated nearly whole, one that is not there falls by nothing and costs the uncertainty.
+        let whole = dot(&along, &along);
+        assert!(fall_by_uncertain(&changes, &along) + logarithm > 0.95 * whole);
+        assert!((fall_by_uncertain(&changes, &[0.0; 20]) + logarithm).abs() < 1e-9);
+        assert!(fall_by_uncertain(&[], &along).abs() < f64::EPSILON);
+    }
 
     /// A gain with a peak at 1.55 and with all balls lifted from 2 on.
     #[test]
