@@ -1,7 +1,7 @@
 //! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
+use super::candidates::SLIPS;
 use super::fit::{Fitted, Prior, changed, fit_whole};
-use super::hypothesis::SLIPS;
 use super::machine::{Machine, Unknown};
 use super::residual::Evidence;
 use super::{Prepared, Result, cage};

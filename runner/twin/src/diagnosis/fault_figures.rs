@@ -2,9 +2,10 @@
 //!
 //! All are computed from the force that the fitted machine without this fault leaves unexplained below the highest line in use.
 
+use super::cause::Cause;
 use super::fit::{Fitted, changed};
 use super::force_rose::{HARMONICS, Instant, STEPS, direction_deg, energy, mean_pass};
-use super::hypothesis::{Cause, without};
+use super::hypothesis::without;
 use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};

@@ -7,12 +7,15 @@
 //!
 //! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
 //! `machine` a hypothesis, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
-//! the cages, `surface` spalls and waves from their lines, `hypothesis` the choice among the candidates, `result` the reported
-//! result with the data of its figures in `fault_figures` and `force_rose`, `calibration` the fit of the healthy machine.
+//! the cages, `surface` spalls and waves from their lines, `candidates` the faults of each `cause` that the machine may have,
+//! `hypothesis` the choice among them, `result` the reported result with the data of its figures in `fault_figures` and
+//! `force_rose`, `calibration` the fit of the healthy machine.
 
 pub(crate) mod block;
 mod cage;
 mod calibration;
+mod candidates;
+mod cause;
 mod dynamics;
 mod fault_figures;
 mod filter;
@@ -133,11 +136,11 @@ impl<'a> Prepared<'a> {
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
-        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, hypothesis::SLIPS)?;
+        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, candidates::SLIPS)?;
         if evidence.follows_axially() {
             // The cages move the rotor axially.
             evidence.weight_for(&healthy.machine)?;
-            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, hypothesis::SLIPS)?;
+            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, candidates::SLIPS)?;
         }
         Ok(Some(Self { evidence, band, healthy, observable }))
     }

@@ -1,9 +1,10 @@
 //! Reported faults: kind, bearing, position, size, odds and a sentence.
 
 use super::cage::unknowns;
+use super::cause::Cause;
 use super::fault_figures::fault_figures;
 use super::fit::{Fitted, changed, fit};
-use super::hypothesis::{Cause, Fault, MIN_GAIN, PROFILE_ERROR};
+use super::hypothesis::{Fault, MIN_GAIN, PROFILE_ERROR};
 use super::machine::{Machine, Unknown, clearance, union};
 use super::residual::{Evidence, dot};
 use super::surface::Component;
