@@ -551,6 +551,7 @@ pub(crate) fn usual() -> Outcome {
                   at 1 of 5 probes; bearing DE shows damage of its outer race."
             .to_owned(),
         record,
+        twin: ComparedTwin::default(),
         observation: Observation { condition_number: 1.41, noise_gain: 1.07, supplied_by_twin: Vec::new() },
         probes: vec![
             probe("DE_X", -120.0, Some(0.0), 5.7),
@@ -609,6 +610,7 @@ pub(crate) fn bare() -> Outcome {
         version: String::new(),
         verdict: String::new(),
         record: Record::default(),
+        twin: ComparedTwin::default(),
         observation: Observation::default(),
         probes: Vec::new(),
         planes: Vec::new(),

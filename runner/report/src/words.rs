@@ -2,8 +2,8 @@
 
 use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::outcome::{
-    Diagnosis, Estimate, FaultForm, FaultKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome,
-    SourceFigures, Standing, Timing,
+    ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
+    RotorOutcome, SourceFigures, Standing, Timing,
 };
 use ballrace_twin::verdict;
 
@@ -108,7 +108,7 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         return "remove the cause that the verdict states, then replay or measure again.";
     }
-    match (outcome.probes.is_empty(), verdict::follows(&outcome.probes)) {
+    match (outcome.probes.is_empty(), verdict::follows(&outcome.twin, &outcome.probes)) {
         (true, _) => "none; repeat the measurement as planned.",
         (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
         (_, false) => "see that the scene is this machine, or fit it (ballrace fit), before you use the comparison.",
@@ -174,6 +174,9 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
             "Noise gain",
             format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain)),
         ));
+    }
+    if outcome.twin.spread.is_some() {
+        facts.push(("Compared with", compared_twin(&outcome.twin)));
     }
     let supplied = &outcome.observation.supplied_by_twin;
     if !supplied.is_empty() {
@@ -288,6 +291,16 @@ fn samples(record: &Record) -> String {
     } else {
         format!("{read}, {} not compared", count(left_out))
     }
+}
+
+/// States which twin is compared and why, where it does not run freely.
+fn compared_twin(twin: &ComparedTwin) -> String {
+    let twin_is = if twin.synchronised {
+        "a twin that starts each sample period at the observer's state"
+    } else {
+        "a twin that runs freely, without a meaning, as there is no observer"
+    };
+    format!("{twin_is}: {}", verdict::without_repetition(twin))
 }
 
 fn condition(observation: &Observation) -> String {

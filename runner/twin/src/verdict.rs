@@ -1,6 +1,6 @@
 //! The verdict as a sentence.
 
-use crate::outcome::{Diagnosis, EvidenceSource, Implausibility, ProbeOutcome, Standing};
+use crate::outcome::{ComparedTwin, Diagnosis, EvidenceSource, Implausibility, ProbeOutcome, Standing};
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
@@ -8,9 +8,12 @@ fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Op
     values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
 }
 
-/// Returns true where the twin is as good as any simpler model, or its residual is noise.
+/// Returns true where the twin is as good as any simpler model, or its residual is noise, or says nothing of the machine.
 #[must_use]
-pub fn follows(probes: &[ProbeOutcome]) -> bool {
+pub fn follows(twin: &ComparedTwin, probes: &[ProbeOutcome]) -> bool {
+    if !twin.is_comparable() {
+        return true;
+    }
     let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
     let at_noise = rms(probes, |p| p.noise_um).is_some_and(|noise| residual <= 1.5 * noise);
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
@@ -21,7 +24,7 @@ pub fn follows(probes: &[ProbeOutcome]) -> bool {
 #[must_use]
 pub fn verdict(
     diagnoses: &[Diagnosis],
-    probes: &[ProbeOutcome],
+    (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
     implausible: &[Implausibility],
     not_judged: &[String],
     undiagnosed: Option<&str>,
@@ -42,7 +45,7 @@ pub fn verdict(
         1 => " 1 sample with a reading out of range is omitted.".to_owned(),
         count => format!(" {count} samples with a reading out of range are omitted."),
     };
-    let verdict = judged(diagnoses, probes, undiagnosed);
+    let verdict = judged(diagnoses, (twin, probes), undiagnosed);
     format!("{verdict}{left_out}")
 }
 
@@ -51,18 +54,47 @@ fn is_of_vibration_alone(diagnosis: &Diagnosis) -> bool {
     diagnosis.evidence == [EvidenceSource::Vibration]
 }
 
-fn judged(diagnoses: &[Diagnosis], probes: &[ProbeOutcome], undiagnosed: Option<&str>) -> String {
+/// States that the motion does not repeat; empty where it does.
+#[must_use]
+pub fn without_repetition(twin: &ComparedTwin) -> String {
+    let Some(spread) = &twin.spread else { return String::new() };
+    format!(
+        "two twins of the scene that started a turn apart still differ by {:.2} um rms at {} after {:.1} s",
+        spread.difference_um, spread.probe, spread.time_s
+    )
+}
+
+fn judged(
+    diagnoses: &[Diagnosis],
+    (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
+    undiagnosed: Option<&str>,
+) -> String {
     if let Some(worst) = diagnoses.first() {
         if is_of_vibration_alone(worst) {
             return format!("The vibration shows a fault. {}", worst.sentence);
         }
         return format!("The machine departs from its twin. {}", worst.sentence);
     }
+    let faults = undiagnosed.map_or_else(
+        || "no fault is found".to_owned(),
+        |reason| format!("the shaft motion is not diagnosed: {reason}"),
+    );
+    if !twin.is_comparable() {
+        return format!(
+            "The motion of this machine does not repeat, so that no twin has its phase, and without an observer none can be \
+             synchronised with the readings: the comparison says nothing; {faults}."
+        );
+    }
     let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));
     let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
     let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
-    let follows = if follows(probes) { "follows" } else { "does not follow" };
+    let follows = if follows(twin, probes) { "follows" } else { "does not follow" };
+    let twin = if twin.synchronised {
+        "The motion of this machine does not repeat. The synchronised twin"
+    } else {
+        "The twin"
+    };
     let rivals = if better == probes.len() {
         "its residual is smaller than that of all four simpler models on every probe".to_owned()
     } else if worse == 0 {
@@ -74,9 +106,5 @@ fn judged(diagnoses: &[Diagnosis], probes: &[ProbeOutcome], undiagnosed: Option<
     } else {
         format!("a simpler model does better on {worse} of {} probes", probes.len())
     };
-    let faults = undiagnosed.map_or_else(
-        || "no fault is found".to_owned(),
-        |reason| format!("the shaft motion is not diagnosed: {reason}"),
-    );
-    format!("The twin {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; {faults}.")
+    format!("{twin} {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; {faults}.")
 }

@@ -157,6 +157,8 @@ pub trait StateEstimator {
     fn restart(&mut self, coordinates: &[f64], rates: &[f64]);
     /// Returns the estimated coordinates.
     fn coordinates(&self) -> &[f64];
+    /// Returns the rates of the estimated coordinates.
+    fn rates(&self) -> &[f64];
     /// Returns the estimated unknown force and moment on the rotor, about its centre of mass.
     fn load(&self) -> [f64; 5];
     /// Sets the angle of each cage beyond that of the scene, revolutions.
@@ -344,6 +346,9 @@ where
     }
     fn coordinates(&self) -> &[f64] {
         self.state.motion.q.get(..self.order).unwrap_or_default()
+    }
+    fn rates(&self) -> &[f64] {
+        self.state.motion.velocity.get(..self.order).unwrap_or_default()
     }
     fn load(&self) -> [f64; 5] {
         array(&self.state.load)

@@ -86,6 +86,12 @@ impl RunningObserver {
         self.consistency.is_trusted().then(|| self.estimator.coordinates())
     }
 
+    /// Returns the estimated coordinates and their rates; `None` if the observer is not trusted.
+    #[must_use]
+    pub fn state(&self) -> Option<(&[f64], &[f64])> {
+        self.consistency.is_trusted().then(|| (self.estimator.coordinates(), self.estimator.rates()))
+    }
+
     /// Returns the estimated unknown load, N and N m; `None` if the observer is not trusted.
     #[must_use]
     pub fn load(&self) -> Option<[f64; 5]> {

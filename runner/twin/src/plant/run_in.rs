@@ -25,7 +25,21 @@ impl RunIn {
     /// # Errors
     /// A parameter that the kernel rejects.
     pub fn try_new(plant: &Plant, sample_period: f64, revolutions: f64, drive: &ShaftMotion<f64>) -> Result<Self> {
-        let samples = (plant.settling_time() / sample_period).ceil();
+        Self::longer(plant, sample_period, revolutions, drive, 0)
+    }
+
+    /// Starts a twin at rest, `more` samples before [`Self::try_new`] does.
+    ///
+    /// # Errors
+    /// As of [`Self::try_new`].
+    pub fn longer(
+        plant: &Plant,
+        sample_period: f64,
+        revolutions: f64,
+        drive: &ShaftMotion<f64>,
+        more: u64,
+    ) -> Result<Self> {
+        let samples = (plant.settling_time() / sample_period).ceil() + more as f64;
         let before = samples * sample_period * drive.speed / TAU;
         let twin = plant.start(sample_period, revolutions - before)?;
         Ok(Self { twin, drive: ShaftMotion { acceleration: 0.0, ..*drive }, sample_period, samples, passed: 0 })
@@ -33,7 +47,7 @@ impl RunIn {
 
     /// Advances the twin by one sample; returns false at the end of the run-in.
     pub fn advance(&mut self) -> bool {
-        if self.passed >= self.samples as u64 {
+        if self.left() == 0 {
             return false;
         }
         let left = (self.samples - self.passed as f64) * self.sample_period * self.drive.speed / TAU;
@@ -41,6 +55,18 @@ impl RunIn {
         self.twin
             .step(&ShaftMotion { angle: self.drive.angle.wrapping_add(Phase::from_revolutions(-left)), ..self.drive });
         true
+    }
+
+    /// Returns the number of samples to the end.
+    #[must_use]
+    pub fn left(&self) -> u64 {
+        (self.samples as u64).saturating_sub(self.passed)
+    }
+
+    /// Returns the coordinates of the twin.
+    #[must_use]
+    pub fn coordinates(&self) -> &[f64] {
+        self.twin.coordinates()
     }
 
     /// Returns the twin.

@@ -9,7 +9,8 @@ use crate::campbell;
 use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{
-    Diagnosis, DiagnosisOutcome, FaultKind, Implausibility, MarkedLine, Outcome, Pictures, Record, RotorDrawing,
+    ComparedTwin, Diagnosis, DiagnosisOutcome, FaultKind, Implausibility, MarkedLine, Outcome, Pictures, Record,
+    RotorDrawing, TwinSpread,
 };
 use crate::plant::Plant;
 use crate::plausibility::{Evidence, implausible};
@@ -165,6 +166,7 @@ impl Pipeline<'_> {
             }
         }
         let observer = self.observer.outcome();
+        let twin = self.compared_twin();
         let mut notes = std::mem::take(&mut self.notes);
         notes.extend(self.closing_notes());
         notes.extend(diagnosis_notes);
@@ -200,7 +202,7 @@ impl Pipeline<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             verdict: verdict::verdict(
                 &diagnoses,
-                &probes,
+                (&twin, &probes),
                 &implausible,
                 &not_judged,
                 undiagnosed.as_deref(),
@@ -213,6 +215,7 @@ impl Pipeline<'_> {
             record,
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
             observation: self.location.observation().clone(),
+            twin,
             probes,
             rotor: self.plant.rotor_outcome(scene),
             bearings: self.force.outcomes(bearings),
@@ -227,6 +230,16 @@ impl Pipeline<'_> {
             pictures,
         }
         .with_stations_as_drawn(scene))
+    }
+
+    /// Returns the twin that the readings are compared with.
+    fn compared_twin(&self) -> ComparedTwin {
+        let spread = self.spread.map(|spread| TwinSpread {
+            probe: self.probes[spread.probe].column.clone(),
+            difference_um: 1e6 * spread.difference,
+            time_s: spread.time,
+        });
+        ComparedTwin { synchronised: self.is_synchronised(), spread }
     }
 
     /// Evaluates the signals of the vibration sensors, with a note where they have no verdict.
@@ -280,7 +293,7 @@ impl Pipeline<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             rotor: self.plant.rotor_outcome(scene),
             pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
-            verdict: verdict::verdict(&[], &[], implausible, not_judged, None, 0),
+            verdict: verdict::verdict(&[], (&outcome.twin, &[]), implausible, not_judged, None, 0),
             events,
             flaws: facts.flaws,
             notes,

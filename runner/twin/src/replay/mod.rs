@@ -15,6 +15,7 @@ mod pipeline;
 // Readings before the sample waits for the twin.
 pub mod range;
 mod readings;
+mod repeat;
 mod running_diagnosis;
 mod running_vibration;
 mod standstill;

@@ -111,6 +111,16 @@ impl ObserverStage {
         ObserverSample { status, nis: correction.map(|c| c.nis) }
     }
 
+    /// Returns true where the scene has an observer.
+    pub(super) const fn is_tuned(&self) -> bool {
+        self.tuned.is_some()
+    }
+
+    /// Returns the estimated coordinates and their rates; none where the observer is not trusted.
+    pub(super) fn state(&self) -> Option<(&[f64], &[f64])> {
+        self.running.as_ref().and_then(RunningObserver::state)
+    }
+
     /// Returns the estimated coordinates; none where the observer is not trusted.
     pub(super) fn coordinates(&self) -> Option<&[f64]> {
         self.running.as_ref().and_then(RunningObserver::coordinates)

@@ -14,6 +14,7 @@ use super::pictures::{FigureCollector, marked_lines, passes_keyphasor};
 use super::plausibility::Counts;
 use super::range::ReadingRange;
 use super::readings::ReadingsStage;
+use super::repeat::Spread;
 use super::running_diagnosis::{DiagnosisState, FaultState, RunningDiagnosis};
 use super::running_vibration::RunningVibration;
 use super::second::{Second, SecondIndicators};
@@ -62,6 +63,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) startup: Startup,
     pub(super) alignment: AlignmentStage,
     pub(super) twin: TwinStage,
+    /// Difference of two twins where the scene does not determine their motion.
+    pub(super) spread: Option<Spread>,
     pub(super) location: LocationStage,
     pub(super) observer: ObserverStage,
     /// Angle and speed of the cages.
@@ -163,6 +166,7 @@ impl<'a> Pipeline<'a> {
             startup: Startup::new(search, options.live),
             alignment: AlignmentStage::default(),
             twin: TwinStage::new(plant.clone(), rate),
+            spread: None,
             location: LocationStage::try_new(scene, &plant, probes, rows.clone())?,
             observer: ObserverStage::new(rows.clone(), !plant.layout.is_given()),
             cages: CageTracker::new(&plant),
@@ -331,7 +335,13 @@ impl<'a> Pipeline<'a> {
             self.notes.push(note);
         }
         self.alignment = AlignmentStage::new(found.lag);
+        self.spread = found.spread;
         self.observer.set_tuned(found.tuned);
+    }
+
+    /// Returns true where the twin starts each sample period at the state of the observer.
+    pub(super) const fn is_synchronised(&self) -> bool {
+        self.spread.is_some() && self.observer.is_tuned()
     }
 
     /// Runs the twin in where the next sample starts it; returns true where that sample can be processed.
@@ -363,6 +373,11 @@ impl<'a> Pipeline<'a> {
         self.timing.sample(time);
         let begun = Instant::now();
         self.location.set_sample(&self.range, sample);
+        if self.is_synchronised()
+            && let Some((coordinates, rates)) = self.observer.state()
+        {
+            self.twin.place(coordinates, rates);
+        }
         self.twin.advance(sample, &interval);
         let observed = self.observer.advance(
             (sample, &interval),

@@ -6,8 +6,9 @@
 
 use super::align::{self, AlignmentStage};
 use super::range::ReadingRange;
+use super::repeat::{Spread, run_in_twice};
 use crate::error::{Error, ObserverError, ReplayError, Result};
-use crate::observer::{IdentificationData, InitialState, TunedObserver, identify};
+use crate::observer::{IdentificationData, InitialState, TunedObserver, identify, noise};
 use crate::plant::{MAX_OBSERVED, Plant, RunIn, Twin};
 use crate::recording::Sample;
 use crate::scene::Speed;
@@ -223,6 +224,8 @@ pub(super) struct SearchResult {
     pub(super) lag: f64,
     /// The observer; none where the search was cancelled or where there is no steady filter.
     pub(super) tuned: Option<TunedObserver>,
+    /// Difference of two twins where the scene does not determine their motion.
+    pub(super) spread: Option<Spread>,
 }
 
 /// Inputs of the search.
@@ -255,28 +258,35 @@ impl Search {
     /// # Errors
     /// A machine that cannot be started, probes that no observer takes.
     fn run(&self, samples: &[Sample]) -> Result<SearchResult> {
-        let mut lag = 0.0;
-        match self.find(samples, &mut lag) {
-            Err(Error::Observer(ObserverError::Cancelled)) => Ok(SearchResult { lag, tuned: None }),
-            tuned => Ok(SearchResult { lag, tuned: tuned? }),
+        let mut found = SearchResult { lag: 0.0, tuned: None, spread: None };
+        match self.find(samples, &mut found) {
+            Err(Error::Observer(ObserverError::Cancelled)) => Ok(found),
+            ended => ended.map(|()| found),
         }
     }
 
-    fn find(&self, samples: &[Sample], lag: &mut f64) -> Result<Option<TunedObserver>> {
+    fn find(&self, samples: &[Sample], found: &mut SearchResult) -> Result<()> {
+        let Some(first) = samples.first() else { return Ok(()) };
         // A gap leaves fewer samples, never a longer time to integrate.
-        let within = |sample: &&Sample| sample.row.index < samples[0].row.index + align::MAX_SAMPLES as u64;
+        let within = |sample: &&Sample| sample.row.index < first.row.index + align::MAX_SAMPLES as u64;
         let shifted =
             |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
-        let passes = if self.is_synchronous { 0 } else { 2 };
-        for _ in 0..passes {
-            let shifted = shifted(*lag);
-            let Some(first) = shifted.first() else { return Ok(None) };
-            let mut twin = self.run_in(first)?;
+        let (mut twin, repeatability) = run_in_twice(&self.plant, &self.rows, self.period, first, &self.cancelled)?;
+        let noise: Vec<f64> = self.noise.iter().enumerate().map(|(p, given)| noise(samples, p, *given)).collect();
+        found.spread = repeatability.spread(&noise);
+        // The phase of a motion that does not repeat is no lag of the keyphasor.
+        let passes = if self.is_synchronous || found.spread.is_some() { 0 } else { 2 };
+        for pass in 0..passes {
+            let shifted = shifted(found.lag);
+            if pass > 0 {
+                twin = self.run_in(&shifted[0])?;
+            }
             let more = align::lag(&shifted, twin.as_mut(), &self.rows, self.period, &self.cancelled);
             self.check_cancelled()?;
-            *lag = (*lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
+            found.lag = (found.lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
         }
-        self.tune(&shifted(*lag))
+        found.tuned = self.tune(&shifted(found.lag))?;
+        Ok(())
     }
 
     /// Finds the observer under which the first samples are the most likely.

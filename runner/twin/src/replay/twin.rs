@@ -167,6 +167,13 @@ impl TwinStage {
         }
     }
 
+    /// Places both twins at a state.
+    pub(super) fn place(&mut self, coordinates: &[f64], rates: &[f64]) {
+        let Some(state) = &mut self.state else { return };
+        state.twin.place(coordinates, rates);
+        state.linear.place(coordinates, rates);
+    }
+
     /// Advances the twin on linear springs.
     pub(super) fn advance_linear(&mut self, interval: &SampleInterval) {
         let Some(state) = &mut self.state else { return };

@@ -17,7 +17,7 @@ mod tests;
 use crate::error::{Result, VibrationError};
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{Outcome, Pictures, Record, RotorDrawing, Timing};
+use crate::outcome::{ComparedTwin, Outcome, Pictures, Record, RotorDrawing, Timing};
 use crate::plausibility::{Collector, Evidence, implausible};
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
@@ -102,7 +102,7 @@ pub fn replay(
     let overridden = if options.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
     let diagnoses = if implausible.is_empty() { found.diagnoses } else { vec![] };
     let verdict = match (implausible.is_empty(), &found.not_judged) {
-        (false, _) => verdict(&[], &[], &implausible, &[], None, 0),
+        (false, _) => verdict(&[], (&ComparedTwin::default(), &[]), &implausible, &[], None, 0),
         (true, Some(reason)) => format!("No verdict: {reason}."),
         (true, None) => diagnoses.first().map_or_else(
             || "No line of a bearing stands out of the envelope of any band.".to_owned(),
