@@ -42,6 +42,13 @@ pub fn gate(probes: usize) -> f64 {
     2.0 * y
 }
 
+/// Returns the gate where the motion does not repeat: an impact enlarges the error of a prediction, which the gains do not have, and a
+/// rejected sample lets it grow. An error of the model up to the bound at which forces still come from the observer passes.
+#[must_use]
+pub fn wide_gate(probes: usize) -> f64 {
+    LARGEST_RATIO * gate(probes)
+}
+
 /// Result of the consistency test at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ConsistencyState {
@@ -66,18 +73,18 @@ pub struct Consistency {
 }
 
 impl Consistency {
-    /// Creates the test of an observer with `probes` probes.
+    /// Creates the test of an observer with `probes` probes and a gate, see [`gate`] and [`wide_gate`].
     #[must_use]
-    pub fn new(probes: usize) -> Self {
+    pub fn new(probes: usize, gate: f64) -> Self {
         let degrees = probes.max(1) as f64;
-        Self { probes: degrees, gate: gate(probes), mean: degrees, rejected: 0, settling: 0, trusted: true }
+        Self { probes: degrees, gate, mean: degrees, rejected: 0, settling: 0, trusted: true }
     }
 
     /// Creates the test of an observer that has just restarted: the gate is open and the observer is not trusted until it has
     /// settled.
     #[must_use]
-    pub fn restarted(probes: usize) -> Self {
-        Self { settling: SETTLING, trusted: false, ..Self::new(probes) }
+    pub fn restarted(probes: usize, gate: f64) -> Self {
+        Self { settling: SETTLING, trusted: false, ..Self::new(probes, gate) }
     }
 
     /// Returns a normalised innovation squared for statistics, at most the gate: beyond the gate its size means nothing.
@@ -141,7 +148,7 @@ mod tests {
 
     #[test]
     fn one_outlier_changes_nothing() {
-        let mut test = Consistency::new(5);
+        let mut test = Consistency::new(5, gate(5));
         assert!((0..1000).all(|_| test.test(5.0, true) == ConsistencyState::Trusted));
         assert_eq!(test.test(1e300, true), ConsistencyState::Trusted);
         assert_eq!(test.test(f64::NAN, true), ConsistencyState::Trusted);
@@ -150,7 +157,7 @@ mod tests {
 
     #[test]
     fn repeated_rejection_restarts_and_is_trusted_again_after_settling() {
-        let mut test = Consistency::new(5);
+        let mut test = Consistency::new(5, gate(5));
         let verdicts: Vec<ConsistencyState> = (0..8).map(|_| test.test(1e6, true)).collect();
         assert_eq!(verdicts.last(), Some(&ConsistencyState::Restart));
         assert!(test.gate().is_infinite());
@@ -161,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_steady_excess_is_distrusted_without_a_restart() {
-        let mut test = Consistency::new(5);
+        let mut test = Consistency::new(5, gate(5));
         assert!((0..2000).all(|_| test.test(30.0, true) != ConsistencyState::Restart));
         assert!(!test.is_trusted());
         assert_eq!(test.test(5.0, false), ConsistencyState::Restart);

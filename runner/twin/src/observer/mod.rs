@@ -10,7 +10,7 @@ mod start;
 mod tune;
 
 pub use cages::{CageEvidence, CagePosition, CageTracker, found_position};
-pub use consistency::{Consistency, ConsistencyState, gate};
+pub use consistency::{Consistency, ConsistencyState, gate, wide_gate};
 pub use model::{Uncertainty, memory, weight};
 pub use running::{Correction, RunningObserver};
 pub use tune::{IdentificationData, TunedObserver, identify, noise};
@@ -153,8 +153,8 @@ pub trait StateEstimator {
     fn step(&mut self, drive: &ShaftMotion<f64>, readings: &[f64]) -> (f64, Status);
     /// Sets the validation gate; infinity disables it.
     fn set_gate(&mut self, gate: f64);
-    /// Restarts at coordinates and their rates, without unknown loads.
-    fn restart(&mut self, coordinates: &[f64], rates: &[f64]);
+    /// Restarts at coordinates and their rates, with or without the unknown loads so far.
+    fn restart(&mut self, coordinates: &[f64], rates: &[f64], keeps_loads: bool);
     /// Returns the estimated coordinates.
     fn coordinates(&self) -> &[f64];
     /// Returns the rates of the estimated coordinates.
@@ -335,11 +335,13 @@ where
     fn set_gate(&mut self, gate: f64) {
         self.observer.gate = gate;
     }
-    fn restart(&mut self, coordinates: &[f64], rates: &[f64]) {
+    fn restart(&mut self, coordinates: &[f64], rates: &[f64], keeps_loads: bool) {
         self.state.motion.q = array(coordinates);
         self.state.motion.velocity = array(rates);
-        self.state.load = [0.0; D];
-        self.state.rotating_load = [0.0; D];
+        if !keeps_loads {
+            self.state.load = [0.0; D];
+            self.state.rotating_load = [0.0; D];
+        }
         for b in 0..self.displaced.len() {
             self.displaced[b] = self.displaced[b].map(|_| self.displaced(b));
         }

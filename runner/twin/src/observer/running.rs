@@ -71,7 +71,8 @@ impl RunningObserver {
         let verdict = self.consistency.test(nis, is_possible);
         if verdict == ConsistencyState::Restart {
             let (position, rate) = restart_state();
-            self.estimator.restart(&position, &rate);
+            // The rejected samples did not change the loads; those behind an impossible displacement may be wrong.
+            self.estimator.restart(&position, &rate, is_possible);
         }
         if let Some(evidence) = self.estimator.cage_evidence().filter(|_| verdict == ConsistencyState::Trusted) {
             cages.correct(evidence, self.consistency.ratio().max(1.0));
@@ -86,10 +87,11 @@ impl RunningObserver {
         self.consistency.is_trusted().then(|| self.estimator.coordinates())
     }
 
-    /// Returns the estimated coordinates and their rates; `None` if the observer is not trusted.
+    /// Returns the estimated coordinates and their rates, also while the observer is not trusted: then they are those of its restart, or
+    /// far from it by some noise.
     #[must_use]
-    pub fn state(&self) -> Option<(&[f64], &[f64])> {
-        self.consistency.is_trusted().then(|| (self.estimator.coordinates(), self.estimator.rates()))
+    pub fn state(&self) -> (&[f64], &[f64]) {
+        (self.estimator.coordinates(), self.estimator.rates())
     }
 
     /// Returns the estimated unknown load, N and N m; `None` if the observer is not trusted.

@@ -10,6 +10,11 @@ use nalgebra::{DMatrix, DVector};
 
 /// Number of samples in the fit.
 const SAMPLES: usize = 1024;
+/// Numbers of samples in fits that each start from the one before, where the fit of all samples from the guess fails: over a few samples any
+/// motion is nearly linear in its first state, while a chaotic one over many is not.
+const FEW_FIRST: [usize; 6] = [32, 64, 128, 256, 512, SAMPLES];
+/// Mean square of the residual over the noise above which a fit has failed: as for an observer that is not trusted.
+const FAILED: f64 = 4.0;
 /// Prior standard deviations of the first state: m, m/s, and unknown loads over the weight of the rotor.
 const PRIOR: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
 /// Relative fall of the sum of squares per iteration below which the fit ends: a fall of about 0.5 of the few thousand that noise alone
@@ -22,7 +27,6 @@ const MIN_FALL: f64 = 1e-4;
 /// Returns an error if the kernel rejects the plant or the search is cancelled.
 pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: InitialState) -> Result<InitialState> {
     let IdentificationData { samples, rows, period, .. } = *data;
-    let samples = samples.get(..SAMPLES.min(samples.len())).unwrap_or_default();
     let Some(first) = samples.first() else { return Ok(guess) };
     let (levers, weight) = (Levers::new(plant)?, model::weight(plant)?);
     let (loads, rotating) = (model::loads(plant), model::rotating_loads(plant));
@@ -45,10 +49,11 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
             turning: sum(&guess.turning, &spread(&rotating, turning)),
         }
     };
-    let none = Gains::none(n);
-    let residuals = |x: &[f64]| -> Result<Vec<f64>> {
+    let no_gains = Gains::none(n);
+    let residuals = |x: &[f64], count: usize| -> Result<Vec<f64>> {
         data.check_cancelled()?;
-        let mut estimator = estimator(plant, rows, &none, at(x), first, period)?;
+        let samples = samples.get(..count.min(samples.len())).unwrap_or_default();
+        let mut estimator = estimator(plant, rows, &no_gains, at(x), first, period)?;
         let mut left = Vec::with_capacity(samples.len() * rows.len() + x.len());
         for (i, sample) in samples.iter().enumerate() {
             let position = estimator.coordinates();
@@ -65,5 +70,24 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         left.extend_from_slice(x);
         Ok(left)
     };
-    Ok(at(&least_squares::solve(vec![0.0; units.len()], &residuals, MIN_FALL)?))
+    let fit = |from: Vec<f64>, count: usize| least_squares::solve(from, &|x: &[f64]| residuals(x, count), MIN_FALL);
+    let is_good = |x: &[f64], count: usize| -> Result<bool> {
+        let left = residuals(x, count)?;
+        Ok(left.iter().map(|r| r * r).sum::<f64>() < FAILED * left.len() as f64)
+    };
+    let none = vec![0.0; units.len()];
+    let all = fit(none.clone(), SAMPLES)?;
+    if is_good(&all, SAMPLES)? {
+        return Ok(at(&all));
+    }
+    let mut best = none;
+    for count in FEW_FIRST {
+        let closer = fit(best.clone(), count)?;
+        if !is_good(&closer, count)? {
+            // A machine that the scene does not describe is followed no longer than this.
+            return Ok(at(if count == FEW_FIRST[0] { &all } else { &best }));
+        }
+        best = closer;
+    }
+    Ok(at(&best))
 }

@@ -1,7 +1,7 @@
 //! Identification of the observer: the process noise of the unknown force under which the first revolutions are most likely.
 
 use super::model::{self, Uncertainty};
-use super::{Gains, InitialState, MAX_PROBES, estimator, start};
+use super::{Gains, InitialState, MAX_PROBES, estimator, gate, start, wide_gate};
 use crate::error::{ObserverError, Result};
 use crate::plant::Plant;
 use crate::recording::Sample;
@@ -22,6 +22,8 @@ pub struct IdentificationData<'a> {
     pub speed: Speed,
     /// Process noise of the unknown force where the scene gives it, N per root second.
     pub process_noise: Option<f64>,
+    /// The motion repeats: two twins of the scene end in the same one.
+    pub repeats: bool,
     /// Set to end the search with [`ObserverError::Cancelled`].
     pub cancelled: &'a AtomicBool,
 }
@@ -44,6 +46,8 @@ pub struct TunedObserver {
     pub process_noise: f64,
     /// Rms noise of each probe, m.
     pub noise: Vec<f64>,
+    /// Largest normalised innovation squared that corrects it.
+    pub gate: f64,
 }
 
 /// Number of samples in the likelihood.
@@ -111,7 +115,8 @@ pub fn identify(
             }
         }
     }
-    Ok(best.map(|Candidate { process_noise, gains, .. }| TunedObserver { gains, start, process_noise, noise }))
+    let gate = if data.repeats { gate(noise.len()) } else { wide_gate(noise.len()) };
+    Ok(best.map(|Candidate { process_noise, gains, .. }| TunedObserver { gains, start, process_noise, noise, gate }))
 }
 
 /// Returns twice the negative logarithm of the likelihood of the innovations, up to a constant.

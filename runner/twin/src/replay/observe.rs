@@ -7,7 +7,7 @@ use super::statistics::Running;
 use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::{
-    CageTracker, Consistency, ConsistencyState, InitialState, RunningObserver, TunedObserver, estimator, gate,
+    CageTracker, Consistency, ConsistencyState, InitialState, RunningObserver, TunedObserver, estimator,
 };
 use crate::outcome::ObserverOutcome;
 use crate::plant::{AXIAL, Plant};
@@ -61,8 +61,10 @@ impl ObserverStage {
         let Some(tuned) = &self.tuned else { return Ok(()) };
         let probes = self.rows.len();
         let (state, consistency) = match start {
-            TwinStart::First => (tuned.start.clone(), Consistency::new(probes)),
-            TwinStart::Restart => (InitialState::new(twin.coordinates(), twin.rates()), Consistency::restarted(probes)),
+            TwinStart::First => (tuned.start.clone(), Consistency::new(probes, tuned.gate)),
+            TwinStart::Restart => {
+                (InitialState::new(twin.coordinates(), twin.rates()), Consistency::restarted(probes, tuned.gate))
+            }
         };
         let estimator = estimator(plant, &self.rows, &tuned.gains, state, sample, period)?;
         let mut running = RunningObserver::new(estimator, consistency, period);
@@ -116,9 +118,9 @@ impl ObserverStage {
         self.tuned.is_some()
     }
 
-    /// Returns the estimated coordinates and their rates; none where the observer is not trusted.
+    /// Returns the estimated coordinates and their rates, also where the observer is not trusted; none before it starts.
     pub(super) fn state(&self) -> Option<(&[f64], &[f64])> {
-        self.running.as_ref().and_then(RunningObserver::state)
+        self.running.as_ref().map(RunningObserver::state)
     }
 
     /// Returns the estimated coordinates; none where the observer is not trusted.
@@ -172,7 +174,7 @@ impl Innovations {
             nis_expected: expected,
             nis_bounds: bounds,
             consistent: (bounds[0]..=bounds[1]).contains(&mean) && self.distrusted == 0,
-            gate: gate(tuned.noise.len()),
+            gate: tuned.gate,
             rejected_samples: self.rejected,
             restarts: self.restarts,
             distrusted_samples: self.distrusted,

@@ -285,12 +285,12 @@ impl Search {
             self.check_cancelled()?;
             found.lag = (found.lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
         }
-        found.tuned = self.tune(&shifted(found.lag))?;
+        found.tuned = self.tune(&shifted(found.lag), found.spread.is_none())?;
         Ok(())
     }
 
     /// Finds the observer under which the first samples are the most likely.
-    fn tune(&self, samples: &[Sample]) -> Result<Option<TunedObserver>> {
+    fn tune(&self, samples: &[Sample], repeats: bool) -> Result<Option<TunedObserver>> {
         let Some(first) = samples.first().filter(|_| self.plant.layout.order <= MAX_OBSERVED) else { return Ok(None) };
         let twin = self.run_in(first)?;
         let data = IdentificationData {
@@ -300,6 +300,7 @@ impl Search {
             period: self.period,
             speed: self.speed,
             process_noise: self.process_noise,
+            repeats,
             cancelled: &self.cancelled,
         };
         identify(&self.plant, &self.linear, &data, InitialState::new(twin.coordinates(), twin.rates()))
