@@ -27,6 +27,15 @@ impl<'a> Uncertainty<'a> {
     }
 }
 
+impl Uncertainty<'_> {
+    /// Returns the uncertainty of a rotor with an unknown unbalance of the force of its weight (N): the deviation at which a load settles that
+    /// decays and is driven by noise.
+    #[must_use]
+    pub fn with_unbalance(self, weight: f64) -> Self {
+        Self { turning_process_noise: weight * (2.0 / MEMORY).sqrt(), ..self }
+    }
+}
+
 /// Time constant with which an unknown load decays without corrections, s.
 const MEMORY: f64 = 10.0;
 

@@ -94,7 +94,8 @@ pub fn identify(
     let mut best: Option<Candidate> = None;
     let try_one = |best: &mut Option<Candidate>, exponent: i32, process_noise: f64| -> Result<()> {
         data.check_cancelled()?;
-        let of = Uncertainty::new(&noise, process_noise, weight);
+        let slow = Uncertainty::new(&noise, process_noise, weight);
+        let of = if data.repeats { slow } else { slow.with_unbalance(weight) };
         let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { return Ok(()) };
         let cost = negative_log_likelihood(plant, data, &gains, &start)?;
         if best.as_ref().is_none_or(|best| cost < best.cost) {
