@@ -195,6 +195,9 @@ const NEARLY: f64 = 0.02;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
+/// Fits along the axial motion of the fit before.
+const AXIAL_ROUNDS: usize = 2;
+
 /// Mean and standard deviation of cage slip in practice: 0 to 3 %, up to 6 % under light load (NASA TN D-7870). It only selects
 /// between lines that coincide for different slips.
 const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
@@ -250,8 +253,11 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Fault>>
         } else {
             None
         };
-        let Some(Judged { mut fault, evidence, .. }) = tried.into_iter().next() else { break };
+        let Some(Judged { mut fault, mut evidence, .. }) = tried.into_iter().next() else { break };
         fault.next = next;
+        if evidence.is_none() && of.evidence.follows_axially() && fault.cause.shows_cage().is_some() {
+            evidence = moved_axially(of, &mut fault)?;
+        }
         now = fault.fitted.clone();
         of.observable.clone_from(&fault.observable);
         if let Some(evidence) = evidence {
@@ -346,6 +352,23 @@ fn judged<'a>(
         tolerated: 0.0,
         evidence,
     })
+}
+
+/// Fits a machine with a fault of a surface along the axial motion that the fault causes, where no probe measures it; returns the recording
+/// with that motion. Until then the axial motion is that of the machine without the fault, and what the fault adds is linear.
+fn moved_axially<'a>(of: &Prepared<'a>, fault: &mut Fault) -> Result<Option<Evidence<'a>>> {
+    let mut evidence = of.evidence.clone();
+    let mut fitted = fault.fitted.clone();
+    for _ in 0..AXIAL_ROUNDS {
+        evidence.weight_for(&fitted.machine)?;
+        fitted = fit(&evidence, &evaluate(&evidence, &fitted.machine)?, &fitted.unknowns, 12)?;
+    }
+    if fitted.chi_square >= fault.fitted.chi_square {
+        return Ok(None);
+    }
+    fault.gain += fault.fitted.chi_square - fitted.chi_square;
+    fault.fitted = fitted;
+    Ok(Some(evidence))
 }
 
 /// Returns what the logarithm of the likelihood (times -2) loses because the slip must lie within its standard deviation: of two

@@ -12,6 +12,8 @@ const LEAD_IN: f64 = 0.04;
 /// Largest number of Newton steps in a sample, and the change at which they end, m.
 const STEPS: usize = 6;
 const CLOSE: f64 = 1e-12;
+/// Passes over the record where the machine has spalls.
+const PASSES: usize = 2;
 
 impl Evidence<'_> {
     /// Finds the axial coordinate where no probe measures it; it stays as it is where no bearing has an axial stiffness.
@@ -26,15 +28,26 @@ impl Evidence<'_> {
         if !self.is_axially_free {
             return Ok(());
         }
+        let has_spalls = machine.bearings.iter().any(|bearing| !bearing.scene.defect.is_empty());
+        // The pulses of the spalls are those of the axial motion of the pass before.
+        for _ in 0..if has_spalls { PASSES } else { 1 } {
+            self.move_axially(machine, [mass, stiffness])?;
+        }
+        Ok(())
+    }
+
+    fn move_axially(&mut self, machine: &Machine, [mass, stiffness]: [f64; 2]) -> Result<()> {
         let bearings = (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<Vec<_>>>()?;
         let constant = machine.load[2] + self.gravity[2];
         let motion = &*self.motion;
+        let pulses = axial_pulses(&bearings, motion);
         let lead = (LEAD_IN * motion.len() as f64) as usize;
         let critical = 2.0 * (stiffness * mass).sqrt();
         let mut state = State { w: motion.q[0].w, v: 0.0, a: 0.0 };
         let mut q = motion.q.clone();
         for (t, q) in q.iter_mut().enumerate() {
-            let force = |w: f64| constant + axial_force(&bearings, motion, t, w - q.w);
+            let pulse = pulses.get(t).copied().unwrap_or_default();
+            let force = |w: f64| constant + pulse + axial_force(&bearings, motion, t, w - q.w);
             let damping = if t < lead { critical.max(machine.damping[2]) } else { machine.damping[2] };
             state = state.next(motion.period, mass, damping, stiffness, force);
             q.w = state.w;
@@ -47,7 +60,22 @@ impl Evidence<'_> {
     }
 }
 
-/// Returns the axial force of the bearings at sample `t` with an axial displacement of the rotor.
+/// Returns the axial force of the spalls of all bearings, the mean over the sample period about each sample; empty without spalls.
+fn axial_pulses(bearings: &[Evaluated], motion: &Motion) -> Vec<f64> {
+    let mut sums = vec![];
+    for pulses in bearings.iter().filter_map(|bearing| bearing.pulses(motion)) {
+        let per_sample = pulses.len() / motion.len();
+        sums.resize(motion.len(), 0.0);
+        for (t, sum) in sums.iter_mut().enumerate() {
+            let from = (t * per_sample).saturating_sub(per_sample / 2);
+            let about = &pulses[from..(from + per_sample).min(pulses.len())];
+            *sum += about.iter().map(|pulse| pulse[2]).sum::<f64>() / per_sample as f64;
+        }
+    }
+    sums
+}
+
+/// Returns the axial force of the bearings without their spalls at sample `t` with an axial displacement of the rotor.
 fn axial_force(bearings: &[Evaluated], motion: &Motion, t: usize, w: f64) -> f64 {
     let moved = Displacement { w, ..Displacement::from_array([0.0; 5]) };
     bearings.iter().map(|bearing| bearing.force_with(motion, t, &moved)[2]).sum()
