@@ -115,7 +115,8 @@ impl Instruments {
                 if probe.resolution > 0.0 { (noisy / probe.resolution).round() * probe.resolution } else { noisy };
             into.push(reading / probe.metres_per_unit);
         }
-        let before = self.turned.unwrap_or(-f64::MIN_POSITIVE);
+        // No tooth begins at the first sample: what passed before is not known.
+        let before = self.turned.unwrap_or(sample.turned);
         match &self.rotation {
             RotationSource::Keyphasor { pulses_per_turn, missing, signal, .. } => {
                 let wheel = Wheel { teeth: f64::from(*pulses_per_turn), present: pulses_per_turn - missing };
@@ -221,6 +222,8 @@ mod tests {
             })
             .collect();
         assert_eq!(begins, [16, 32, 64, 80, 96]);
+        // A first sample is a pulse only where it lies on a tooth.
+        assert_eq!([0.0, 19.67, 20.0, 20.25].map(|turned| wheel.is_pulse(turned, turned)), [true, false, true, true]);
         assert_eq!([0.0, 0.3, 0.6, 0.9, 1.0].map(|turned| wheel.count(turned)), [1.0, 2.0, 3.0, 3.0, 4.0]);
     }
 }

@@ -38,6 +38,11 @@ const TWICE_AS_FAST: u32 = 2;
 /// Largest difference of an interval from a whole multiple of the expected one for which missed pulses are counted, in intervals.
 const WHOLE: f64 = 0.2;
 
+/// Excess of the second interval of all over the first, in samples and in parts of the first, from which the first pulse may be no mark: more
+/// than two edges are off by sampling. Where it is none, the third interval differs from the second by less than a part of that excess.
+const FIRST_SHORT: (f64, f64) = (2.5, 0.03);
+const THIRD_EVEN: f64 = 0.25;
+
 /// Largest relative difference of the second interval of all from one between teeth where the first was over the gap of the wheel.
 const GAP_FIRST: f64 = 0.3;
 
@@ -70,6 +75,9 @@ pub(super) struct Keyphasor {
     /// Intervals without a pulse after which the levels are looked for again.
     patience: f64,
     last_pulse: Position,
+    /// The third pulse of all where it is not known yet whether the first one is a mark.
+    third: Option<(Instant, Position)>,
+    first_pulse: Position,
     last_reading: Option<u64>,
     /// Sample in the middle of a signal loss since the last pulse that was longer than the interval of pulses.
     lost: Option<u64>,
@@ -123,6 +131,8 @@ impl Keyphasor {
             quiet: 0,
             patience: LEFT,
             last_pulse: Position::default(),
+            third: None,
+            first_pulse: Position::default(),
             last_reading: None,
             lost: None,
             surplus: 0,
@@ -177,6 +187,9 @@ impl Keyphasor {
         }
         if !self.detector.is_ready() {
             self.look(true, output)?;
+        }
+        if let Some((third, at)) = self.third.take() {
+            self.take(third, at, output)?;
         }
         match self.pulses.len() {
             0 => return Err(self.no_pulse()),
@@ -268,7 +281,7 @@ impl Keyphasor {
         match &mut self.detector {
             Detector::Pulses(_, edges) => {
                 if let Some(start) = edges.as_mut().and_then(|edges| edges.see(at.index, reading)) {
-                    self.take(start, at, output)?;
+                    self.find(start, at, output)?;
                 }
             }
             Detector::Count(counter) => {
@@ -277,13 +290,14 @@ impl Keyphasor {
                 }
             }
         }
-        if self.pulses.len() > 1 && self.quiet as f64 > self.patience * period {
+        // Two pulses alone may be less than a turn apart.
+        if self.pulses.len() > 2 && self.quiet as f64 > self.patience * period {
             self.patience *= 1.5;
             if let Some(first) = self.look_again(period) {
                 return Ok(Some(first));
             }
         }
-        let patience = if self.pulses.len() > 1 { STANDSTILL * self.spacing() * period } else { f64::INFINITY };
+        let patience = if self.pulses.len() > 2 { STANDSTILL * self.spacing() * period } else { f64::INFINITY };
         if self.quiet as f64 > patience.min(self.longest_wait as f64) {
             return Err(if self.pulses.is_empty() { self.no_pulse() } else { self.standstill() });
         }
@@ -302,6 +316,36 @@ impl Keyphasor {
         }
         self.counted += steps - 1;
         self.add(Pulse { number: last.number.saturating_add(steps), at: start, period, lost: None }, at);
+    }
+
+    /// Takes a pulse, after a decision on the first one: two equal intervals after a shorter one show that the first pulse is no mark, such
+    /// as where the recording began within a pulse. As a mark, it would make every turn one with missed pulses.
+    fn find(&mut self, start: Instant, at: Position, output: &mut Output) -> Result<(), RotationError> {
+        if let Some((third, third_at)) = self.third.take() {
+            let [first, second] = [0, 1].map(|i| self.pulses[i].at);
+            let interval = third.since(second);
+            let excess = interval - second.since(first);
+            if self.lost.is_none() && (start.since(third) - interval).abs() < THIRD_EVEN * excess {
+                output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), self.first_pulse, 1);
+                self.pulses.clear();
+                self.counted -= 2;
+                for (number, at, position) in [(0, second, self.last_pulse), (1, third, third_at)] {
+                    self.add(Pulse { number, at, period: interval, lost: None }, position);
+                }
+            } else {
+                self.take(third, third_at, output)?;
+            }
+        } else if let ([first, second], None, None) = (self.pulses.make_contiguous(), &self.gap, self.lost)
+            && self.left == 0
+            && self.surplus == 0
+            && let first_interval = second.at.since(first.at)
+            && start.since(second.at) - first_interval > FIRST_SHORT.0.max(FIRST_SHORT.1 * first_interval)
+        {
+            self.third = Some((start, at));
+            self.quiet = 0;
+            return Ok(());
+        }
+        self.take(start, at, output)
     }
 
     /// Checks a pulse against those before it and counts it.
@@ -401,6 +445,9 @@ impl Keyphasor {
     }
 
     fn add(&mut self, pulse: Pulse, at: Position) {
+        if self.pulses.is_empty() {
+            self.first_pulse = at;
+        }
         self.pulses.push_back(pulse);
         self.counted += 1;
         self.quiet = 0;

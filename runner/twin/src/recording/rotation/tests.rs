@@ -90,6 +90,25 @@ fn steady_speeds() {
     }
 }
 
+/// The recording begins within a pulse, so that its first interval is a part of a turn.
+#[test]
+fn a_first_pulse_that_is_no_mark() {
+    for share in [0.03, 0.2, 0.34, 0.5, 0.67, 0.8, 0.9] {
+        let (speed, before) = (49.17, 1.0 - share);
+        let (samples, tracker) = tracked(steps(40_000, |t| before + speed * t), 1);
+        let middle: Vec<f64> = samples.iter().map(|s| miss_in_turn(s, before + speed * s.row.time)).collect();
+        let largest = middle.iter().fold(0.0, |most: f64, miss| most.max(miss.abs()));
+        assert!(largest < 0.004, "{share}: {largest} of a turn");
+        assert!((tracker.mean_speed().unwrap() / TAU / speed - 1.0).abs() < 1e-3, "{share}");
+        let flaws = tracker.flaws().summary();
+        assert_eq!(
+            flaws.iter().map(|flaw| (flaw.kind, flaw.count)).collect::<Vec<_>>(),
+            [(Flaw::SpuriousPulse, 1)],
+            "{share}"
+        );
+    }
+}
+
 #[test]
 fn run_up() {
     let pulses = |t: f64| 10.0 * t + 22.5 * t * t;
