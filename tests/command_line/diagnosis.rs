@@ -88,6 +88,28 @@ fn axial_motion_that_is_not_measured_is_no_fault() {
     assert!(number(&outcome, "/diagnosis/chi_square_before") < 1.5, "{outcome:#}");
 }
 
+/// A spall moves two preloaded bearings axially, near their axial natural frequency, and no probe measures it.
+#[test]
+fn a_spall_of_preloaded_bearings_without_an_axial_probe_is_one_fault() {
+    let scene = crate::repeatability::loose(["7208A5", "7208A5"], "");
+    let preloaded = |station: &str, facing: &str| {
+        format!("station = \"{station} mm\"\nfacing = \"{facing}\"\npreload = {{ force = \"200 N\" }}\n")
+    };
+    let scene = swap(&scene, "station = \"-150 mm\"\n", &preloaded("-150", "+z"));
+    let scene = swap(&scene, "station = \"180 mm\"\n", &preloaded("180", "-z"));
+    let spall = "defect = [{ surface = \"inner\", azimuth = \"70 deg\", half_width = \"2.5 deg\", depth = \"4 um\", shape = \"half-sine\" }]\n";
+    let outcome =
+        crate::repeatability::outcome(&swap(&scene, "name = \"DE\"\n", &format!("name = \"DE\"\n{spall}")), &scene);
+    let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {}", outcome["findings"]) };
+    assert_eq!(
+        [&diagnosis["kind"], &diagnosis["bearing"], &diagnosis["form"]],
+        [&Value::from("inner-race"), &"DE".into(), &"spall".into()]
+    );
+    let (azimuth, depth) = (number(diagnosis, "/azimuth_deg/value"), number(diagnosis, "/depth_um/value"));
+    assert!((azimuth - 70.0).abs() < 3.0 && (depth / 4.0 - 1.0).abs() < 0.25, "{azimuth} deg, {depth} um");
+    assert!(number(diagnosis, "/explained") > 0.98, "{diagnosis}");
+}
+
 /// A wave that the scene has is no fault, and is not taken for the one that is.
 #[test]
 fn a_wave_beside_one_of_the_scene_has_its_own_size() {

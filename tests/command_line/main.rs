@@ -45,6 +45,7 @@ mod page;
 mod page_in_chromium;
 mod plausibility;
 mod prometheus;
+mod repeatability;
 mod replay;
 mod run_in;
 mod scenes;

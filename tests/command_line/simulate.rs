@@ -276,6 +276,24 @@ fn a_simulated_recording_is_replayed() {
     assert_ne!(simulated("1"), simulated("2"));
 }
 
+/// After a settling time of no whole number of turns the first mark is the first pulse.
+#[test]
+fn the_first_pulse_is_a_mark() {
+    let scene = swap(DEMO_SCENE, "speed = \"3000 rpm\"", "speed = \"2950 rpm\"");
+    let desk = Desk::with(&scene, "");
+    let args = ["simulate", "scene.toml", "--duration", "1 s", "--settle", "0.4 s", "--as-recording", "-o", "r.csv"];
+    desk.done(&args);
+    let (header, rows) = numbers(&desk.read("r.csv"));
+    let key = header.iter().position(|name| name == "keyphasor").unwrap();
+    let pulses: Vec<f64> = (0..rows.len()).filter(|i| rows[*i][key] > 0.5).map(|i| i as f64).collect();
+    let turn = 12_800.0 * 60.0 / 2950.0;
+    // 0.4 s are 19 turns and two thirds.
+    assert!((pulses[0] - turn / 3.0).abs() < 2.0, "{}", pulses[0]);
+    let outcome = desk.replay("scene.toml", &["--recording", "r.csv"]);
+    assert!(list(&outcome, "flaws").is_empty(), "{}", outcome["flaws"]);
+    assert!((number(&outcome, "/record/max_speed_rpm") - 2950.0).abs() < 3.0);
+}
+
 /// A fault of the simulated machine is found by the twin of the sound one.
 #[test]
 fn a_simulated_fault_is_found() {

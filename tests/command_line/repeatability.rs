@@ -1,0 +1,103 @@
+//! Machines whose motion does not repeat: which twin is compared, and what the verdict says.
+
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, swap};
+use serde_json::Value;
+
+/// A rotor that rattles in the clearance of its bearings, with radial probes only.
+pub fn loose(bearings: [&str; 2], load: &str) -> String {
+    let bearing = |name: &str, designation: &str, station: i32| {
+        format!("[[bearing]]\nname = \"{name}\"\nbearing = \"{designation} CN\"\nstation = \"{station} mm\"\n")
+    };
+    let probe = |name: &str, station: i32, angle: i32| {
+        format!(
+            "{{ column = \"{name}\", unit = \"um\", station = \"{station} mm\", angle = \"{angle} deg\", noise = \"0.03 um\" }},"
+        )
+    };
+    let probes = [probe("D1", -190, 45), probe("D2", -190, 135), probe("N1", 215, 45), probe("N2", 215, 135)].concat();
+    format!(
+        "name = \"loose\"\n[shaft]\nspeed = \"2950 rpm\"\n[rotor]\nmass = \"20 kg\"\ndiametral_inertia = 0.35\npolar_inertia = 0.06\n\
+         damping = [800, 800, 800, 2, 2]\n{load}unbalance = [{{ moment = \"150 g mm\", angle = \"40 deg\", station = \"10 mm\" }}]\n\
+         {}{}[recording]\nfile = \"run.csv\"\nrate = \"25.6 kHz\"\nkeyphasor = {{ column = \"kp\", pulses_per_turn = 1 }}\n\
+         probes = [{probes}]\n",
+        bearing("DE", bearings[0], -150),
+        bearing("NDE", bearings[1], 180)
+    )
+}
+
+/// The outcome of a recording of `generating`, replayed on `scene`. The transient is no whole number of turns.
+pub fn outcome(generating: &str, scene: &str) -> Value {
+    let desk = Desk::empty();
+    desk.put("generating.toml", generating);
+    desk.put("scene.toml", scene);
+    desk.done(&[
+        "simulate",
+        "generating.toml",
+        "--as-recording",
+        "--duration",
+        "1 s",
+        "--settle",
+        "0.4 s",
+        "-o",
+        "run.csv",
+    ]);
+    desk.replay("scene.toml", &[])
+}
+
+fn text<'a>(outcome: &'a Value, key: &str) -> &'a str {
+    outcome[key].as_str().unwrap()
+}
+
+const AXIAL: &str = "load = [0, 0, 150, 0, 0]\n";
+
+#[test]
+fn a_motion_that_does_not_repeat_is_compared_with_the_synchronised_twin() {
+    let scene = loose(["6309", "NU206"], AXIAL);
+    let outcome = outcome(&scene, &scene);
+    assert_eq!(outcome["twin"]["synchronised"], true, "{}", outcome["twin"]);
+    // The twins differ by the size of the motion, far more than the noise.
+    assert!(number(&outcome, "/twin/spread/difference_um") > 0.3);
+    assert!(list(&outcome, "findings").is_empty(), "{}", text(&outcome, "verdict"));
+    assert!(
+        text(&outcome, "verdict").contains("The synchronised twin follows the machine"),
+        "{}",
+        text(&outcome, "verdict")
+    );
+    for probe in list(&outcome, "probes") {
+        let over_noise = number(probe, "/residual_rms_um") / 0.03;
+        assert!((0.9..1.3).contains(&over_noise), "{over_noise}");
+    }
+    let observer = &outcome["observer"];
+    assert_eq!((&observer["restarts"], &observer["rejected_samples"]), (&0.into(), &0.into()), "{observer}");
+    let nis = number(observer, "/nis_mean");
+    assert!((3.6..4.6).contains(&nis), "normalised innovation squared {nis} of four probes");
+}
+
+#[test]
+fn a_spall_of_a_machine_that_does_not_repeat_is_named() {
+    let scene = loose(["6309", "NU206"], AXIAL);
+    let spall = "name = \"DE\"\ndefect = [{ surface = \"inner\", azimuth = \"70 deg\", half_width = \"3 deg\", depth = \"4 um\", shape = \"half-sine\" }]\n";
+    let outcome = outcome(&swap(&scene, "name = \"DE\"\n", spall), &scene);
+    let [finding] = list(&outcome, "findings") else { panic!("{}", outcome["findings"]) };
+    assert_eq!((&finding["kind"], &finding["bearing"]), (&"inner-race".into(), &"DE".into()));
+    let azimuth = number(finding, "/azimuth_deg/value");
+    assert!((azimuth - 70.0).abs() < 6.0, "{azimuth}");
+}
+
+#[test]
+fn a_motion_that_repeats_is_compared_with_the_free_twin() {
+    let outcome = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    assert_eq!(outcome["twin"], serde_json::json!({ "synchronised": false, "spread": null }));
+    assert!(text(&outcome, "verdict").starts_with("The twin follows the machine"));
+}
+
+#[test]
+fn without_an_observer_the_comparison_says_nothing() {
+    let scene = loose(["NU206", "NU206"], "");
+    let outcome = outcome(&scene, &scene);
+    assert_eq!((&outcome["twin"]["synchronised"], &outcome["observer"]), (&false.into(), &Value::Null));
+    assert!(
+        text(&outcome, "verdict").contains("the comparison says nothing; no fault is found"),
+        "{}",
+        text(&outcome, "verdict")
+    );
+}
