@@ -7,6 +7,7 @@ use ballrace_report as report;
 use ballrace_twin::check::{Checked, check, unknown_values};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::replay::open;
+use ballrace_twin::scene::Recording;
 use ballrace_twin::scene::read::{load, read_str};
 use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
@@ -41,8 +42,11 @@ pub fn run(args: &Args, format: Format) -> Result<ReplayStatus> {
         bail!(UsageError(format!("{path}: unknown values, marked \"?\": {count}, expected those of the machine")));
     }
     let scene = read_str(&text, &args.scene)?;
-    let (reader, path) = match (&scene.recording, &args.recording) {
-        (None, None) => (None, None),
+    let is_absent = |recording: &Recording| args.recording.is_none() && !recording.file.exists();
+    let (reader, path) = match &scene.recording {
+        None if args.recording.is_none() => (None, None),
+        // The machine is drawn all the same.
+        Some(recording) if is_absent(recording) => (None, None),
         _ => {
             let (reader, path) = open(&scene, args.recording.as_deref())?;
             (Some(reader), Some(path))
@@ -67,6 +71,10 @@ pub fn run(args: &Args, format: Format) -> Result<ReplayStatus> {
         AtomicFile::write(path, &svg)?;
     }
     print(&checked, format)?;
+    if scene.recording.as_ref().is_some_and(is_absent) {
+        // States that the file does not exist.
+        open(&scene, None)?;
+    }
     Ok(if checked.implausible.is_empty() { ReplayStatus::Completed } else { ReplayStatus::Implausible })
 }
 

@@ -74,9 +74,9 @@ struct Summary {
 /// Returns an error if scene, duration, rate or output is invalid.
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
-    let duration = parse_option("--duration", &args.duration, Dimension::Time)?;
+    let duration = parse_option("--duration", &args.duration, Dimension::Time, false)?;
     let rate = rate(args, &scene)?;
-    let settle = args.settle.as_ref().map(|text| parse_option("--settle", text, Dimension::Time)).transpose()?;
+    let settle = args.settle.as_ref().map(|text| parse_option("--settle", text, Dimension::Time, true)).transpose()?;
     let options = if settle.is_some() { "--duration, --settle, --rate" } else { "--duration, --rate" };
     let span = Span::try_new(duration, rate, settle.unwrap_or(0.0));
     let span = span.map_err(|invalid| UsageError(format!("{options}: {invalid}")))?;
@@ -95,22 +95,24 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     print(&summary, &plant.notes, format, error)
 }
 
-/// Parses the value of the option `name`: a quantity above 0 with a unit, or a number in SI units.
-fn parse_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
+/// Parses the value of the option `name`: a quantity above 0, or 0 where that is allowed, with a unit, or a number in SI units.
+fn parse_option(name: &str, text: &str, dimension: Dimension, allows_zero: bool) -> Result<f64> {
     let invalid = |reason: String| UsageError(format!("{name}: {reason}"));
     let value = match text.parse::<f64>() {
         Ok(si) => si,
         Err(_) => parse(text, dimension).map_err(|e| invalid(e.to_string()))?,
     };
-    if !(value > 0.0 && value.is_finite()) {
-        bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.expected("above 0"))));
+    let is_in_range = value > 0.0 || (allows_zero && value == 0.0);
+    if !(is_in_range && value.is_finite()) {
+        let range = if allows_zero { "of 0 or more" } else { "above 0" };
+        bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.expected(range))));
     }
     Ok(value)
 }
 
 /// Returns the sampling rate, Hz. With `--as-recording` it is the rate in the scene, which a replay expects.
 fn rate(args: &Args, scene: &Scene) -> Result<f64> {
-    let given = args.rate.as_ref().map(|text| parse_option("--rate", text, Dimension::Frequency)).transpose()?;
+    let given = args.rate.as_ref().map(|text| parse_option("--rate", text, Dimension::Frequency, false)).transpose()?;
     let of_scene = match scene.recording.as_ref().map(|recording| &recording.clock) {
         Some(Clock::Rate(rate)) if args.as_recording => Some(*rate),
         _ => None,
@@ -141,7 +143,7 @@ struct Measured {
 
 impl Measured {
     fn try_new(args: &Args, scene: &Scene, plant: &Plant, span: Span) -> Result<Self> {
-        let step = args.resolution.as_ref().map(|text| parse_option("--resolution", text, Dimension::Length));
+        let step = args.resolution.as_ref().map(|text| parse_option("--resolution", text, Dimension::Length, false));
         let instruments = Instruments::try_new(scene, plant, step.transpose()?, args.seed).map_err(UsageError::new)?;
         let writer = Writer::create(&args.output, instruments.columns(), span.samples)?;
         Ok(Self { instruments, writer, row: Vec::new() })

@@ -53,8 +53,9 @@ pub fn draft(of: &Draft) -> String {
     for (i, listed) in of.bearings.iter().enumerate() {
         bearing(&mut page, i, listed, of);
     }
-    if let Some((file, preview)) = &of.recording {
-        recording(&mut page, file, preview);
+    match &of.recording {
+        Some((file, preview)) => recording(&mut page, file, preview),
+        None => no_recording(&mut page),
     }
     page.0
 }
@@ -249,6 +250,23 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     if !others.is_empty() {
         page.comment(&format!("Other columns of the recording: {}", others.join(", ")));
     }
+}
+
+/// Writes an example of a recording as comments.
+fn no_recording(page: &mut Page) {
+    page.line("");
+    page.comment("No recording was given. `replay` and `simulate --as-recording` need its columns, for example:");
+    page.comment("[recording]");
+    page.by_default("file", "\"run.csv\"", "a relative path begins at the folder of this scene");
+    page.by_default("rate", "\"25.6 kHz\"", "samples per second; a column of the time instead: time = \"t\"");
+    page.by_default("keyphasor", "{ column = \"key\", pulses_per_turn = 1 }", "number of marks on the shaft");
+    page.comment("probes = [");
+    for (name, station, angle) in [("DE_X", -120, 45), ("DE_Y", -120, 135), ("NDE_X", 120, 45), ("NDE_Y", 120, 135)] {
+        page.comment(&format!(
+            "  {{ column = \"{name}\", unit = \"um\", station = \"{station} mm\", angle = \"{angle} deg\", noise = \"0.05 um\" }},"
+        ));
+    }
+    page.comment("]");
 }
 
 fn speed(column: &PreviewColumn) -> Option<(&PreviewColumn, &str)> {

@@ -32,7 +32,10 @@ pub fn verdict(
 ) -> String {
     if !implausible.is_empty() {
         let all: Vec<String> = implausible.iter().map(|one| format!("{}: {}", one.subject, one.found)).collect();
-        return format!("The recording is not plausible for the scene: {}. Nothing is diagnosed.", all.join("; "));
+        return format!(
+            "The recording is not plausible for the scene: {}. Nothing is diagnosed without --force.",
+            all.join("; ")
+        );
     }
     if !not_judged.is_empty() {
         if let Some(seen) = diagnoses.iter().find(|diagnosis| is_of_vibration_alone(diagnosis)) {

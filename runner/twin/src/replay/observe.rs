@@ -191,7 +191,7 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
     let judged = if observer.consistent {
         "the measured motion departs from its prediction as far as the noise of the probes explains"
     } else if observer.nis_mean < observer.nis_expected {
-        "the measured motion departs less from its prediction than the noise of the probes explains, so the noise is less than the scene states"
+        "the measured motion departs less from its prediction than the noise of the probes explains, so the noise is less than assumed"
     } else {
         "the measured motion departs further from its prediction than the noise of the probes explains"
     };

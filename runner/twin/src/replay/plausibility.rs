@@ -107,7 +107,7 @@ fn unloaded((sums, bearing): (&BearingForces, &MountedBearing)) -> Option<Implau
             100.0 * measured,
             100.0 * twin
         ),
-        cause: "another unit or offset of the probes, or another clearance".to_owned(),
-        remedy: "check unit and offset of the probes and the clearance of the bearing".to_owned(),
+        cause: "another unit or offset of the probes, another clearance, or damage that lifts the rotor".to_owned(),
+        remedy: "check unit and offset of the probes and the clearance of the bearing; with --force it is diagnosed all the same".to_owned(),
     })
 }
