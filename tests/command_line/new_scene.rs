@@ -206,6 +206,30 @@ fn the_demonstration_is_plausible() {
     assert!(drafted.read("pump.svg").starts_with("<svg"));
 }
 
+/// A designer has no recording yet: the example of the draft, uncommented, is simulated, checked and replayed.
+#[test]
+fn the_example_of_a_recording() {
+    let desk = Desk::empty();
+    desk.done(&["new", "--bearing", "6205", "--bearing", "6205", "--speed", "3000 rpm", "-o", "pump.toml"]);
+    let draft = desk.read("pump.toml");
+    let (machine, example) = draft.split_once("# No recording was given.").unwrap();
+    let lines = example.lines().skip(1).map(|line| line.strip_prefix("# ").unwrap_or(line));
+    let recording = lines.collect::<Vec<_>>().join("\n");
+    let machine = FILLED.iter().fold(machine.to_owned(), |text, (from, to)| swap(&text, from, to));
+    let station = "station = \"?\"";
+    let machine = machine.replacen(station, "station = \"-100 mm\"", 1).replacen(station, "station = \"100 mm\"", 1);
+    desk.put("pump.toml", format!("{machine}\n{recording}\n"));
+    // The machine is drawn before its recording exists.
+    let answer = desk.run(&["check", "pump.toml"]);
+    assert_eq!(answer.code, Some(1), "{answer:?}");
+    assert!(answer.out.contains("[X]") && answer.err.contains("run.csv: cannot be opened"), "{answer:?}");
+    let args = ["simulate", "pump.toml", "--as-recording", "--duration", "1 s", "--settle", "0 s", "-o", "run.csv"];
+    desk.done(&args);
+    assert!(desk.done(&["check", "pump.toml"]).out.contains("Nothing implausible found"));
+    let outcome = desk.replay("pump.toml", &[]);
+    assert!(list(&outcome, "findings").is_empty(), "{}", outcome["verdict"]);
+}
+
 /// One wrong input each, with a part of its probable cause or remedy.
 #[test]
 fn wrong_inputs_and_their_causes() {

@@ -91,12 +91,12 @@ fn a_motion_that_repeats_is_compared_with_the_free_twin() {
 }
 
 #[test]
-fn without_an_observer_the_comparison_says_nothing() {
+fn without_an_observer_the_comparison_has_no_meaning() {
     let scene = loose(["NU206", "NU206"], "");
     let outcome = outcome(&scene, &scene);
     assert_eq!((&outcome["twin"]["synchronised"], &outcome["observer"]), (&false.into(), &Value::Null));
     assert!(
-        text(&outcome, "verdict").contains("the comparison says nothing; no fault is found"),
+        text(&outcome, "verdict").contains("the comparison has no meaning; no fault is found"),
         "{}",
         text(&outcome, "verdict")
     );

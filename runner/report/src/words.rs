@@ -298,7 +298,7 @@ fn compared_twin(twin: &ComparedTwin) -> String {
     let twin_is = if twin.synchronised {
         "a twin that starts each sample period at the observer's state"
     } else {
-        "a twin that runs freely, which says nothing here, as there is no observer"
+        "a twin that runs freely, which has no meaning here, as there is no observer"
     };
     format!("{twin_is}: {}", verdict::without_repetition(twin))
 }

@@ -8,7 +8,7 @@ fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Op
     values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
 }
 
-/// Returns true where the twin is as good as any simpler model, or its residual is noise, or says nothing of the machine.
+/// Returns true where the twin is as good as any simpler model, or its residual is noise, or has no meaning.
 #[must_use]
 pub fn follows(twin: &ComparedTwin, probes: &[ProbeOutcome]) -> bool {
     if !twin.is_comparable() {
@@ -85,7 +85,7 @@ fn judged(
     if !twin.is_comparable() {
         return format!(
             "The motion of this machine does not repeat, so that no twin has its phase, and without an observer none can be \
-             synchronised with the readings: the comparison says nothing; {faults}."
+             synchronised with the readings: the comparison has no meaning; {faults}."
         );
     }
     let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));

@@ -28,7 +28,7 @@ impl<'a> Uncertainty<'a> {
 }
 
 impl Uncertainty<'_> {
-    /// Returns the uncertainty of a rotor with an unknown unbalance of the force of its weight (N): the deviation at which a load settles that
+    /// Returns the uncertainty of a rotor with an unknown unbalance of the force of its weight (N): the standard deviation of a load that
     /// decays and is driven by noise.
     #[must_use]
     pub fn with_unbalance(self, weight: f64) -> Self {

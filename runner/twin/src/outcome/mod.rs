@@ -128,7 +128,7 @@ pub struct ComparedTwin {
 }
 
 impl ComparedTwin {
-    /// Returns true where the residual says something of the machine: the scene determines the motion, or the twin is synchronised.
+    /// Returns true where the residual has a meaning: the scene determines the motion, or the twin is synchronised.
     #[must_use]
     pub const fn is_comparable(&self) -> bool {
         self.synchronised || self.spread.is_none()

@@ -1,7 +1,7 @@
 //! Test whether the scene determines the motion of its twin.
 //!
 //! Where elements lose contact, the motion may depend on its start for ever: it may be chaotic, or have a period of several turns and begin
-//! in any of them. Such a twin has the phase of its own start, not that of the machine, and its residual says nothing. Two twins of the scene
+//! in any of them. Such a twin has the phase of its own start, not that of the machine, and its residual has no meaning. Two twins of the scene
 //! that start a turn apart show it: they end in the same motion, or they do not.
 
 use super::statistics::Running;
