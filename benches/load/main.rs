@@ -175,7 +175,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Figures of one machine.
 struct Machine {
     sent: u64,
-    /// Samples that were sent and not processed.
+    /// Samples that were sent and not read.
     lost: u64,
     missed: u64,
     blocks: u64,

@@ -1,8 +1,8 @@
 //! Publisher of indicators and events to an MQTT broker, at least once each.
 //!
 //! A message stays in the queue until the broker has acknowledged it. After a lost connection all unacknowledged messages are
-//! sent again. Every connection has a new session of the client library, because the library drops its own queue when a restarted
-//! broker has lost the session.
+//! sent again. Every connection has a new client of the library, because the library drops its own queue where a restarted broker does
+//! not know its client any more.
 
 use super::super::feed::lock;
 use crate::error::UsageError;
