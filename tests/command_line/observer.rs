@@ -231,7 +231,7 @@ fn long_strong_spalls_do_not_bias_the_force() {
     Spall { depth_um: 1000, half_width_deg: 12, rpm: 6000, breaks_out: false, ..STRONG }.check();
 }
 
-/// Lumped bearings have no axial stiffness: without an axial probe there is no steady filter, and the replay does without.
+/// Lumped bearings have no axial stiffness, and no probe measures the axial coordinate: it stays where it is, and the others are observed.
 #[test]
 fn lumped_bearings_with_radial_probes_only() {
     let desk = Desk::empty();
@@ -239,12 +239,12 @@ fn lumped_bearings_with_radial_probes_only() {
     let motion = motion(&desk, "sound.toml", 10..20);
     desk.put("recording.csv", recording(&motion, TURN));
     let (outcome, observed) = forces(&desk, "observer");
-    let notes = list(&outcome, "notes").iter().map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join(" ");
-    assert!(notes.contains("No observer: "), "{notes}");
-    assert!(outcome["observer"].is_null());
+    let nis = number(&outcome, "/observer/nis_mean");
+    assert!((3.6..4.4).contains(&nis), "normalised innovation squared {nis} of four probes");
+    assert_eq!((&outcome["observer"]["restarts"], &outcome["observer"]["rejected_samples"]), (&0.into(), &0.into()));
     assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0), "{outcome:#}");
+    // Every force is that at the observer's position.
+    assert!(observed.iter().all(|row| row[11] == 0.0 && row[1..11].iter().all(|force| force.is_finite())));
     let (_, measured) = forces(&desk, "displacement");
-    for (o, m) in observed.iter().zip(&measured) {
-        assert_eq!((&o[..11], o[11], m[11]), (&m[..11], 128.0, 0.0));
-    }
+    assert!(observed.iter().zip(&measured).filter(|(o, m)| o[1] != m[1]).count() > observed.len() / 2);
 }

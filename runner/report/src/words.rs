@@ -175,7 +175,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
             format!("at most {} from a probe to a bearing", alone(outcome.observation.noise_gain)),
         ));
     }
-    if outcome.twin.spread.is_some() {
+    if outcome.twin.synchronised || outcome.twin.spread.is_some() {
         facts.push(("Compared with", compared_twin(&outcome.twin)));
     }
     let supplied = &outcome.observation.supplied_by_twin;
@@ -300,6 +300,9 @@ fn compared_twin(twin: &ComparedTwin) -> String {
     } else {
         "a twin that runs freely, which has no meaning here, as there is no observer"
     };
+    if twin.spread.is_none() {
+        return format!("{twin_is}, as in the baseline");
+    }
     format!("{twin_is}: {}", verdict::without_repetition(twin))
 }
 

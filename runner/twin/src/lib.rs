@@ -134,6 +134,7 @@ pub mod parquet_table;
 pub mod plant;
 pub mod plausibility;
 pub mod printable;
+mod priority;
 pub mod probes;
 pub mod record;
 pub mod recording;

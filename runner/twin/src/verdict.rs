@@ -93,10 +93,10 @@ fn judged(
     let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
     let follows = if follows(twin, probes) { "follows" } else { "does not follow" };
-    let twin = if twin.synchronised {
-        "The motion of this machine does not repeat. The synchronised twin"
-    } else {
-        "The twin"
+    let twin = match (twin.synchronised, &twin.spread) {
+        (false, _) => "The twin",
+        (true, None) => "The synchronised twin",
+        (true, Some(_)) => "The motion of this machine does not repeat. The synchronised twin",
     };
     let rivals = if better == probes.len() {
         "its residual is smaller than that of all four simpler models on every probe".to_owned()
@@ -110,4 +110,32 @@ fn judged(
         format!("a simpler model does better on {worse} of {} probes", probes.len())
     };
     format!("{twin} {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; {faults}.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::TwinSpread;
+
+    /// A residual far above the noise has no meaning where no twin has the phase of the machine.
+    #[test]
+    fn a_free_twin_of_a_motion_that_does_not_repeat() {
+        let probes = [ProbeOutcome { residual_rms_um: 3.0, noise_um: Some(0.03), ..ProbeOutcome::default() }];
+        let spread = TwinSpread { probe: "DE".to_owned(), difference_um: 3.1, time_s: 4.0 };
+        let free = ComparedTwin { synchronised: false, spread: Some(spread.clone()) };
+        let sentence = verdict(&[], (&free, &probes), &[], &[], None, 0);
+        assert!(sentence.ends_with("the comparison has no meaning; no fault is found."), "{sentence}");
+        assert!(follows(&free, &probes));
+        let synchronised = ComparedTwin { synchronised: true, spread: Some(spread) };
+        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], None, 0);
+        assert!(
+            sentence.starts_with("The motion of this machine does not repeat. The synchronised twin"),
+            "{sentence}"
+        );
+        assert_eq!(
+            without_repetition(&synchronised),
+            "two twins of the scene that started a turn apart still differ by 3.10 um rms at DE after 4.0 s"
+        );
+        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], None, 0).starts_with("The twin "));
+    }
 }

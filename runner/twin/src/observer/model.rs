@@ -2,8 +2,9 @@
 
 use super::riccati::{Sampled, Steady};
 use crate::error::Result;
-use crate::plant::{Given, Plant, PlantError, unbalance_planes};
+use crate::plant::{AXIAL, Given, Plant, PlantError, unbalance_planes};
 use nalgebra::DMatrix;
+use std::f64::consts::TAU;
 
 /// Number of unknown loads: force and moment on a rigid rotor, or forces at two bearings of another one.
 pub const LOADS: usize = 5;
@@ -35,6 +36,10 @@ impl Uncertainty<'_> {
         Self { turning_process_noise: weight * (2.0 / MEMORY).sqrt(), ..self }
     }
 }
+
+/// Least axial natural frequency of the rotor in the gains where no probe measures the axial coordinate, Hz. Bearings without an axial
+/// stiffness leave it free: nothing moves it, no reading depends on it, and a steady filter requires that it is held.
+const LOWEST_AXIAL: f64 = 1.0;
 
 /// Time constant with which an unknown load decays without corrections, s.
 const MEMORY: f64 = 10.0;
@@ -161,7 +166,8 @@ pub fn weight(plant: &Plant) -> Result<f64> {
 /// Returns the errors of [`Sampled::steady`].
 pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
     let scale = scales(plant)?;
-    let (transition, disturbance) = sampled(plant, speed, period, of, &scale)?;
+    let is_axially_measured = rows.iter().any(|row| row.get(AXIAL).is_some_and(|axial| *axial != 0.0));
+    let (transition, disturbance) = sampled(plant, speed, period, (of, is_axially_measured), &scale)?;
     let n = plant.layout.order;
     // Readings in um.
     let probes =
@@ -180,12 +186,17 @@ fn sampled(
     plant: &Plant,
     speed: f64,
     period: f64,
-    of: &Uncertainty,
+    (of, is_axially_measured): (&Uncertainty, bool),
     scale: &[f64],
 ) -> Result<(DMatrix<f64>, DMatrix<f64>)> {
     let system = plant.scales()?;
+    let mut stiffness = plant.stiffness.clone();
+    if !plant.layout.is_given() && !is_axially_measured {
+        let held = system.mass[(AXIAL, AXIAL)] * (TAU * LOWEST_AXIAL).powi(2);
+        stiffness[(AXIAL, AXIAL)] = stiffness[(AXIAL, AXIAL)].max(held);
+    }
     let inverse = system.mass.try_inverse().ok_or(PlantError::SingularMass)?;
-    let by_position = -&inverse * &plant.stiffness;
+    let by_position = -&inverse * &stiffness;
     let by_rate = -&inverse * (system.damping + system.gyroscopic * speed);
     let by_load = &inverse * loads(plant);
     let (order, n) = (plant.layout.order, scale.len());

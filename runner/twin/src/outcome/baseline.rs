@@ -58,6 +58,9 @@ pub struct Baseline {
     pub orders: Vec<f64>,
     /// Probes in the order of the scene.
     pub probes: Vec<BaselineProbe>,
+    /// The residual is that of a synchronised twin, and so is that of recordings compared with it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub synchronised: bool,
     /// Calibrated parameters of the healthy machine; `None` if the recording does not determine them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,

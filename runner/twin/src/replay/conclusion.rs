@@ -140,6 +140,7 @@ impl Pipeline<'_> {
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.diagnoses.clone(), d.notes.clone()));
         let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
         learned.calibration.clone_from(&self.calibration);
+        learned.synchronised = self.is_synchronised();
         learned.set_faults(&diagnoses);
         if let Some(baseline) = &self.baseline {
             let (known, new) = diagnoses.into_iter().partition(|diagnosis| baseline.contains_fault(diagnosis));

@@ -330,7 +330,7 @@ impl<'a> Pipeline<'a> {
                     "No observer: the system has {order} coordinates, more than {MAX_OBSERVED}. Forces come from the displacement that the probes show."
                 )
             } else {
-                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter (an axial probe or an axial stiffness is missing). Forces come from the displacement that the probes show.".to_owned()
+                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter. Forces come from the displacement that the probes show.".to_owned()
             };
             self.notes.push(note);
         }
@@ -340,8 +340,9 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Returns true where the twin starts each sample period at the state of the observer.
-    pub(super) const fn is_synchronised(&self) -> bool {
-        self.spread.is_some() && self.observer.is_tuned()
+    pub(super) fn is_synchronised(&self) -> bool {
+        let is_of_baseline = self.baseline.as_ref().is_some_and(|baseline| baseline.synchronised);
+        (self.spread.is_some() || is_of_baseline) && self.observer.is_tuned()
     }
 
     /// Runs the twin in where the next sample starts it; returns true where that sample can be processed.

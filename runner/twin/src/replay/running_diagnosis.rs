@@ -8,6 +8,7 @@ use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Diagnosis, FaultFigures, FaultKind, Implausibility};
 use crate::plant::Plant;
 use crate::plausibility::implausible_samples;
+use crate::priority;
 use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
@@ -249,7 +250,11 @@ impl RunningDiagnosis {
             return;
         }
         let thread = std::thread::Builder::new().name("diagnosis".to_owned());
-        match thread.spawn(move || machine.diagnose(&samples)) {
+        let diagnose = move || {
+            priority::lower();
+            machine.diagnose(&samples)
+        };
+        match thread.spawn(diagnose) {
             Ok(thread) => {
                 self.running = Some(Running {
                     thread: Some(thread),

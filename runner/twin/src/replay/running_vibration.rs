@@ -7,6 +7,7 @@ use super::second::{SensorSecond, StatisticsOfSensors};
 use crate::error::Result;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Diagnosis, FaultKind};
+use crate::priority;
 use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene};
 use crate::vibration::signals::{Evaluation, Signals};
@@ -98,7 +99,11 @@ impl RunningVibration {
         let (scene, baseline) = (self.scene.clone(), self.baseline.clone());
         let time = sample.row.time;
         let thread = std::thread::Builder::new().name("vibration".to_owned());
-        match thread.spawn(move || signals.evaluate(&scene, baseline.as_deref())) {
+        let evaluate = move || {
+            priority::lower();
+            signals.evaluate(&scene, baseline.as_deref())
+        };
+        match thread.spawn(evaluate) {
             Ok(thread) => self.work = Work::Evaluating(thread, Instant::now(), time),
             Err(error) => ended(&error.to_string(), time, notices),
         }
