@@ -291,7 +291,8 @@ fn diagnoses(page: &mut Page, outcome: &Outcome) {
             page.sentence("    Remedy: ", &one.remedy);
         }
     } else if outcome.diagnoses.is_empty() {
-        page.line("  none");
+        let is_undiagnosed = !outcome.probes.is_empty() && outcome.diagnosis.is_none();
+        page.line(if is_undiagnosed { "  not made; the verdict states why" } else { "  none" });
     }
     for diagnosis in &outcome.diagnoses {
         // The verdict is the sentence of the first diagnosis.

@@ -573,9 +573,14 @@ impl Reported<'_, '_> {
                     }
                     Component::Ball => ("Rolling element", format!("on element {}", p.element.unwrap_or(1))),
                 };
+                let depth = match p.depth_um {
+                    Some(depth) if depth.low <= 0.0 => {
+                        format!("a depth that is not known apart from its width (at most {:.2} um)", depth.high)
+                    }
+                    depth => format!("{} um deep", described(depth, 2)),
+                };
                 format!(
-                    "{surface} of {bearing}: a spall {place}, {} um deep, half width {:.2} deg",
-                    described_size(p.depth_um, 2),
+                    "{surface} of {bearing}: a spall {place}, {depth}, half width {:.2} deg",
                     value(p.half_width_deg)
                 )
             }

@@ -171,6 +171,9 @@ impl Lines {
                 let beside = move |n: i32| (-2..=2).map(move |k| f64::from(n) * order + f64::from(k) * carrier);
                 (1..=HARMONICS).flat_map(beside)
             });
+            // A rotor that rattles in its clearance moves at halves of the ball pass.
+            let halves = (0..HARMONICS).map(move |n| (f64::from(n) + 0.5) * orders.outer_race);
+            let lines = lines.chain(halves);
             let slips = |order: f64| {
                 let width = order.abs().max(1.0);
                 order - (1.0 - SLIP.start()) * width..=order + (SLIP.end() - 1.0) * width
@@ -239,7 +242,9 @@ fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec
         let own: Vec<_> = others.iter().chain(&bearing.lines).cloned().collect();
         let around = |order: f64| SLIP.start() * order..=SLIP.end() * order;
         let pass = |elements: usize| around(elements as f64 * bearing.cage);
-        if spectrum.largest(pass(bearing.elements), &others) > ABSENT {
+        // A line that may be of the other bearing does not show that this one has none.
+        let of_shaft: Vec<_> = harmonics_of_shaft().collect();
+        if spectrum.largest(pass(bearing.elements), &of_shaft) > ABSENT {
             return None;
         }
         // A line that the bearing of the scene may have is no evidence for another number.
