@@ -26,6 +26,10 @@ pub fn loose(bearings: [&str; 2], load: &str) -> String {
 
 /// The outcome of a recording of `generating`, replayed on `scene`. The transient is no whole number of turns.
 pub fn outcome(generating: &str, scene: &str) -> Value {
+    outcome_of(generating, scene, "1 s")
+}
+
+fn outcome_of(generating: &str, scene: &str, duration: &str) -> Value {
     let desk = Desk::empty();
     desk.put("generating.toml", generating);
     desk.put("scene.toml", scene);
@@ -34,7 +38,7 @@ pub fn outcome(generating: &str, scene: &str) -> Value {
         "generating.toml",
         "--as-recording",
         "--duration",
-        "1 s",
+        duration,
         "--settle",
         "0.4 s",
         "-o",
@@ -81,6 +85,34 @@ fn a_spall_of_a_machine_that_does_not_repeat_is_named() {
     assert_eq!((&finding["kind"], &finding["bearing"]), (&"inner-race".into(), &"DE".into()));
     let azimuth = number(finding, "/azimuth_deg/value");
     assert!((azimuth - 70.0).abs() < 6.0, "{azimuth}");
+}
+
+/// Lines at halves of the ball pass are no other number of elements, and an axial motion that no probe measures does not mislead the observer.
+#[test]
+fn a_spalled_fan_rotor_that_rattles_is_diagnosed() {
+    let scene = loose(["6312", "NU212"], "");
+    let changes = [
+        ("\"2950 rpm\"", "\"1480 rpm\""),
+        ("\"20 kg\"", "\"40 kg\""),
+        ("inertia = 0.35", "inertia = 1.1"),
+        ("inertia = 0.06", "inertia = 0.9"),
+        ("[800, 800, 800, 2, 2]", "[1500, 1500, 1500, 15, 15]"),
+        ("\"150 g mm\"", "\"400 g mm\""),
+        ("\"25.6 kHz\"", "\"12.8 kHz\""),
+    ];
+    let scene = changes.iter().fold(scene, |text, (from, to)| swap(&text, from, to));
+    let spall = "name = \"DE\"\ncage_ratio = 0.3812\nfirst_element_azimuth = \"17 deg\"\ndefect = [{ surface = \"outer\", azimuth = \"-80 deg\", half_width = \"3 deg\", depth = \"4 um\", shape = \"half-sine\" }]\n";
+    let outcome = outcome_of(&swap(&scene, "name = \"DE\"\n", spall), &scene, "3 s");
+    assert!(list(&outcome, "implausible").is_empty(), "{}", outcome["implausible"]);
+    let [finding] = list(&outcome, "findings") else { panic!("{}", outcome["findings"]) };
+    assert_eq!((&finding["kind"], &finding["bearing"]), (&"outer-race".into(), &"DE".into()));
+    assert!(
+        (number(finding, "/azimuth_deg/value") - 280.0).abs() < 3.0
+            && (number(finding, "/depth_um/value") - 4.0).abs() < 1.0
+    );
+    let observer = &outcome["observer"];
+    assert_eq!(observer["restarts"], 0, "{observer}");
+    assert!((3.0..5.5).contains(&number(observer, "/nis_mean")), "{observer}");
 }
 
 #[test]

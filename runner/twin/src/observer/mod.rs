@@ -16,7 +16,7 @@ pub use running::{Correction, RunningObserver};
 pub use tune::{IdentificationData, TunedObserver, identify, noise};
 
 use crate::error::Result;
-use crate::plant::{MountedBearing, Plant, ReactingElement, Step, SystemTask, array};
+use crate::plant::{AXIAL, MountedBearing, Plant, ReactingElement, Step, SystemTask, array};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
@@ -143,6 +143,18 @@ impl Gains {
         }
         let density = if count > 1 { 1.0 / stride.abs() } else { 0.0 };
         Ok(Self { all, speeds: [from.min(to), density], log_determinant })
+    }
+}
+
+impl Gains {
+    /// Leaves the axial coordinate to the model. Where no probe measures it and the bearings lose contact, the mean stiffness between the radial and
+    /// the axial motion, by which the gains correct it, is not that of the moment.
+    pub fn leave_axial(&mut self) {
+        for gain in &mut self.all {
+            for part in [&mut gain.position, &mut gain.rate, &mut gain.load, &mut gain.rotating_load] {
+                part.row_mut(AXIAL).fill(0.0);
+            }
+        }
     }
 }
 

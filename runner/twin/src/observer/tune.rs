@@ -3,7 +3,7 @@
 use super::model::{self, Uncertainty};
 use super::{Gains, InitialState, MAX_PROBES, estimator, gate, start, wide_gate};
 use crate::error::{ObserverError, Result};
-use crate::plant::Plant;
+use crate::plant::{AXIAL, Plant};
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -96,7 +96,11 @@ pub fn identify(
         data.check_cancelled()?;
         let slow = Uncertainty::new(&noise, process_noise, weight);
         let of = if data.repeats { slow } else { slow.with_unbalance(weight) };
-        let Ok(gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { return Ok(()) };
+        let Ok(mut gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { return Ok(()) };
+        let is_axially_measured = data.rows.iter().any(|row| row.get(AXIAL).is_some_and(|axial| *axial != 0.0));
+        if !data.repeats && !plant.layout.is_given() && !is_axially_measured {
+            gains.leave_axial();
+        }
         let cost = negative_log_likelihood(plant, data, &gains, &start)?;
         if best.as_ref().is_none_or(|best| cost < best.cost) {
             *best = Some(Candidate { cost, exponent, process_noise, gains });
