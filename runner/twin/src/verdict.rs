@@ -57,16 +57,6 @@ fn is_of_vibration_alone(diagnosis: &Diagnosis) -> bool {
     diagnosis.evidence == [EvidenceSource::Vibration]
 }
 
-/// States that the motion does not repeat; empty where it does.
-#[must_use]
-pub fn without_repetition(twin: &ComparedTwin) -> String {
-    let Some(spread) = &twin.spread else { return String::new() };
-    format!(
-        "two twins of the scene that started a turn apart still differ by {:.2} um rms at {} after {:.1} s",
-        spread.difference_um, spread.probe, spread.time_s
-    )
-}
-
 fn judged(
     diagnoses: &[Diagnosis],
     (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
@@ -131,10 +121,6 @@ mod tests {
         assert!(
             sentence.starts_with("The motion of this machine does not repeat. The synchronised twin"),
             "{sentence}"
-        );
-        assert_eq!(
-            without_repetition(&synchronised),
-            "two twins of the scene that started a turn apart still differ by 3.10 um rms at DE after 4.0 s"
         );
         assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], None, 0).starts_with("The twin "));
     }

@@ -166,8 +166,7 @@ pub fn weight(plant: &Plant) -> Result<f64> {
 /// Returns the errors of [`Sampled::steady`].
 pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Uncertainty) -> Result<Steady> {
     let scale = scales(plant)?;
-    let is_axially_measured = rows.iter().any(|row| row.get(AXIAL).is_some_and(|axial| *axial != 0.0));
-    let (transition, disturbance) = sampled(plant, speed, period, (of, is_axially_measured), &scale)?;
+    let (transition, disturbance) = sampled(plant, &held(plant, rows)?, speed, period, of, &scale)?;
     let n = plant.layout.order;
     // Readings in um.
     let probes =
@@ -181,22 +180,35 @@ pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Un
     Ok(found)
 }
 
+/// Returns true where the rotor has an axial coordinate that no probe measures; `rows` are the readings per unit of each coordinate.
+#[must_use]
+pub fn is_axially_unmeasured(plant: &Plant, rows: &[Vec<f64>]) -> bool {
+    let measures = |row: &Vec<f64>| row.get(AXIAL).is_some_and(|axial| *axial != 0.0);
+    !plant.layout.is_given() && !rows.iter().any(measures)
+}
+
+/// Returns the stiffness for the gains, in which an axial coordinate that no probe measures is held (see [`LOWEST_AXIAL`]).
+fn held(plant: &Plant, rows: &[Vec<f64>]) -> Result<DMatrix<f64>> {
+    let mut stiffness = plant.stiffness.clone();
+    if is_axially_unmeasured(plant, rows) {
+        let least = plant.scales()?.mass[(AXIAL, AXIAL)] * (TAU * LOWEST_AXIAL).powi(2);
+        stiffness[(AXIAL, AXIAL)] = stiffness[(AXIAL, AXIAL)].max(least);
+    }
+    Ok(stiffness)
+}
+
 /// Computes `A` and `Q` over one period by the matrix exponential of the continuous system (Van Loan 1978).
 fn sampled(
     plant: &Plant,
+    stiffness: &DMatrix<f64>,
     speed: f64,
     period: f64,
-    (of, is_axially_measured): (&Uncertainty, bool),
+    of: &Uncertainty,
     scale: &[f64],
 ) -> Result<(DMatrix<f64>, DMatrix<f64>)> {
     let system = plant.scales()?;
-    let mut stiffness = plant.stiffness.clone();
-    if !plant.layout.is_given() && !is_axially_measured {
-        let held = system.mass[(AXIAL, AXIAL)] * (TAU * LOWEST_AXIAL).powi(2);
-        stiffness[(AXIAL, AXIAL)] = stiffness[(AXIAL, AXIAL)].max(held);
-    }
     let inverse = system.mass.try_inverse().ok_or(PlantError::SingularMass)?;
-    let by_position = -&inverse * &stiffness;
+    let by_position = -&inverse * stiffness;
     let by_rate = -&inverse * (system.damping + system.gyroscopic * speed);
     let by_load = &inverse * loads(plant);
     let (order, n) = (plant.layout.order, scale.len());

@@ -75,19 +75,18 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         let left = residuals(x, count)?;
         Ok(left.iter().map(|r| r * r).sum::<f64>() < FAILED * left.len() as f64)
     };
-    let none = vec![0.0; units.len()];
-    let all = fit(none.clone(), SAMPLES)?;
+    let all = fit(vec![0.0; units.len()], SAMPLES)?;
     if is_good(&all, SAMPLES)? {
         return Ok(at(&all));
     }
-    let mut best = none;
+    let mut best: Option<Vec<f64>> = None;
     for count in FEW_FIRST {
-        let closer = fit(best.clone(), count)?;
+        let closer = fit(best.clone().unwrap_or_else(|| vec![0.0; units.len()]), count)?;
+        // A machine that the scene does not describe is followed no longer than this.
         if !is_good(&closer, count)? {
-            // A machine that the scene does not describe is followed no longer than this.
-            return Ok(at(if count == FEW_FIRST[0] { &all } else { &best }));
+            break;
         }
-        best = closer;
+        best = Some(closer);
     }
-    Ok(at(&best))
+    Ok(at(&best.unwrap_or(all)))
 }

@@ -3,7 +3,7 @@
 use super::model::{self, Uncertainty};
 use super::{Gains, InitialState, MAX_PROBES, estimator, gate, start, wide_gate};
 use crate::error::{ObserverError, Result};
-use crate::plant::{AXIAL, Plant};
+use crate::plant::Plant;
 use crate::recording::Sample;
 use crate::scene::Speed;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -97,8 +97,7 @@ pub fn identify(
         let slow = Uncertainty::new(&noise, process_noise, weight);
         let of = if data.repeats { slow } else { slow.with_unbalance(weight) };
         let Ok(mut gains) = Gains::try_new(linear, data.rows, data.speed, data.period, &of) else { return Ok(()) };
-        let is_axially_measured = data.rows.iter().any(|row| row.get(AXIAL).is_some_and(|axial| *axial != 0.0));
-        if !data.repeats && !plant.layout.is_given() && !is_axially_measured {
+        if !data.repeats && model::is_axially_unmeasured(plant, data.rows) {
             gains.leave_axial();
         }
         let cost = negative_log_likelihood(plant, data, &gains, &start)?;

@@ -17,16 +17,6 @@ const LEAST_SHARE: f64 = 0.01;
 /// Largest number of samples over which two twins are compared.
 const MAX_COMPARED: u64 = 1 << 16;
 
-/// How far two twins differ, and how far they move.
-pub struct Repeatability {
-    /// Rms difference of the twins at each probe over the last turn of their run-in, m.
-    differences: Vec<f64>,
-    /// Rms motion of one of them about its mean, m.
-    motions: Vec<f64>,
-    /// Time that they ran, s.
-    time: f64,
-}
-
 /// Difference of two twins where the scene does not determine their motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -38,31 +28,21 @@ pub struct Spread {
     pub time: f64,
 }
 
-impl Repeatability {
-    /// Returns the largest difference over the noise of a probe; none where no difference is larger than the `noise` (m) and than
-    /// [`LEAST_SHARE`].
-    pub fn spread(&self, noise: &[f64]) -> Option<Spread> {
-        let all = self.differences.iter().zip(&self.motions).zip(noise).enumerate();
-        let differ = all.filter(|(_, ((difference, motion), noise))| **difference > noise.max(LEAST_SHARE * *motion));
-        let largest =
-            differ.max_by(|(_, ((a, _), noise)), (_, ((b, _), other))| (*a / *noise).total_cmp(&(*b / *other)));
-        largest.map(|(probe, ((&difference, _), _))| Spread { probe, difference, time: self.time })
-    }
-}
-
-/// Runs two twins in up to a sample, one from a turn earlier; returns the later one and how far they differ over the last turn.
+/// Runs two twins in up to a sample, one from a turn earlier; returns the later one and their largest difference over the last turn, over the
+/// noise of a probe; none where no difference is larger than the noise and than [`LEAST_SHARE`].
 ///
-/// `rows` are the readings of the probes per unit of each coordinate, `period` is that of the samples, s.
+/// `rows` are the readings of the probes per unit of each coordinate, `noise` is that of the probes (m), `period` that of the samples (s).
 ///
 /// # Errors
 /// A machine that cannot be started; `cancelled` was set.
 pub fn run_in_twice(
     plant: &Plant,
     rows: &[Vec<f64>],
+    noise: &[f64],
     period: f64,
     sample: &Sample,
     cancelled: &AtomicBool,
-) -> crate::error::Result<(Box<dyn Twin>, Repeatability)> {
+) -> crate::error::Result<(Box<dyn Twin>, Option<Spread>)> {
     let (revolutions, drive) = (sample.total_revolutions(), sample.shaft_motion());
     let mut later = RunIn::try_new(plant, period, revolutions, &drive)?;
     let turn = ((TAU / drive.speed.abs() / period).ceil() as u64).min(later.left());
@@ -89,7 +69,13 @@ pub fn run_in_twice(
             break;
         }
     }
-    let differences = differences.iter().map(Running::rms).collect();
-    let motions = motions.iter().map(|motion| (motion.rms().powi(2) - motion.mean().powi(2)).max(0.0).sqrt()).collect();
-    Ok((later.into_twin(), Repeatability { differences, motions, time }))
+    let spreads =
+        differences.iter().zip(&motions).zip(noise).enumerate().filter_map(|(probe, ((between, motion), noise))| {
+            let motion = (motion.rms().powi(2) - motion.mean().powi(2)).max(0.0).sqrt();
+            let difference = between.rms();
+            let differs = difference > noise.max(LEAST_SHARE * motion);
+            differs.then_some((Spread { probe, difference, time }, difference / noise))
+        });
+    let largest = spreads.max_by(|(_, a), (_, b)| a.total_cmp(b));
+    Ok((later.into_twin(), largest.map(|(spread, _)| spread)))
 }

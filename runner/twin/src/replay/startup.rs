@@ -271,9 +271,10 @@ impl Search {
         let within = |sample: &&Sample| sample.row.index < first.row.index + align::MAX_SAMPLES as u64;
         let shifted =
             |lag| samples.iter().take_while(within).map(|s| align::shifted(s.clone(), lag)).collect::<Vec<_>>();
-        let (mut twin, repeatability) = run_in_twice(&self.plant, &self.rows, self.period, first, &self.cancelled)?;
         let noise: Vec<f64> = self.noise.iter().enumerate().map(|(p, given)| noise(samples, p, *given)).collect();
-        found.spread = repeatability.spread(&noise);
+        let (mut twin, spread) = run_in_twice(&self.plant, &self.rows, &noise, self.period, first, &self.cancelled)?;
+        found.spread = spread;
+        let mut guess = InitialState::new(twin.coordinates(), twin.rates());
         // The phase of a motion that does not repeat is no lag of the keyphasor.
         let passes = if self.is_synchronous || found.spread.is_some() { 0 } else { 2 };
         for pass in 0..passes {
@@ -285,14 +286,20 @@ impl Search {
             self.check_cancelled()?;
             found.lag = (found.lag + more).clamp(-0.5 * self.period, 0.5 * self.period);
         }
-        found.tuned = self.tune(&shifted(found.lag), found.spread.is_none())?;
+        let shifted = shifted(found.lag);
+        if found.lag != 0.0 {
+            let twin = self.run_in(&shifted[0])?;
+            guess = InitialState::new(twin.coordinates(), twin.rates());
+        }
+        found.tuned = self.tune(&shifted, guess, found.spread.is_none())?;
         Ok(())
     }
 
-    /// Finds the observer under which the first samples are the most likely.
-    fn tune(&self, samples: &[Sample], repeats: bool) -> Result<Option<TunedObserver>> {
-        let Some(first) = samples.first().filter(|_| self.plant.layout.order <= MAX_OBSERVED) else { return Ok(None) };
-        let twin = self.run_in(first)?;
+    /// Finds the observer under which the first samples are the most likely; `guess` is the state of the twin at the first of them.
+    fn tune(&self, samples: &[Sample], guess: InitialState, repeats: bool) -> Result<Option<TunedObserver>> {
+        if self.plant.layout.order > MAX_OBSERVED {
+            return Ok(None);
+        }
         let data = IdentificationData {
             samples,
             rows: &self.rows,
@@ -303,7 +310,7 @@ impl Search {
             repeats,
             cancelled: &self.cancelled,
         };
-        identify(&self.plant, &self.linear, &data, InitialState::new(twin.coordinates(), twin.rates()))
+        identify(&self.plant, &self.linear, &data, guess)
     }
 
     /// Runs the twin in up to a sample.

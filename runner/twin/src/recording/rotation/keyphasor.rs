@@ -77,6 +77,7 @@ pub(super) struct Keyphasor {
     last_pulse: Position,
     /// The third pulse of all where it is not known yet whether the first one is a mark.
     third: Option<(Instant, Position)>,
+    /// The first pulse of all.
     first_pulse: Position,
     last_reading: Option<u64>,
     /// Sample in the middle of a signal loss since the last pulse that was longer than the interval of pulses.
