@@ -15,7 +15,7 @@ pub struct Candidate {
     pub cause: Cause,
     /// Fall of chi-squared expected before the fit.
     pub gain: f64,
-    /// Machines to start a fit from; further ones are tried if the first [`STARTS`] lead nowhere.
+    /// Machines to start a fit from; further ones are tried if the first ones lead nowhere.
     pub starts: Vec<Machine>,
     pub unknowns: Vec<Unknown>,
 }
