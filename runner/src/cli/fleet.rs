@@ -42,7 +42,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     evaluate(args, &folder, &mut store, &missing, error)?;
     let elapsed = start.elapsed();
     let order: Vec<_> = machines.iter().map(Machine::key).collect();
-    if !missing.is_empty() {
+    if !missing.is_empty() || !store.is_compact() {
         store.compact(&order)?;
     }
     let rows: Vec<Row> = order.iter().filter_map(|key| store.get(key).cloned()).collect();

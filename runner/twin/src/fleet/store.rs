@@ -109,6 +109,12 @@ impl Store {
         Ok(())
     }
 
+    /// Returns true where at most one part is on disk, so that no row stands there twice.
+    #[must_use]
+    pub fn is_compact(&self) -> bool {
+        self.parts.len() <= 1
+    }
+
     /// Replaces all parts by one: the rows of `order` in this order, then all others.
     ///
     /// A process that is killed meanwhile leaves parts with equal rows; [`Store::open`] keeps one of each.
