@@ -9,6 +9,8 @@ mod bounds;
 mod browser;
 mod chromium;
 mod clearance;
+#[cfg(target_os = "linux")]
+mod clock_steps;
 mod completions;
 mod contact_angle;
 mod degraded;
