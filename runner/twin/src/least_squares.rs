@@ -1,6 +1,7 @@
 //! Nonlinear least squares within bounds: Levenberg-Marquardt steps projected onto the bounds. The Jacobian of a step is computed
 //! by one-sided differences, that of the solution by central ones at twice the cost.
 
+use crate::parallel;
 use nalgebra::{DMatrix, DVector};
 
 /// Step of the differences, in units of the scale of an unknown.
@@ -45,11 +46,7 @@ pub struct Solution {
 ///
 /// # Errors
 /// Returns the errors of [`solve_within`].
-pub fn solve<E: From<std::io::Error> + Send>(
-    start: Vec<f64>,
-    residuals: Residuals<E>,
-    least_fall: f64,
-) -> Result<Vec<f64>, E> {
+pub fn solve<E: Send>(start: Vec<f64>, residuals: Residuals<E>, least_fall: f64) -> Result<Vec<f64>, E> {
     let limits = Limits::none(start.len());
     Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.0)
 }
@@ -60,7 +57,7 @@ pub fn solve<E: From<std::io::Error> + Send>(
 /// # Errors
 /// Returns an error of `residuals` at the start or next to an accepted point. A trial step at which it fails is rejected and a
 /// shorter one is tried.
-pub fn solve_within<E: From<std::io::Error> + Send>(
+pub fn solve_within<E: Send>(
     start: Vec<f64>,
     limits: &Limits,
     residuals: Residuals<E>,
@@ -73,7 +70,7 @@ pub fn solve_within<E: From<std::io::Error> + Send>(
 }
 
 /// Returns the unknowns of the minimum and the residuals there.
-fn minimise<E: From<std::io::Error> + Send>(
+fn minimise<E: Send>(
     start: Vec<f64>,
     limits: &Limits,
     residuals: Residuals<E>,
@@ -153,7 +150,7 @@ fn slopes<E>(
     residuals: Residuals<E>,
 ) -> Result<DMatrix<f64>, E>
 where
-    E: From<std::io::Error> + Send,
+    E: Send,
 {
     let column = |i: usize| -> Result<Vec<f64>, E> {
         let [low, high] = bounds[i];
@@ -171,20 +168,8 @@ where
             None => quotients(&at(above)?, &at(below)?, above - below),
         })
     };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(x.len().max(1));
-    let share = |t: usize| (t..x.len()).step_by(threads).map(|i| Ok((i, column(i)?))).collect::<Result<Vec<_>, E>>();
-    let share = &share;
-    let parts = std::thread::scope(|scope| -> Result<Vec<_>, E> {
-        let start = |t| std::thread::Builder::new().name("fit".to_owned()).spawn_scoped(scope, move || share(t));
-        let running = (0..threads).map(start).collect::<std::io::Result<Vec<_>>>()?;
-        Ok(running.into_iter().map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect())
-    })?;
-    let mut columns = vec![vec![]; x.len()];
-    for part in parts {
-        for (i, column) in part? {
-            columns[i] = column;
-        }
-    }
+    let unknowns: Vec<usize> = (0..x.len()).collect();
+    let columns = parallel::map(&unknowns, |i| column(*i)).into_iter().collect::<Result<Vec<_>, E>>()?;
     let rows = columns.first().map_or(0, Vec::len);
     Ok(DMatrix::from_fn(rows, x.len(), |i, j| columns[j][i]))
 }

@@ -77,7 +77,7 @@
 //!
 //! | layer | modules | content |
 //! | --- | --- | --- |
-//! | basis | [`printable`], [`output`], [`folder_lock`], [`parquet_table`], [`least_squares`], [`eigenvalues`] | safe text, complete or absent files, tables; numerical methods |
+//! | basis | [`printable`], [`output`], [`folder_lock`], [`parquet_table`], [`parallel`], [`least_squares`], [`eigenvalues`] | safe text, complete or absent files, tables; work on all processors; numerical methods |
 //! | kernel | [`simd`], [`handle`], [`flexible_rotor`] | bearings of the kernel chosen at run time; a rotor that bends in a few coordinates |
 //! | input | [`catalogue`], [`scene`], [`recording`], [`draft`] | bearings by designation; a scene file with units, checked; recordings in several formats, row by row, with counted flaws; the draft of a scene |
 //! | outcome | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
@@ -130,6 +130,7 @@ pub mod observer;
 pub mod options;
 pub mod outcome;
 pub mod output;
+pub mod parallel;
 pub mod parquet_table;
 pub mod plant;
 pub mod plausibility;

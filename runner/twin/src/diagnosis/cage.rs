@@ -6,6 +6,7 @@ use super::machine::{Cage, Machine, Unknown};
 use super::motion::{C, D};
 use super::residual::{Evidence, Spectra};
 use super::surface::Baseband;
+use crate::parallel;
 use ballrace::Phase;
 use std::f64::consts::TAU;
 
@@ -32,22 +33,21 @@ struct CageHarmonics {
 impl CageHarmonics {
     fn of(e: &Evidence, start: &Fitted, bearing: usize) -> Result<Self> {
         let n = e.plant.bearings[bearing].elements as f64;
-        let len = e.motion.len();
         let evaluated = e.evaluated(&start.machine, bearing)?;
-        let mut mean = vec![[0.0; D]; len];
-        let mut first = vec![[C::new(0.0, 0.0); D]; len];
-        for p in 0..PHASES {
-            let part = p as f64 / PHASES as f64;
-            let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
-            let cage = Phase::from_revolutions(part / n);
-            for t in 0..len {
-                let f = evaluated.force_at(&e.motion, t, cage);
+        let at_sample = |t: usize| {
+            let (mut mean, mut first) = ([0.0; D], [C::new(0.0, 0.0); D]);
+            for p in 0..PHASES {
+                let part = p as f64 / PHASES as f64;
+                let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
+                let f = evaluated.force_at(&e.motion, t, Phase::from_revolutions(part / n));
                 for i in 0..D {
-                    mean[t][i] += f[i] / PHASES as f64;
-                    first[t][i] += turn * f[i];
+                    mean[i] += f[i] / PHASES as f64;
+                    first[i] += turn * f[i];
                 }
             }
-        }
+            (mean, first)
+        };
+        let (mean, first) = parallel::of_indices(e.motion.len(), at_sample).into_iter().unzip();
         Ok(Self { bearing, mean, first })
     }
 
@@ -66,18 +66,20 @@ impl CageHarmonics {
         let of = &start.machine.bearings[bearing];
         let residual = e.residual(&self.mean_alone(e, start));
         let series = band.thin(e, |t| self.first[t]);
-        let mut found = Vec::new();
-        for slip in slips(e, bearing, range) {
+        let tried = |slip: &f64| {
             let order = n * ratio * (1.0 - slip);
-            let Some((line, column)) = band.column(e, &series, bearing, order, |turns| order * turns) else { continue };
-            let part = band.part(e, &residual, line);
+            let carrier = band.carrier(e, order, order)?;
+            let column = band.column(e, &series, bearing, &carrier);
+            let part = band.part(e, &residual, carrier.line);
             // The residual is -F1 e^(i psi)/2 at positive frequencies.
             let square: f64 = column.iter().map(|c| c.norm_sqr()).sum();
             let right: C = column.iter().zip(&part).map(|(c, r)| -c.conj() * r).sum();
             let gain = right.norm_sqr() / square.max(1e-300);
             // The amplitude is known; the phase alone is free.
-            found.push((gain, Cage { phase: right.arg() / TAU / n, slip, ..of.cage }));
-        }
+            Some((gain, Cage { phase: right.arg() / TAU / n, slip: *slip, ..of.cage }))
+        };
+        let mut found: Vec<(f64, Cage)> =
+            parallel::map(&slips(e, bearing, range), tried).into_iter().flatten().collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         found
     }
@@ -154,12 +156,13 @@ pub fn fit_cages_together(
                 peaks.push(cage);
             }
         }
-        for cage in peaks {
+        let with_cage = |cage: &Cage| -> Result<(Cage, Vec<f64>)> {
             let mut machine = start.machine.clone();
-            machine.bearings[bearing].cage = cage;
+            machine.bearings[bearing].cage = *cage;
             let residual = changed(e, &start, &machine)?.residual;
-            tried.push((cage, residual.iter().zip(&start.residual).map(|(a, b)| a - b).collect()));
-        }
+            Ok((*cage, residual.iter().zip(&start.residual).map(|(a, b)| a - b).collect()))
+        };
+        *tried = parallel::map(&peaks, with_cage).into_iter().collect::<Result<_>>()?;
     }
     let mut best: Option<(f64, [Cage; 2])> = None;
     for (of_first, first) in &tried[0] {
@@ -196,10 +199,13 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
                 continue;
             }
             let mut best = now.clone();
-            for (_, cage) in candidates.iter().take(TRIED) {
+            let with_cage = |(_, cage): &(f64, Cage)| {
                 let mut machine = now.machine.clone();
                 machine.bearings[bearing].cage = *cage;
-                let tried = changed(e, &now, &machine)?;
+                changed(e, &now, &machine)
+            };
+            for tried in parallel::map(&candidates[..candidates.len().min(TRIED)], with_cage) {
+                let tried = tried?;
                 if tried.chi_square < best.chi_square {
                     best = tried;
                 }

@@ -6,6 +6,7 @@ use super::fit::{Fitted, square};
 use super::machine::{ForceSource, Machine, Unknown, clearance, union, waves};
 use super::residual::{Evidence, dot};
 use super::surface::{Baseband, Compliance, Component, Family, best_family, with_spall};
+use crate::parallel;
 use crate::scene::Surface;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -24,7 +25,8 @@ pub struct Candidate {
 pub const SLIPS: [f64; 2] = [-0.01, 0.06];
 
 fn linear(e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
-    let slopes = unknowns.iter().map(|u| e.slope(&now.spectra, &now.machine, *u)).collect::<Result<Vec<_>>>()?;
+    let slope = |u: &Unknown| e.slope(&now.spectra, &now.machine, *u);
+    let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
     let n = slopes.len();
     let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
     let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));
@@ -96,6 +98,15 @@ fn largest_gain<T: Clone>(of: impl Fn(f64) -> Result<(f64, T)>) -> Result<(f64, 
     Ok(best)
 }
 
+/// Part of the machine, of which the candidates are searched apart.
+enum Part {
+    Unbalance,
+    Load,
+    Clearance(usize),
+    Misalignment(usize),
+    Surface(usize, Component),
+}
+
 /// State of the search for candidates.
 pub struct Search<'a, 'b> {
     pub e: &'a Evidence<'b>,
@@ -108,20 +119,29 @@ pub struct Search<'a, 'b> {
 impl Search<'_, '_> {
     /// Returns candidates, best first. The cages of `locked` bearings are known from a fault found before.
     pub fn candidates(&self, locked: &[bool]) -> Result<Vec<Candidate>> {
-        let mut all = vec![
-            self.linear(Cause::Unbalance, (0..4).map(Unknown::Unbalance).collect())?,
-            self.linear(Cause::Load, (0..3).map(Unknown::Load).collect())?,
-        ];
-        for (b, &is_locked) in locked.iter().enumerate() {
-            all.extend(self.clearance(b)?);
-            all.push(self.misalignment(b)?);
-            let compliance = Compliance::new(self.e, self.band, b, &self.now.machine)?;
-            for component in [Component::Outer, Component::Inner, Component::Ball] {
-                let family = best_family(self.e, self.band, self.now, &compliance, component, SLIPS, is_locked);
-                all.extend(self.spall(b, &family, is_locked));
-                all.extend(self.waviness(b, &family));
-            }
+        let bearings: Vec<usize> = (0..locked.len()).collect();
+        let of = |b: &usize| Compliance::new(self.e, self.band, *b, &self.now.machine);
+        let compliance = parallel::map(&bearings, of).into_iter().collect::<Result<Vec<_>>>()?;
+        let mut parts = vec![Part::Unbalance, Part::Load];
+        for b in bearings {
+            let components = [Component::Outer, Component::Inner, Component::Ball].map(|c| Part::Surface(b, c));
+            parts.extend([Part::Clearance(b), Part::Misalignment(b)].into_iter().chain(components));
         }
+        let candidates = |part: &Part| -> Result<Vec<Candidate>> {
+            Ok(match *part {
+                Part::Unbalance => vec![self.linear(Cause::Unbalance, (0..4).map(Unknown::Unbalance).collect())?],
+                Part::Load => vec![self.linear(Cause::Load, (0..3).map(Unknown::Load).collect())?],
+                Part::Clearance(b) => self.clearance(b)?.into_iter().collect(),
+                Part::Misalignment(b) => vec![self.misalignment(b)?],
+                Part::Surface(b, component) => {
+                    let (compliance, is_locked) = (&compliance[b], locked[b]);
+                    let family = best_family(self.e, self.band, self.now, compliance, component, SLIPS, is_locked);
+                    self.spall(b, &family, is_locked).into_iter().chain(self.waviness(b, &family)).collect()
+                }
+            })
+        };
+        let parts = parallel::map(&parts, candidates).into_iter().collect::<Result<Vec<_>>>()?;
+        let mut all: Vec<Candidate> = parts.into_iter().flatten().collect();
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         Ok(all)
     }

@@ -3,6 +3,7 @@
 use super::Result;
 use super::machine::{ForceSource, Machine, Unknown};
 use super::residual::{Evidence, Spectra, dot};
+use crate::parallel;
 use nalgebra::{DMatrix, DVector};
 
 /// A machine with its unknowns fitted.
@@ -132,7 +133,7 @@ impl Weights {
 
     fn slopes(self, e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
         match self {
-            Self::Given => unknowns.iter().map(|u| e.slope(&now.spectra, &now.machine, *u)).collect(),
+            Self::Given => parallel::map(unknowns, |u| e.slope(&now.spectra, &now.machine, *u)).into_iter().collect(),
             Self::Own => e.own_slopes(&now.spectra, &now.machine, unknowns),
         }
     }

@@ -6,6 +6,7 @@ use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
 use super::machine::{Machine, MachineBearing, Unknown, clearance, union};
 use super::residual::{Evidence, dot};
 use super::{Prepared, Result, cage};
+use crate::parallel;
 use nalgebra::{DMatrix, DVector};
 
 /// Identified fault, with the machine that contains it and all faults before it.
@@ -294,14 +295,18 @@ fn judged_all<'a, 'b>(
 ) -> Result<Vec<Judged<'a>>> {
     let candidates: Vec<&Candidate> = candidates.collect();
     let top = candidates.iter().map(|candidate| candidate.gain).fold(0.0, f64::max);
-    let mut fits = vec![];
-    for candidate in candidates {
+    let fit = |candidate: &&'b Candidate| -> Result<Option<(&'b Candidate, Fitted)>> {
         let is_likely = candidate.gain > EXPECTED * top;
-        fits.extend(fitted(&of.evidence, candidate, now, is_likely)?.map(|fitted| (candidate, fitted)));
-    }
+        Ok(fitted(&of.evidence, candidate, now, is_likely)?.map(|fitted| (*candidate, fitted)))
+    };
+    let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
+    let mut fits: Vec<(&Candidate, Fitted)> = fits.into_iter().flatten().collect();
     fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
-    let ranked = fits.iter().enumerate();
-    ranked.map(|(rank, (candidate, fitted))| judged(of, now, candidate, fitted, rank < searched)).collect()
+    let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
+    let judge = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
+        judged(of, now, candidate, fitted, *rank < searched)
+    };
+    parallel::map(&ranked, judge).into_iter().collect()
 }
 
 /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.

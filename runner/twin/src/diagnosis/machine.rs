@@ -3,6 +3,7 @@
 use super::Result;
 use super::dynamics::Tangent;
 use super::motion::{D, Motion, PARTS};
+use crate::parallel;
 use crate::plant::{Plant, unbalance_planes};
 use crate::scene::build::{self, AnyBearing};
 use crate::scene::{
@@ -245,7 +246,7 @@ impl Evaluated {
 
     /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
     pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
-        (0..motion.len()).map(|t| self.force(motion, t)).collect()
+        parallel::of_indices(motion.len(), |t| self.force(motion, t))
     }
 
     /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; `None` without a spall.

@@ -8,6 +8,7 @@ use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
 use super::machine::{Evaluated, ForceSource, Machine, MachineBearing, Unknown};
 use super::motion::{C, D, Motion, Transform};
+use crate::parallel;
 use crate::plant::Plant;
 use crate::probes::PoseSolver;
 use crate::scene::{Probe, Scene};
@@ -352,7 +353,7 @@ impl<'a> Evidence<'a> {
             }
             Ok(whitened(&whitening, &slope))
         };
-        unknowns.iter().map(slope).collect()
+        parallel::map(unknowns, slope).into_iter().collect()
     }
 
     /// Adds the force that another mean stiffness requires for the part of the displacement that the filter removed.
@@ -474,7 +475,8 @@ impl<'a> Evidence<'a> {
     /// is subtracted from every residual: the same fault has another force where the bearing is stiffer.
     pub fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
-        let mut slopes = unknowns.iter().map(|u| self.slope(spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        let slope = |u: &Unknown| self.slope(spectra, machine, *u);
+        let mut slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
         for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
             let reference = self.tolerated(reference.clone());
             slope.iter_mut().zip(reference).for_each(|(slope, x)| *slope -= x);

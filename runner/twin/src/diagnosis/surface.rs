@@ -100,40 +100,41 @@ impl Baseband {
         Coarse { values }
     }
 
-    /// Returns the line nearest to `order` of the shaft, and the residual at the probes of a force at a bearing, a series times
-    /// `e^(2 pi i turns)`, for lines about it; `None` if the band exceeds the lines in use.
-    pub fn column(
-        &self,
-        e: &Evidence,
-        series: &Coarse,
-        bearing: usize,
-        order: f64,
-        carrier: impl Fn(f64) -> f64,
-    ) -> Option<(usize, Vec<C>)> {
-        let bin = e.transform.lines[1];
-        let centre = order.abs() * e.motion.mean_speed().abs() / bin;
-        let centre_line = centre.round() as usize;
-        if centre_line <= 2 * MEAN_LINES || centre_line + self.half_width >= e.transform.lines.len() {
+    /// Returns `e^(2 pi i order turns)` at the coarse samples.
+    fn turned(&self, order: f64) -> Vec<C> {
+        self.turns.iter().map(|turns| C::from_polar(1.0, TAU * (order * turns).fract())).collect()
+    }
+
+    /// Returns the carrier of an order in the band about the line nearest to `centre`, an order of the shaft; `None` if the band exceeds
+    /// the lines in use.
+    pub fn carrier(&self, e: &Evidence, centre: f64, order: f64) -> Option<Carrier> {
+        let nearest = (centre.abs() * e.motion.mean_speed().abs() / e.transform.lines[1]).round() as usize;
+        if nearest <= 2 * MEAN_LINES || nearest + self.half_width >= e.transform.lines.len() {
             return None;
         }
-        let sign = order.signum();
+        let is_backward = centre < 0.0;
+        let sign = if is_backward { -1.0 } else { 1.0 };
         let n = e.motion.len() as f64;
         let shift = |i: usize| {
-            let turns = sign * carrier(self.turns[i]) - centre_line as f64 * i as f64 / self.count as f64;
+            let turns = sign * order * self.turns[i] - nearest as f64 * i as f64 / self.count as f64;
             C::from_polar(n / self.count as f64, TAU * turns.fract())
         };
-        let shifts: Vec<C> = (0..self.count).map(shift).collect();
+        Some(Carrier { line: nearest, is_backward, shifts: (0..self.count).map(shift).collect() })
+    }
+
+    /// Returns the residual at the probes of a force at a bearing, a series times the carrier, for the lines of the band.
+    pub fn column(&self, e: &Evidence, series: &Coarse, bearing: usize, carrier: &Carrier) -> Vec<C> {
         let mut spectra: [Vec<C>; D] = Default::default();
         for (i, spectrum) in spectra.iter_mut().enumerate() {
             // A carrier of negative frequency appears conjugated at the positive one.
-            let value = |v: &[C; D]| if sign < 0.0 { v[i].conj() } else { v[i] };
-            *spectrum = series.values.iter().zip(&shifts).map(|(v, s)| value(v) * s).collect();
+            let value = |v: &[C; D]| if carrier.is_backward { v[i].conj() } else { v[i] };
+            *spectrum = series.values.iter().zip(&carrier.shifts).map(|(v, s)| value(v) * s).collect();
             self.forward.process(spectrum);
         }
         let mut out = Vec::with_capacity((2 * self.half_width + 1) * e.rows);
         for b in 0..=2 * self.half_width {
             let at = (b + self.count - self.half_width) % self.count;
-            let line = (centre_line + b).wrapping_sub(self.half_width);
+            let line = (carrier.line + b).wrapping_sub(self.half_width);
             if line >= e.transform.lines.len() || line < MEAN_LINES {
                 continue;
             }
@@ -141,7 +142,7 @@ impl Baseband {
                 out.push(row.iter().zip(&spectra).map(|(a, s)| a * s[at]).sum());
             }
         }
-        Some((centre_line, out))
+        out
     }
 
     /// Returns the part of a residual that belongs to the lines of a column about `line`.
@@ -149,6 +150,23 @@ impl Baseband {
         let per = 2 * e.rows;
         let (first, last) = (line.saturating_sub(self.half_width).max(MEAN_LINES), line + self.half_width);
         residual[first * per..(last + 1) * per].chunks(2).map(|x| C::new(x[0], x[1])).collect()
+    }
+}
+
+/// Carrier of an order of the shaft at the coarse samples, moved by the line about which its band is.
+pub struct Carrier {
+    pub line: usize,
+    /// True for a negative frequency.
+    is_backward: bool,
+    shifts: Vec<C>,
+}
+
+impl Carrier {
+    /// Adds the order of a factor by [`Baseband::turned`].
+    fn turn(&mut self, factor: &[C]) {
+        for (shift, factor) in self.shifts.iter_mut().zip(factor) {
+            *shift *= if self.is_backward { factor.conj() } else { *factor };
+        }
     }
 }
 
@@ -303,21 +321,22 @@ impl Family {
         let bearing = compliance.bearing;
         let n = e.plant.bearings[bearing].elements as f64;
         let weight = if component == Component::Ball { 2.0 } else { n };
+        let order = |k: usize, l: i32| order(e, bearing, component, slip, cage_slip, k, l);
+        // The side lines of every harmonic are this far apart.
+        let apart = order(1, 1) - order(1, 0);
+        let factor = band.turned(apart);
         let mut harmonics = vec![];
         for k in 1..=HARMONICS {
-            let centre = order(e, bearing, component, slip, cage_slip, k, 0);
-            let mut line = None;
+            let centre = order(k, 0);
+            let Some(mut carrier) = band.carrier(e, centre, order(k, -L)) else { continue };
             let mut columns = Vec::with_capacity(WIDTH);
-            for (l, series) in compliance.harmonics.iter().enumerate() {
-                let l = l as i32 - L;
-                let own = order(e, bearing, component, slip, cage_slip, k, l);
-                if let Some((at, column)) = band.column(e, series, bearing, centre, |turns| own * turns) {
-                    line = Some(at);
-                    columns.push(column);
+            for series in &compliance.harmonics {
+                columns.push(band.column(e, series, bearing, &carrier));
+                if apart != 0.0 {
+                    carrier.turn(&factor);
                 }
             }
-            let (Some(line), true) = (line, columns.len() == WIDTH) else { continue };
-            let part = band.part(e, residual, line);
+            let part = band.part(e, residual, carrier.line);
             let product = |a: &[C], b: &[C]| a.iter().zip(b).map(|(a, b)| a.conj() * b).sum::<C>() * weight;
             let normal = std::array::from_fn(|i| std::array::from_fn(|j| product(&columns[i], &columns[j]) * weight));
             let right = std::array::from_fn(|i| -product(&columns[i], &part));

@@ -5,6 +5,7 @@ use super::row::{DiagnosisRow, IndicatorValue, Row, State};
 use crate::caught::caught;
 use crate::error::{Error, Result, with_causes};
 use crate::outcome::{Diagnosis, Estimate, FaultParameters, LimitLine, Outcome, ProbeOutcome};
+use crate::parallel;
 use crate::printable;
 use crate::replay::{Options, open, replay};
 
@@ -54,7 +55,8 @@ fn empty(machine: &Machine) -> Row {
 #[must_use]
 pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation {
     let mut row = empty(machine);
-    let outcome = match caught(|| outcome(machine, force_error)) {
+    // Other machines have the other processors.
+    let outcome = match caught(|| parallel::on_this_thread(|| outcome(machine, force_error))) {
         Ok(Ok(outcome)) => outcome,
         Ok(Err(error)) => {
             row.state = if error.is_implausible() { State::Implausible } else { State::Error };

@@ -6,6 +6,7 @@ use crate::diagnosis::{self, DiagnosisInput, DiagnosisResult};
 use crate::observer::{CagePosition, CageTracker, found_position};
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Diagnosis, FaultFigures, FaultKind, Implausibility};
+use crate::parallel;
 use crate::plant::Plant;
 use crate::plausibility::implausible_samples;
 use crate::priority;
@@ -252,7 +253,8 @@ impl RunningDiagnosis {
         let thread = std::thread::Builder::new().name("diagnosis".to_owned());
         let diagnose = move || {
             priority::lower();
-            machine.diagnose(&samples)
+            // The samples have the other processors.
+            parallel::on_this_thread(|| machine.diagnose(&samples))
         };
         match thread.spawn(diagnose) {
             Ok(thread) => {

@@ -1,0 +1,111 @@
+//! Independent pieces of work on all processors.
+
+use std::cell::Cell;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::Builder;
+
+thread_local! {
+    /// True while other threads have the other processors.
+    static IS_ONE_OF_MANY: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does `work` on this thread alone: other work has the other processors.
+pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
+    /// Restores the state before, also after a panic.
+    struct Before(bool);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            IS_ONE_OF_MANY.set(self.0);
+        }
+    }
+    let _before = Before(IS_ONE_OF_MANY.replace(true));
+    work()
+}
+
+/// Returns `of` of each item, in their order, computed on all processors; on this thread alone within [`on_this_thread`] and within
+/// another call of this function. A panic of `of` is one of this function.
+pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if IS_ONE_OF_MANY.get() { 1 } else { processors().min(items.len()) };
+    if threads <= 1 {
+        return items.iter().map(of).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::with_capacity(items.len()));
+    let work = || {
+        on_this_thread(|| {
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                let Some(item) = items.get(i) else { return };
+                let result = of(item);
+                results.lock().unwrap_or_else(PoisonError::into_inner).push((i, result));
+            }
+        });
+    };
+    std::thread::scope(|scope| {
+        // A thread that cannot be started leaves its share to the others.
+        let start = |_| Builder::new().name("parallel".to_owned()).spawn_scoped(scope, work).ok();
+        let others: Vec<_> = (1..threads).filter_map(start).collect();
+        work();
+        for other in others {
+            other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|(i, _)| *i);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Indices that a thread takes at a time in [`of_indices`]: much more work than its start.
+const PIECE: usize = 2048;
+
+/// Returns `of(0)`, `of(1)` to `of(count - 1)`, computed as [`map`] does. For work of about a microsecond an index.
+pub fn of_indices<R: Send>(count: usize, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    let starts: Vec<usize> = (0..count).step_by(PIECE).collect();
+    let piece = |from: &usize| (*from..count.min(from + PIECE)).map(&of).collect::<Vec<_>>();
+    map(&starts, piece).into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+    use std::thread::ThreadId;
+
+    fn threads_of(items: usize) -> HashSet<ThreadId> {
+        let slow = |_: &usize| {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            std::thread::current().id()
+        };
+        map(&(0..items).collect::<Vec<_>>(), slow).into_iter().collect()
+    }
+
+    #[test]
+    fn results_have_the_order_of_the_items() {
+        let items: Vec<usize> = (0..100).collect();
+        assert_eq!(map(&items, |i| i * i), items.iter().map(|i| i * i).collect::<Vec<_>>());
+        assert!(map(&[] as &[usize], |i| *i).is_empty());
+        for count in [0, 1, PIECE, 3 * PIECE + 1] {
+            assert_eq!(of_indices(count, |i| i), (0..count).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn one_of_many_threads_works_alone() {
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        assert_eq!(threads_of(50).len() > 1, processors > 1);
+        let own = HashSet::from([std::thread::current().id()]);
+        assert_eq!(on_this_thread(|| threads_of(50)), own);
+        assert!(map(&[0, 1, 2], |_| threads_of(50).len()).iter().all(|count| *count == 1));
+        assert_eq!(threads_of(50).len() > 1, processors > 1);
+    }
+
+    #[test]
+    fn a_panic_is_passed_on() {
+        let failed = std::panic::catch_unwind(|| map(&[1, 2, 3, 4], |i| assert!(*i != 3, "third")));
+        assert!(failed.is_err());
+        assert!(!IS_ONE_OF_MANY.get());
+    }
+}
