@@ -2,11 +2,13 @@
 //!
 //! With `-- --check` it measures nothing and checks that the table has one row for each subject.
 
+mod load_states;
 mod marks;
 mod measure;
 mod section;
 mod subjects;
 
+use load_states::Load;
 use measure::{ROUNDS, Times};
 use section::Section;
 use std::error::Error;
@@ -31,17 +33,23 @@ const RATIOS: [(&str, &str, &str); 6] = [
 
 fn main() -> Result<(), Box<dyn Error>> {
     let given = |option: &str| env::args().any(|argument| argument == option);
-    let mut subjects = subjects::all()?;
+    let subjects = subjects::all()?;
     if given("--check") {
         let text = fs::read_to_string(chapter()).map_err(|error| format!("{CHAPTER}: {error}"))?;
-        let expected: Vec<&str> = section::rows(&subjects).into_iter().chain(RATIOS.map(|(name, ..)| name)).collect();
+        let of_states = state_ratios();
+        let expected: Vec<&str> = section::rows(&subjects)
+            .into_iter()
+            .chain(RATIOS.map(|(name, ..)| name))
+            .chain(of_states.iter().map(|(name, ..)| name.as_str()))
+            .collect();
         SECTION.check(&text, &expected).map_err(|fault| format!("{CHAPTER}: {fault}"))?;
         println!("{CHAPTER}: the benchmark table has all its rows");
     } else if given("--bench") {
-        write(&mut subjects)?;
+        write(subjects)?;
     } else {
         // Without the option that `cargo bench` gives, this is `cargo test`: everything runs, nothing is written.
-        for subject in &mut subjects {
+        let of_states = load_states::all()?.into_iter().map(|state| state.subject);
+        for mut subject in subjects.into_iter().chain(of_states) {
             (subject.run)();
         }
     }
@@ -52,9 +60,18 @@ fn chapter() -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "..", CHAPTER].iter().collect()
 }
 
-fn write(subjects: &mut [Subject]) -> Result<(), Box<dyn Error>> {
-    let times = measure::times(subjects);
-    let body = body(subjects, &times);
+fn write(subjects: Vec<Subject>) -> Result<(), Box<dyn Error>> {
+    let count = subjects.len();
+    let (states, of_states): (Vec<_>, Vec<_>) =
+        load_states::all()?.into_iter().map(|state| ((state.model, state.load), state.subject)).unzip();
+    let mut subjects: Vec<Subject> = subjects.into_iter().chain(of_states).collect();
+    let times = measure::times(&mut subjects);
+    let (subjects, of_states) = subjects.split_at(count);
+    let state = |model: &str, load: Load, column: &str| {
+        let is_it = |(of, subject): (&(&str, Load), &Subject)| *of == (model, load) && subject.column == column;
+        Some(count + states.iter().zip(of_states).position(is_it)?)
+    };
+    let body = body(subjects, &times, &state);
     println!("{body}");
     let old = fs::read_to_string(chapter())?;
     let new = SECTION.replaced(&old, &body).ok_or(format!("{CHAPTER} has no marks for the table"))?;
@@ -62,14 +79,27 @@ fn write(subjects: &mut [Subject]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The section without its marks.
-fn body(subjects: &[Subject], times: &Times) -> String {
+/// Rows of the ratios of load states: the name, the model, and the state whose time is divided by that with all elements loaded.
+fn state_ratios() -> Vec<(String, &'static str, Load)> {
+    let of = |model: &'static str| {
+        [(Load::None, "no element"), (Load::Half, "half of the elements")]
+            .map(|(load, words)| (format!("ratio: {words} loaded to all (aim: 0.9 to 1.1): {model}"), model, load))
+    };
+    load_states::MODELS.into_iter().flat_map(of).collect()
+}
+
+/// The section without its marks; `state` returns the index of a load state in a column.
+fn body(subjects: &[Subject], times: &Times, state: &dyn Fn(&str, Load, &str) -> Option<usize>) -> String {
     let place = |row: &str, column: &str| subjects.iter().position(|s| s.row == row && s.column == column);
     let rows = section::rows_of(subjects, |i| times.median(i), 1);
     let mut lines = vec![preamble(), String::new(), SECTION.header(), rows];
     for (name, above, below) in RATIOS {
         let ratio = |column| times.ratio(place(above, column)?, place(below, column)?);
         lines.push(section::line(name, COLUMNS.map(|column| section::cell(ratio(column), 2))));
+    }
+    for (name, model, load) in state_ratios() {
+        let ratio = |column| times.ratio(state(model, load, column)?, state(model, Load::All, column)?);
+        lines.push(section::line(&name, COLUMNS.map(|column| section::cell(ratio(column), 2))));
     }
     lines.join("\n")
 }

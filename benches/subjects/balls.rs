@@ -23,13 +23,13 @@ pub const LOOKED_UP: &str = "tabulated, N = 16: force";
 /// Six plain Newton steps in C.
 pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
 
-type Massive = QuasiStatic<f64, Exact, ElementPositions<f64, 16>, OuterControlled<f64>>;
-type LookedUp = Tabulated<f64, Exact, ElementPositions<f64, 16>, Vec<Node<f64, 2>>, 2>;
+pub type Massive = QuasiStatic<f64, Exact, ElementPositions<f64, 16>, OuterControlled<f64>>;
+pub type LookedUp = Tabulated<f64, Exact, ElementPositions<f64, 16>, Vec<Node<f64, 2>>, 2>;
 
-const SPEED: f64 = 10_000.0 * TAU / 60.0;
+pub const SPEED: f64 = 10_000.0 * TAU / 60.0;
 const WARM_STEPS: u8 = 3;
 
-fn solved() -> Result<Massive, InvalidParameter> {
+pub fn solved() -> Result<Massive, InvalidParameter> {
     let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
     let geometry = BallBearingGeometry {
         ball_diameter: 22.23e-3,
@@ -51,7 +51,7 @@ fn solved() -> Result<Massive, InvalidParameter> {
         .with_outer_control(&inertia)
 }
 
-fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
+pub fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
     let domain = TableDomain {
         approach: [-60e-6, 100e-6],
         angle: [20_f64.to_radians(), 60_f64.to_radians()],

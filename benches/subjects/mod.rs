@@ -60,11 +60,14 @@ fn side_by_side(subjects: Vec<Subject>) -> Vec<Subject> {
     rows.into_iter().flatten().collect()
 }
 
+pub const RADIAL_PLAY: f64 = 5e-6;
+pub const ROLLER_LENGTH: f64 = 8e-3;
+
 /// Number of different inputs.
-const INPUTS: u32 = 64;
+pub const INPUTS: u32 = 64;
 
 /// Lengths and angles that jump about their range from `i` to `i`, -1 to 1.
-fn scattered(i: u32, stride: f64) -> f64 {
+pub fn scattered(i: u32, stride: f64) -> f64 {
     2.0 * (f64::from(i) * stride).fract() - 1.0
 }
 
@@ -79,7 +82,7 @@ fn poses<T: Scalar>() -> Vec<(Displacement<T>, Phase)> {
 }
 
 /// A 6205-size ball bearing with 10 micrometres of clearance.
-fn geometry() -> Result<BallBearingGeometry, InvalidParameter> {
+pub fn geometry() -> Result<BallBearingGeometry, InvalidParameter> {
     let concentric = BallBearingGeometry {
         ball_diameter: 7.94e-3,
         pitch_diameter: 39.04e-3,

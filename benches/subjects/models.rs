@@ -1,6 +1,6 @@
 //! One evaluation of each model: the force, and the force with its tangent.
 
-use super::{INPUTS, Subject, geometry, poses};
+use super::{INPUTS, RADIAL_PLAY, ROLLER_LENGTH, Subject, geometry, poses};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::linear::Linear;
@@ -10,9 +10,6 @@ use ballrace::contact::law::{LineContactLaw, PointContactLaw};
 use ballrace::contact::line::roller_stiffness;
 use ballrace::{Displacement, Exact, Math, Phase, Scalar};
 use std::hint::black_box;
-
-const RADIAL_PLAY: f64 = 5e-6;
-const ROLLER_LENGTH: f64 = 8e-3;
 
 /// The model without elements and math backend.
 pub fn linear<T: Scalar>(column: &'static str) -> Result<Vec<Subject>, InvalidParameter>
