@@ -48,7 +48,7 @@ pub fn all() -> Result<Vec<LoadState>, InvalidParameter> {
     let places = [(Load::None, [0.0, -40e-6]), (Load::Half, [10e-6, 0.0]), (Load::All, [0.0, 40e-6])];
     for (load, place) in places {
         let state = (load, place, 1e-6);
-        states.push(in_state(MODELS[4], double, state, balls::SPEED, balls::solved()?));
+        states.push(in_state(MODELS[4], double, state, balls::SPEED, balls::solved::<Exact>()?));
         states.push(in_state(MODELS[5], double, state, balls::SPEED, balls::looked_up(&balls::solved()?)?));
     }
     Ok(states)

@@ -8,7 +8,8 @@ use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
 use ballrace::bearing::tabulated::{Node, Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::hertz::Material;
-use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
+use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase};
+use ballrace_twin::simd::OnWideRegisters;
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Write};
@@ -18,18 +19,22 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 pub const COLD: &str = "quasi-static, inertia, N = 16: force, cold";
 /// Few steps from where the balls were at the last sample.
 pub const WARM: &str = "quasi-static, inertia, N = 16: force, 3 steps from the last sample";
+/// As [`COLD`] on the registers that the program selects at run time.
+pub const COLD_WIDE: &str = "quasi-static, inertia, N = 16: force, cold, widest registers";
+/// As [`WARM`] on these registers.
+pub const WARM_WIDE: &str = "quasi-static, inertia, N = 16: force, 3 steps from the last sample, widest registers";
 /// From the table.
 pub const LOOKED_UP: &str = "tabulated, N = 16: force";
 /// Six plain Newton steps in C.
 pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
 
-pub type Massive = QuasiStatic<f64, Exact, ElementPositions<f64, 16>, OuterControlled<f64>>;
+pub type Massive<M = Exact> = QuasiStatic<f64, M, ElementPositions<f64, 16>, OuterControlled<f64>>;
 pub type LookedUp = Tabulated<f64, Exact, ElementPositions<f64, 16>, Vec<Node<f64, 2>>, 2>;
 
 pub const SPEED: f64 = 10_000.0 * TAU / 60.0;
 const WARM_STEPS: u8 = 3;
 
-pub fn solved() -> Result<Massive, InvalidParameter> {
+pub fn solved<M: Math<f64>>() -> Result<Massive<M>, InvalidParameter> {
     let material = Material { youngs_modulus: 206.91e9, ..BEARING_STEEL };
     let geometry = BallBearingGeometry {
         ball_diameter: 22.23e-3,
@@ -85,15 +90,20 @@ fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &BearingKinematicState<
     Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
 }
 
-/// All four; without a C compiler the last one is left out.
+/// All of them; without a C compiler the last one is left out.
 pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
-    let bearing = solved()?;
+    let bearing: Massive = solved()?;
+    let wide: Massive<OnWideRegisters<Exact>> = solved()?;
     let table = looked_up(&bearing)?;
     let mut subjects = vec![
         each(COLD, move |u, at| {
             black_box(bearing.reaction(u, at));
         }),
-        warm(bearing),
+        each(COLD_WIDE, move |u, at| {
+            black_box(wide.reaction(u, at));
+        }),
+        warm(WARM, bearing),
+        warm(WARM_WIDE, wide),
         each(LOOKED_UP, move |u, at| {
             black_box(table.reaction(u, at));
         }),
@@ -103,7 +113,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
 }
 
 /// A smooth path through the poses; each ball starts at its last position.
-fn warm(bearing: Massive) -> Subject {
+fn warm<M: Math<f64>>(row: &str, bearing: Massive<M>) -> Subject {
     let bearing = bearing.with_newton_steps(WARM_STEPS);
     let at = BearingKinematicState { inner_speed: SPEED, ..BearingKinematicState::default() };
     let mut balls = [BallPosition::default(); 16];
@@ -118,7 +128,7 @@ fn warm(bearing: Massive) -> Subject {
             black_box(bearing.warm_started_reaction(black_box(u), black_box(&at), &mut balls));
         }
     });
-    Subject { row: WARM.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
+    Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
 }
 
 /// Passes over the poses that one run of the C program makes: what the pipe costs is then below a hundredth.

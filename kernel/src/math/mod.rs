@@ -33,6 +33,12 @@ pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     fn ninth_root(x: T) -> T;
     /// Returns the sine and the cosine of an angle.
     fn sin_cos(angle: Phase) -> (T, T);
+    /// Runs a long piece of work. A backend may compile it for wider registers than those of the target and select them at run time,
+    /// with the same operations on every number.
+    #[inline(always)]
+    fn on_registers<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
 }
 
 /// Backend with correctly rounded square roots, in hardware where the target has it.

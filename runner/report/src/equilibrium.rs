@@ -2,7 +2,7 @@
 
 use super::figures::{Shape, balance, mode_shapes, rotor};
 use super::html::{column, rows, typeset};
-use super::number::{alone, fixed, with_sign};
+use super::number::{alone, fixed, in_tens, with_sign};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use super::text::broken;
 use super::words;
@@ -43,7 +43,7 @@ pub fn text(settled: &StaticEquilibrium) -> String {
         let [fx, fy, fz] = [fx, fy, fz].map(|x| fixed(x, 3));
         let [mx, my] = [mx, my].map(|x| fixed(x, 4));
         line(&mut out, &format!("  force         {fx} {fy} {fz} N, moment {mx} {my} N m"));
-        let k: Vec<String> = (0..5).map(|i| format!("{:.5e}", b.stiffness[i][i])).collect();
+        let k: Vec<String> = (0..5).map(|i| in_tens(b.stiffness[i][i])).collect();
         line(&mut out, &format!("  stiffness     {} N/m, {} N m/rad", k[..3].join(" "), k[3..].join(" ")));
         if let Some(clearance) = &b.operating_clearance {
             line(&mut out, &format!("  clearance     {clearance}"));

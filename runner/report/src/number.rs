@@ -33,6 +33,11 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
+/// Formats a number in scientific notation with six digits; 0 as `0`.
+pub(super) fn in_tens(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.5e}") }
+}
+
 /// Formats a single number with three digits.
 pub(super) fn alone(value: f64) -> String {
     let power = value.abs().log10().floor();

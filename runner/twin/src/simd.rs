@@ -4,7 +4,8 @@
 //! bitwise equal.
 
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
-use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffness};
+use std::marker::PhantomData;
 
 /// Instruction sets of this processor, detected at run time.
 #[derive(Clone, Copy)]
@@ -83,18 +84,55 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
     }
 }
 
+/// The math backend `M` on the widest registers of the processor, see [`SimdDispatch`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OnWideRegisters<M>(PhantomData<M>);
+
+impl<T: Scalar, M: Math<T>> Math<T> for OnWideRegisters<M> {
+    #[inline(always)]
+    fn sqrt(x: T) -> T {
+        M::sqrt(x)
+    }
+    #[inline(always)]
+    fn sqrt_each<const K: usize>(x: [T; K]) -> [T; K] {
+        M::sqrt_each(x)
+    }
+    #[inline(always)]
+    fn three_halves<const K: usize>(x: [T; K]) -> [T; K] {
+        M::three_halves(x)
+    }
+    #[inline(always)]
+    fn powf(x: T, n: T) -> T {
+        M::powf(x, n)
+    }
+    #[inline(always)]
+    fn ninth_root(x: T) -> T {
+        M::ninth_root(x)
+    }
+    #[inline(always)]
+    fn sin_cos(angle: Phase) -> (T, T) {
+        M::sin_cos(angle)
+    }
+    #[inline(always)]
+    fn on_registers<R>(work: impl FnOnce() -> R) -> R {
+        SimdDispatch::detect().run(work)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::handle::{AnyBearing, AnyForceModel, BearingHandle, ForceModel};
     use crate::plant::Step;
     use crate::scene::Method;
+    use ballrace::Exact;
     use ballrace::bearing::angular::{Angular, DisplacementDatum};
     use ballrace::bearing::geometry::InvalidParameter;
     use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
     use ballrace::bearing::linear::Linear;
     use ballrace::bearing::lumped::Radial;
     use ballrace::bearing::quasi_static::QuasiStatic;
+    use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
     use ballrace::bearing::tabulated::{Table, TableDomain, Tabulated, fill_table};
     use ballrace::bearing::{BlockedPositions, ElementPosition, ElementPositions, evenly_spaced};
     use ballrace::contact::law::PointContactLaw;
@@ -102,7 +140,6 @@ mod tests {
         BearingAtStation, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState, ShaftMotion,
         SpeedRatios, Unbalance,
     };
-    use ballrace::{Exact, Phase};
 
     const SPEED: f64 = 314.0;
 
@@ -181,6 +218,52 @@ mod tests {
         let (table, mounted) = (Table::new(grid, nodes), solved.table_constants());
         let places = BlockedPositions::<_, Vec<_>>::new(places.to_vec());
         same_bits("tabulated", &Tabulated::<f64, Exact, _, _, F>::new(places, mounted, table, false));
+        Ok(())
+    }
+
+    fn solved<M: Math<f64>>(
+        geometry: BallBearingGeometry,
+        places: &[ElementPosition<f64>],
+        params: &InertiaParams,
+    ) -> Result<impl Bearing<f64> + use<M>, InvalidParameter> {
+        let datum = DisplacementDatum::Touching;
+        QuasiStatic::<f64, M, _>::try_new(geometry, places.to_vec(), datum)?.with_selected_inertia(params)
+    }
+
+    #[test]
+    fn balls_in_equilibrium_have_the_same_bits_on_wide_registers() -> Result<(), InvalidParameter> {
+        let geometry = BallBearingGeometry {
+            ball_diameter: 7.94e-3,
+            pitch_diameter: 39.04e-3,
+            inner_conformity: 0.52,
+            outer_conformity: 0.52,
+            contact_angle: 0.3,
+            ball: BEARING_STEEL,
+            race: BEARING_STEEL,
+        };
+        let inertia = InertiaParams {
+            density: 7800.0,
+            centrifugal: true,
+            gyroscopic: true,
+            race_control: RaceControl::Outer,
+            friction_sharing: FrictionSharing::Outer,
+        };
+        for count in [1, 4, 9, 16] {
+            let sixteen: ElementPositions<f64, 16> = evenly_spaced(Phase::ZERO);
+            let places: Vec<ElementPosition<f64>> = sixteen.iter().copied().take(count).collect();
+            for gyroscopic in [false, true] {
+                let params = &InertiaParams { gyroscopic, ..inertia };
+                let plain = solved::<Exact>(geometry, &places, params)?;
+                let wide = solved::<OnWideRegisters<Exact>>(geometry, &places, params)?;
+                for i in 0..300 {
+                    let cage = Phase::from_revolutions(0.0137 * f64::from(i));
+                    let at = BearingKinematicState { cage, inner_speed: 3.0 * SPEED, ..Default::default() };
+                    let [a, b] = [plain.reaction(&pose(i), &at), wide.reaction(&pose(i), &at)];
+                    assert_eq!(a.wrench.to_array().map(f64::to_bits), b.wrench.to_array().map(f64::to_bits));
+                    assert_eq!((a.load.to_bits(), a.status), (b.load.to_bits(), b.status));
+                }
+            }
+        }
         Ok(())
     }
 

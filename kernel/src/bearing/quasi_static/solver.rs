@@ -32,11 +32,26 @@ pub struct Solution<T, const K: usize> {
     pub converged: Mask<K>,
 }
 
+/// State of the Newton iteration of `K` balls.
+struct Iteration<T, const K: usize> {
+    at: Position<Lanes<T, K>>,
+    /// Last step, of which `fraction` was made.
+    direction: Plane<Lanes<T, K>>,
+    fraction: Lanes<T, K>,
+    /// Force along the step at its start.
+    slope: Lanes<T, K>,
+    /// Reductions of the step so far.
+    cut_count: Lanes<T, K>,
+}
+
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// Solves from a cold start. Never inlined: all callers share one copy.
     #[inline(never)]
     pub fn solve<const K: usize>(&self, input: &mut BallInput<T, K>, steps: u8) -> Solution<T, K> {
-        let start = self.initial_guess(input);
+        let start = M::on_registers(
+            #[inline(always)]
+            || self.initial_guess(input),
+        );
         self.iterate(input, &start, steps)
     }
 
@@ -48,37 +63,68 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         start: &Position<Lanes<T, K>>,
         steps: u8,
     ) -> Solution<T, K> {
+        let zero = Lanes::splat(T::ZERO);
+        let mut state = Iteration {
+            at: *start,
+            direction: Plane { r: zero, z: zero },
+            fraction: zero,
+            slope: zero,
+            cut_count: zero,
+        };
+        for _ in 0..steps {
+            self.step(input, &mut state);
+        }
+        self.solution(input, &state.at)
+    }
+
+    /// Performs one step. On registers of its own it is a function whose state is in memory, from which the compiler sees which lanes belong
+    /// together.
+    #[inline(always)]
+    fn step<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) {
+        M::on_registers(
+            #[inline(always)]
+            || self.step_on_registers(input, state),
+        );
+    }
+
+    #[inline(always)]
+    fn step_on_registers<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) {
         let one = Lanes::splat(T::ONE);
         let zero = Lanes::splat(T::ZERO);
-        let mut at = *start;
-        let mut direction = Plane { r: zero, z: zero };
-        let (mut fraction, mut slope, mut cut_count) = (zero, zero, zero);
-        for _ in 0..steps {
-            let balance = self.balance(input, &at);
-            let along = balance.residual.dot(direction);
-            let over = along
-                .less_than(Lanes::splat_f64(REVERSAL) * slope)
-                .and(cut_count.less_than(Lanes::splat_f64(MAX_CUTS)));
-            let shorter = (slope / (slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
-            let step = self.newton_step(&balance);
-            direction = Plane::select(over, direction, step);
-            // Either back along the last direction to the zero of the secant, or on along the new one.
-            let further = Lanes::select(over, fraction * (shorter - one), one);
-            fraction = Lanes::select(over, fraction * shorter, one);
-            slope = Lanes::select(over, slope, balance.residual.dot(step));
-            cut_count = Lanes::select(over, cut_count + one, zero);
-            at.centre = at.centre.plus(direction.times(further));
-            if self.inertia.effects().centrifugal {
-                at.inner_closing = Lanes::select(balance.inner.deflection.less_than(zero), zero, input.rolling);
-            }
-            if self.film.is_present() {
-                at.outer_deflection = balance.outer.deflection;
-                at.inner_deflection = balance.inner.deflection;
-            }
+        let Iteration { at, direction, fraction, slope, cut_count } = state;
+        let balance = self.balance(input, at);
+        let along = balance.residual.dot(*direction);
+        let over =
+            along.less_than(Lanes::splat_f64(REVERSAL) * *slope).and(cut_count.less_than(Lanes::splat_f64(MAX_CUTS)));
+        let shorter = (*slope / (*slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
+        let step = self.newton_step(&balance);
+        *direction = Plane::select(over, *direction, step);
+        // Either back along the last direction to the zero of the secant, or on along the new one.
+        let further = Lanes::select(over, *fraction * (shorter - one), one);
+        *fraction = Lanes::select(over, *fraction * shorter, one);
+        *slope = Lanes::select(over, *slope, balance.residual.dot(step));
+        *cut_count = Lanes::select(over, *cut_count + one, zero);
+        at.centre = at.centre.plus(direction.times(further));
+        if self.inertia.effects().centrifugal {
+            at.inner_closing = Lanes::select(balance.inner.deflection.less_than(zero), zero, input.rolling);
         }
-        let balance = self.balance(input, &at);
-        let converged = balance.is_converged(T::EQUILIBRIUM_TOLERANCE);
-        Solution { at, balance, converged }
+        if self.film.is_present() {
+            at.outer_deflection = balance.outer.deflection;
+            at.inner_deflection = balance.inner.deflection;
+        }
+    }
+
+    /// Evaluates the forces at a position.
+    #[inline(always)]
+    fn solution<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Solution<T, K> {
+        M::on_registers(
+            #[inline(always)]
+            || {
+                let balance = self.balance(input, at);
+                let converged = balance.is_converged(T::EQUILIBRIUM_TOLERANCE);
+                Solution { at: *at, balance, converged }
+            },
+        )
     }
 
     #[inline(always)]

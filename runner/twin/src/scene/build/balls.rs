@@ -3,6 +3,7 @@
 use super::{BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
+use crate::simd::OnWideRegisters;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Film, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
@@ -140,7 +141,7 @@ fn steps(scene: &BearingScene) -> u8 {
 /// Returns the quasi-static model, facing +Z.
 fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<impl Solved<T> + 'static, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
-    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)
+    let built = QuasiStatic::<T, OnWideRegisters<M>, _>::try_new(geometry, places(scene), zero)
         .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
         .and_then(|b| b.with_selected_film(lubricant(scene)))
         .map_err(|e| named(scene, e))?;
