@@ -29,6 +29,9 @@ fn square_root_and_ninth_root() {
     within("ninth root in f32", ninth, 3.5e-7);
     assert!(exact_ninth < 1e-15, "{exact_ninth:e}");
     assert_eq!(<Fast as Math<f32>>::sqrt(0.0), 0.0);
+    // Its ninth power and the rounding of that stay above the subnormal numbers.
+    let at_rest = <Exact as Math<f64>>::ninth_root(0.0);
+    assert!(at_rest < 1e-30 && (f64::EPSILON * at_rest.powi(9)).is_normal(), "{at_rest:e}");
 }
 
 /// Every exponent of use over the whole range of deflections, and what is outside it.

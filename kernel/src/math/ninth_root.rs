@@ -3,6 +3,8 @@
 //! With `x = 2^(9 q + r) m`, `1 <= m < 2`: `x^(1/9) = 2^q * 2^(r/9) * m^(1/9)`. The polynomial of degree 6 is
 //! minimax in relative error (1.1e-7). Subnormal numbers count as 0.
 
+use crate::scalar::Scalar;
+
 /// `2^(r/9)`, padded to 16 entries so that a masked index is always valid.
 const POWERS_F32: [f32; 16] = {
     let mut table = [1.0; 16];
@@ -56,13 +58,18 @@ pub fn ninth_root_f32(x: f32) -> f32 {
     mantissa * scale * POWERS_F32[(r & 15) as usize]
 }
 
-/// Changes no number from 1e-264 on. Without it the ninth powers in the Newton steps at `x = 0`, and their differences from `x`, are
-/// subnormal numbers, with which some processors take ten times as long.
+/// Smaller numbers count as this one. The ninth powers in the Newton steps at 0, and their differences from `x`, would be subnormal numbers,
+/// with which some processors take ten times as long.
 const SMALLEST: f64 = 1e-280;
 
 #[inline]
 pub fn ninth_root_f64(x: f64) -> f64 {
-    let x = x + SMALLEST;
+    // Without an FPU for this precision, a comparison of integers is cheaper; the bits of positive numbers have their order.
+    let x = if cfg!(target_pointer_width = "32") {
+        f64::from_bits(x.to_bits().max(SMALLEST.to_bits()))
+    } else {
+        x.larger(SMALLEST)
+    };
     let bits = x.to_bits();
     // 1023 + 3 = 114 * 9.
     let exponent = (bits >> 52) + 3;
