@@ -178,6 +178,16 @@ typedef struct ballrace_kinematic_state {
 } ballrace_kinematic_state;
 
 /**
+ * Last valid force and number of samples that it replaced. Opaque: `ballrace_last_valid_init` writes it.
+ */
+typedef struct ballrace_last_valid {
+    /**
+     * Private.
+     */
+    uint64_t words[4];
+} ballrace_last_valid;
+
+/**
  * Functions of one bearing model. The library exports one constant per model; a program uses only their addresses.
  */
 typedef struct ballrace_model {
@@ -196,7 +206,23 @@ typedef struct ballrace_model {
                          const struct ballrace_kinematic_state *state,
                          float *wrench);
     /**
-     * As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for `ballrace_sample` and rotors.
+     * Implementation of `ballrace_sample`.
+     */
+    uint32_t (*sample)(const struct ballrace_bearing *bearing,
+                       struct ballrace_last_valid *last_valid,
+                       const float *displacement,
+                       uint64_t cage_phase,
+                       float *wrench);
+    /**
+     * Implementation of `ballrace_sample_at`.
+     */
+    uint32_t (*sample_at)(const struct ballrace_bearing *bearing,
+                          struct ballrace_last_valid *last_valid,
+                          const float *displacement,
+                          const struct ballrace_kinematic_state *state,
+                          float *wrench);
+    /**
+     * As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for rotors.
      */
     uint32_t (*force_and_contact)(const struct ballrace_bearing *bearing,
                                   const float *displacement,
@@ -497,16 +523,6 @@ typedef struct ballrace_envelope {
      */
     uint64_t words[11];
 } ballrace_envelope;
-
-/**
- * Last valid force and number of samples that it replaced. Opaque: `ballrace_last_valid_init` writes it.
- */
-typedef struct ballrace_last_valid {
-    /**
-     * Private.
-     */
-    uint64_t words[4];
-} ballrace_last_valid;
 
 /**
  * A radial ball or roller bearing: `F = K delta^n` of each element.

@@ -1,5 +1,6 @@
 //! The common head of all bearings and the calls that take any model.
 
+use crate::last_valid::LastValid;
 use crate::pointer::{check_bearing, check_pointers};
 use ballrace::bearing::ElementPosition;
 use ballrace::{BearingKinematicState, Phase};
@@ -87,7 +88,23 @@ pub struct Model {
         state: *const KinematicState,
         wrench: *mut f32,
     ) -> u32,
-    /// As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for `ballrace_sample` and rotors.
+    /// Implementation of `ballrace_sample`.
+    pub sample: unsafe extern "C" fn(
+        bearing: *const Bearing,
+        last_valid: *mut LastValid,
+        displacement: *const f32,
+        cage_phase: u64,
+        wrench: *mut f32,
+    ) -> u32,
+    /// Implementation of `ballrace_sample_at`.
+    pub sample_at: unsafe extern "C" fn(
+        bearing: *const Bearing,
+        last_valid: *mut LastValid,
+        displacement: *const f32,
+        state: *const KinematicState,
+        wrench: *mut f32,
+    ) -> u32,
+    /// As `force_at`, with `BALLRACE_CONTACT_LOST` where no element carries load: for rotors.
     pub force_and_contact: unsafe extern "C" fn(
         bearing: *const Bearing,
         displacement: *const f32,

@@ -1,7 +1,7 @@
 //! The last valid force of a stream of samples.
 
 use crate::bearing::{Bearing, KinematicState};
-use crate::pointer::{self, check_bearing, check_pointers};
+use crate::pointer::{check_bearing, check_pointers};
 use crate::state::{self, Stored};
 use crate::status;
 use ballrace::bearing::LastValidWrench;
@@ -59,11 +59,7 @@ pub unsafe extern "C" fn ballrace_sample(
 ) -> u32 {
     check_bearing!(bearing, last_valid, displacement, wrench);
     // SAFETY: by the contract of the function.
-    unsafe {
-        let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
-        let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
-        hold(last_valid, bearing, displacement, &raw const state, wrench)
-    }
+    unsafe { ((*(*bearing).model).sample)(bearing, last_valid, displacement, cage_phase, wrench) }
 }
 
 /// As `ballrace_sample` for components at these angles and speeds.
@@ -82,31 +78,5 @@ pub unsafe extern "C" fn ballrace_sample_at(
 ) -> u32 {
     check_bearing!(bearing, last_valid, displacement, state, wrench);
     // SAFETY: by the contract of the function.
-    unsafe {
-        let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
-        hold(last_valid, bearing, displacement, state, wrench)
-    }
-}
-
-/// Writes the new or the last valid force; returns the status bits.
-///
-/// # Safety
-/// As `ballrace_sample_at`.
-#[inline(always)]
-unsafe fn hold(
-    last_valid: &mut LastValidWrench<f32>,
-    bearing: *const Bearing,
-    displacement: *const f32,
-    state: *const KinematicState,
-    wrench: *mut f32,
-) -> u32 {
-    // SAFETY: by the contract of the function.
-    unsafe {
-        let input_ok = pointer::displacement(displacement).is_finite();
-        let mut force = [0.0; 5];
-        let bits = ((*(*bearing).model).force_and_contact)(bearing, displacement, state, force.as_mut_ptr());
-        let (held, status) = last_valid.update(input_ok, || status::to_reaction(force, bits));
-        pointer::write_wrench(wrench, &held);
-        u32::from(status.bits())
-    }
+    unsafe { ((*(*bearing).model).sample_at)(bearing, last_valid, displacement, state, wrench) }
 }

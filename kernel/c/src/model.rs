@@ -1,8 +1,9 @@
 //! Functions of a model, generic over its constants.
 
 use crate::bearing::{Bearing, KinematicState, Model};
-use crate::{pointer, status};
-use ballrace::bearing::{Bearing as _, ElementPosition, Reaction};
+use crate::last_valid::LastValid;
+use crate::{pointer, state, status};
+use ballrace::bearing::{Bearing as _, ElementPosition, LastValidWrench, Reaction};
 use ballrace::frame::mirrored_stiffness;
 use ballrace::{BearingKinematicState, Displacement, Phase, Stiffness, Wrench};
 
@@ -45,6 +46,8 @@ impl Model {
         Self {
             force: force::<C>,
             force_at: force_at::<C>,
+            sample: sample::<C>,
+            sample_at: sample_at::<C>,
             force_and_contact: force_and_contact::<C>,
             force_and_stiffness: force_and_stiffness::<C>,
             element_loads: element_loads::<C>,
@@ -57,6 +60,8 @@ impl Model {
         Self {
             force: mirrored_force::<C>,
             force_at: mirrored_force_at::<C>,
+            sample: mirrored_sample::<C>,
+            sample_at: mirrored_sample_at::<C>,
             force_and_contact: mirrored_force_and_contact::<C>,
             force_and_stiffness: mirrored_force_and_stiffness::<C>,
             element_loads: mirrored_element_loads::<C>,
@@ -125,6 +130,64 @@ unsafe extern "C" fn force_at<C: Constants>(
             return force_and_contact::<C>(bearing, displacement, state, wrench) & !status::CONTACT_LOST;
         }
         force::<C>(bearing, displacement, (*state).cage, wrench)
+    }
+}
+
+/// Writes the new or the last valid force; returns the status bits.
+///
+/// # Safety
+/// As `ballrace_sample`, with the head of a `C`.
+#[inline(always)]
+unsafe fn hold(
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    wrench: *mut f32,
+    reaction: impl FnOnce(&Displacement<f32>) -> Reaction<f32>,
+) -> u32 {
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let Some(last_valid) = state::get::<LastValidWrench<f32>, _>(last_valid) else { return status::STATE_INVALID };
+        let u = pointer::displacement(displacement);
+        let (held, status) = last_valid.update(u.is_finite(), || reaction(&u));
+        pointer::write_wrench(wrench, &held);
+        u32::from(status.bits())
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn sample<C: Constants>(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_sample`.
+    unsafe {
+        if C::USES_SPEED {
+            let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
+            return sample_at::<C>(bearing, last_valid, displacement, &raw const state, wrench);
+        }
+        let at = Phase(cage_phase).into();
+        hold(last_valid, displacement, wrench, |u| C::reaction(&bearing_of::<C>(bearing), u, &at))
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn sample_at<C: Constants>(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_sample_at`.
+    unsafe {
+        if C::USES_SPEED {
+            let at = (*state).of_kernel();
+            return hold(last_valid, displacement, wrench, |u| C::reaction(&bearing_of::<C>(bearing), u, at));
+        }
+        sample::<C>(bearing, last_valid, displacement, (*state).cage, wrench)
     }
 }
 
@@ -250,6 +313,58 @@ unsafe extern "C" fn mirrored_force_at<C: Constants>(
         mirror(wrench);
         status
     }
+}
+
+#[inline(never)]
+unsafe extern "C" fn mirrored_sample<C: Constants>(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_sample`.
+    unsafe {
+        if C::USES_SPEED {
+            let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
+            return mirrored_sample_at::<C>(bearing, last_valid, displacement, &raw const state, wrench);
+        }
+        let at = Phase(cage_phase.wrapping_neg()).into();
+        hold(last_valid, displacement, wrench, |u| mirrored_reaction::<C>(bearing, u, &at))
+    }
+}
+
+#[inline(never)]
+unsafe extern "C" fn mirrored_sample_at<C: Constants>(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    // SAFETY: the contract is that of `ballrace_sample_at`.
+    unsafe {
+        if C::USES_SPEED {
+            let at = reversed(state);
+            return hold(last_valid, displacement, wrench, |u| mirrored_reaction::<C>(bearing, u, at.of_kernel()));
+        }
+        mirrored_sample::<C>(bearing, last_valid, displacement, (*state).cage, wrench)
+    }
+}
+
+/// Computes the reaction of a mirrored bearing; `at` is in the frame rotated by pi about X.
+///
+/// # Safety
+/// `bearing` is the head of a `C` with valid pointers.
+#[inline(always)]
+unsafe fn mirrored_reaction<C: Constants>(
+    bearing: *const Bearing,
+    u: &Displacement<f32>,
+    at: &BearingKinematicState<f32>,
+) -> Reaction<f32> {
+    // SAFETY: by the contract of the function.
+    let local = unsafe { C::reaction(&bearing_of::<C>(bearing), &u.mirrored(), at) };
+    Reaction { wrench: local.wrench.mirrored(), ..local }
 }
 
 unsafe extern "C" fn mirrored_force_and_contact<C: Constants>(
