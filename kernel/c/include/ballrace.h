@@ -1392,6 +1392,33 @@ uint32_t ballrace_force_at(const struct ballrace_bearing *bearing,
                            float wrench[5]);
 
 /**
+ * Computes the force for one sample of a stream.
+ *
+ * As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
+ * valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
+ *
+ * Preconditions:
+ * As `ballrace_force`; `last_valid` points to an initialised state that no other thread or interrupt uses.
+ */
+uint32_t ballrace_sample(const struct ballrace_bearing *bearing,
+                         struct ballrace_last_valid *last_valid,
+                         const float displacement[5],
+                         uint64_t cage_phase,
+                         float wrench[5]);
+
+/**
+ * As `ballrace_sample` for components at these angles and speeds.
+ *
+ * Preconditions:
+ * As `ballrace_sample`; `state` points to a state.
+ */
+uint32_t ballrace_sample_at(const struct ballrace_bearing *bearing,
+                            struct ballrace_last_valid *last_valid,
+                            const float displacement[5],
+                            const struct ballrace_kinematic_state *state,
+                            float wrench[5]);
+
+/**
  * Computes the force and the tangent stiffness `-d(wrench)/d(displacement)`: row by row, `stiffness[5 * i + j]` is the
  * negative derivative of entry `i` of the wrench by entry `j` of the displacement.
  *
@@ -1556,33 +1583,6 @@ uint32_t ballrace_last_valid_init(struct ballrace_last_valid *last_valid);
  * `last_valid` points to a struct.
  */
 uint32_t ballrace_held_count(const struct ballrace_last_valid *last_valid);
-
-/**
- * Computes the force for one sample of a stream.
- *
- * As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
- * valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
- *
- * Preconditions:
- * As `ballrace_force`; `last_valid` points to an initialised state that no other thread or interrupt uses.
- */
-uint32_t ballrace_sample(const struct ballrace_bearing *bearing,
-                         struct ballrace_last_valid *last_valid,
-                         const float displacement[5],
-                         uint64_t cage_phase,
-                         float wrench[5]);
-
-/**
- * As `ballrace_sample` for components at these angles and speeds.
- *
- * Preconditions:
- * As `ballrace_sample`; `state` points to a state.
- */
-uint32_t ballrace_sample_at(const struct ballrace_bearing *bearing,
-                            struct ballrace_last_valid *last_valid,
-                            const float displacement[5],
-                            const struct ballrace_kinematic_state *state,
-                            float wrench[5]);
 
 /**
  * Initialises a radial ball bearing (n = 3/2) with `&ballrace_lumped_radial_model` and checks its parameters. For set-up;

@@ -185,6 +185,47 @@ pub unsafe extern "C" fn ballrace_force_at(
     unsafe { ((*(*bearing).model).force_at)(bearing, displacement, state, wrench) }
 }
 
+/// Computes the force for one sample of a stream.
+///
+/// As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
+/// valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
+///
+/// # Safety
+/// As `ballrace_force`; `last_valid` points to an initialised state that no other thread or interrupt uses.
+///
+/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_sample(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    cage_phase: u64,
+    wrench: *mut f32,
+) -> u32 {
+    check_bearing!(bearing, last_valid, displacement, wrench);
+    // SAFETY: by the contract of the function.
+    unsafe { ((*(*bearing).model).sample)(bearing, last_valid, displacement, cage_phase, wrench) }
+}
+
+/// As `ballrace_sample` for components at these angles and speeds.
+///
+/// # Safety
+/// As `ballrace_sample`; `state` points to a state.
+///
+/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_sample_at(
+    bearing: *const Bearing,
+    last_valid: *mut LastValid,
+    displacement: *const f32,
+    state: *const KinematicState,
+    wrench: *mut f32,
+) -> u32 {
+    check_bearing!(bearing, last_valid, displacement, state, wrench);
+    // SAFETY: by the contract of the function.
+    unsafe { ((*(*bearing).model).sample_at)(bearing, last_valid, displacement, state, wrench) }
+}
+
 /// Computes the force and the tangent stiffness `-d(wrench)/d(displacement)`: row by row, `stiffness[5 * i + j]` is the
 /// negative derivative of entry `i` of the wrench by entry `j` of the displacement.
 ///

@@ -1,7 +1,7 @@
 //! Checksum of the forces of a bearing: the same on every target.
 
-use crate::bearing::{Bearing, KinematicState};
-use crate::last_valid::{LastValid, ballrace_last_valid_init, ballrace_sample_at};
+use crate::bearing::{Bearing, KinematicState, ballrace_sample_at};
+use crate::last_valid::{LastValid, ballrace_last_valid_init};
 use ballrace::{Displacement, Status, Wrench};
 
 /// Displacements and speeds of the 1024 evaluations of a checksum. `ballrace bake --language c` writes it.

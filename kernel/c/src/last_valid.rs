@@ -1,7 +1,6 @@
 //! The last valid force of a stream of samples.
 
-use crate::bearing::{Bearing, KinematicState};
-use crate::pointer::{check_bearing, check_pointers};
+use crate::pointer::check_pointers;
 use crate::state::{self, Stored};
 use crate::status;
 use ballrace::bearing::LastValidWrench;
@@ -38,45 +37,4 @@ pub unsafe extern "C" fn ballrace_last_valid_init(last_valid: *mut LastValid) ->
 pub unsafe extern "C" fn ballrace_held_count(last_valid: *const LastValid) -> u32 {
     // SAFETY: by the contract of the function.
     unsafe { state::read::<LastValidWrench<f32>, _>(last_valid) }.map_or(0, |state| state.held_count())
-}
-
-/// Computes the force for one sample of a stream.
-///
-/// As `ballrace_force`, but a sample that is NaN, infinite or overflows is flagged, counted and replaced by the last
-/// valid force. Same number of instructions for every sample. For an interrupt: one state per stream.
-///
-/// # Safety
-/// As `ballrace_force`; `last_valid` points to an initialised state that no other thread or interrupt uses.
-///
-/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ballrace_sample(
-    bearing: *const Bearing,
-    last_valid: *mut LastValid,
-    displacement: *const f32,
-    cage_phase: u64,
-    wrench: *mut f32,
-) -> u32 {
-    check_bearing!(bearing, last_valid, displacement, wrench);
-    // SAFETY: by the contract of the function.
-    unsafe { ((*(*bearing).model).sample)(bearing, last_valid, displacement, cage_phase, wrench) }
-}
-
-/// As `ballrace_sample` for components at these angles and speeds.
-///
-/// # Safety
-/// As `ballrace_sample`; `state` points to a state.
-///
-/// cbindgen:ptrs-as-arrays=[[displacement; 5], [wrench; 5]]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ballrace_sample_at(
-    bearing: *const Bearing,
-    last_valid: *mut LastValid,
-    displacement: *const f32,
-    state: *const KinematicState,
-    wrench: *mut f32,
-) -> u32 {
-    check_bearing!(bearing, last_valid, displacement, state, wrench);
-    // SAFETY: by the contract of the function.
-    unsafe { ((*(*bearing).model).sample_at)(bearing, last_valid, displacement, state, wrench) }
 }
