@@ -16,6 +16,8 @@ Examples
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import datetime
 import json
 import os
@@ -256,12 +258,31 @@ def _evaluated(
             Client(cluster) as own,
         ):
             yield from _on_cluster(own, machines, reports, error)
+            _wait_for_workers(own, count)
+
+
+def _wait_for_workers(client: Client, count: int) -> None:
+    """Wait until workers that ended are there again: a cluster that is closed while it starts one raises."""
+    with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
+        client.wait_for_workers(count, timeout=20)
+
+
+def _result_alone(client: Client, task: Any) -> list[Evaluated]:
+    """Return the result of the only task. Dask does not start a worker again that ended while it was started."""
+    without_worker = 0
+    while without_worker < 12:
+        with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
+            result: list[Evaluated] = task.result(timeout=5)
+            return result
+        without_worker = 0 if client.nthreads() else without_worker + 1
+    raise RuntimeError("the cluster has had no worker for a minute")
 
 
 def _on_cluster(client: Client, machines: list[str], reports: bool, error: float | None) -> Iterator[Evaluated]:
     """Evaluate machines on a Dask cluster, task by task as they finish."""
     from distributed import KilledWorker, as_completed
 
+    workers = len(client.nthreads())
     slots = max(1, sum(client.nthreads().values()))
     size = max(1, min(_MOST_PER_TASK, len(machines) // (4 * slots)))
     parts = [machines[i : i + size] for i in range(0, len(machines), size)]
@@ -295,8 +316,9 @@ def _on_cluster(client: Client, machines: list[str], reports: bool, error: float
     for machine in suspects:
         task = submit([machine])
         try:
-            yield from task.result()
+            yield from _result_alone(client, task)
         except KilledWorker:
+            _wait_for_workers(client, workers)
             yield failed(machine, "its worker ended several times")
         except Exception as cause:
             yield failed(machine, repr(cause))
