@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 #: A path of a CSV or Parquet file, or a table in memory.
 Machines = Union[str, "os.PathLike[str]", Mapping[str, Sequence[Any]], Any]
 
+#: Seconds between looks at the workers of a cluster, and looks without a worker after which a machine is given up.
+_LOOKS = (5, 12)
+
 #: Largest number of machines that one task evaluates: a task that is lost with its worker is evaluated again.
 _MOST_PER_TASK = 8
 
@@ -269,10 +272,10 @@ def _wait_for_workers(client: Client, count: int) -> None:
 
 def _result_alone(client: Client, task: Any) -> list[Evaluated]:
     """Return the result of the only task. Dask does not start a worker again that ended while it was started."""
-    without_worker = 0
-    while without_worker < 12:
+    (seconds, most), without_worker = _LOOKS, 0
+    while without_worker < most:
         with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
-            result: list[Evaluated] = task.result(timeout=5)
+            result: list[Evaluated] = task.result(timeout=seconds)
             return result
         without_worker = 0 if client.nthreads() else without_worker + 1
     raise RuntimeError("the cluster has had no worker for a minute")

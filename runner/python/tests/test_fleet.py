@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pandas
@@ -138,6 +139,32 @@ def test_a_machine_that_ends_its_workers_is_an_error(
     assert rows["pump 2"].state == "error" and "its worker ended" in rows["pump 2"].error
     others = [i for i in range(5) if i != 2]
     assert [_rows(result)[i] for i in others] == [_rows(single)[i] for i in others]
+
+
+class Workerless:
+    """A client and its task: no worker at the first looks, and a result at the last of ``looks``."""
+
+    def __init__(self, looks: int, without: int) -> None:
+        self.looks, self.without = looks, without
+
+    def result(self, timeout: float) -> list[tuple[str, None]]:
+        self.looks -= 1
+        if self.looks > 0:
+            raise TimeoutError
+        return [("row", None)]
+
+    def nthreads(self) -> dict[str, int]:
+        self.without -= 1
+        return {"a": 1} if self.without < 0 else {}
+
+
+def test_a_cluster_without_workers_is_given_up() -> None:
+    given_up = Workerless(looks=100, without=100)
+    with pytest.raises(RuntimeError, match="no worker for a minute"):
+        ballrace.fleet._result_alone(cast(Any, given_up), given_up)
+    # A worker that comes back, and a machine that takes long.
+    slow = Workerless(looks=50, without=11)
+    assert ballrace.fleet._result_alone(cast(Any, slow), slow) == [("row", None)]
 
 
 def test_a_folder_has_one_writer(machines: Path, tmp_path: Path) -> None:
