@@ -46,8 +46,8 @@ impl Model {
         Self {
             force: force::<C>,
             force_at: force_at::<C>,
-            sample: sample::<C>,
-            sample_at: sample_at::<C>,
+            sample: sample::<C, false>,
+            sample_at: sample_at::<C, false>,
             force_and_contact: force_and_contact::<C>,
             force_and_stiffness: force_and_stiffness::<C>,
             element_loads: element_loads::<C>,
@@ -60,8 +60,8 @@ impl Model {
         Self {
             force: mirrored_force::<C>,
             force_at: mirrored_force_at::<C>,
-            sample: mirrored_sample::<C>,
-            sample_at: mirrored_sample_at::<C>,
+            sample: sample::<C, true>,
+            sample_at: sample_at::<C, true>,
             force_and_contact: mirrored_force_and_contact::<C>,
             force_and_stiffness: mirrored_force_and_stiffness::<C>,
             element_loads: mirrored_element_loads::<C>,
@@ -155,7 +155,7 @@ unsafe fn hold(
 }
 
 #[inline(never)]
-unsafe extern "C" fn sample<C: Constants>(
+unsafe extern "C" fn sample<C: Constants, const MIRRORED: bool>(
     bearing: *const Bearing,
     last_valid: *mut LastValid,
     displacement: *const f32,
@@ -166,15 +166,15 @@ unsafe extern "C" fn sample<C: Constants>(
     unsafe {
         if C::USES_SPEED {
             let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
-            return sample_at::<C>(bearing, last_valid, displacement, &raw const state, wrench);
+            return sample_at::<C, MIRRORED>(bearing, last_valid, displacement, &raw const state, wrench);
         }
-        let at = Phase(cage_phase).into();
-        hold(last_valid, displacement, wrench, |u| C::reaction(&bearing_of::<C>(bearing), u, &at))
+        let at = Phase(if MIRRORED { cage_phase.wrapping_neg() } else { cage_phase }).into();
+        hold(last_valid, displacement, wrench, |u| reaction::<C, MIRRORED>(bearing, u, &at))
     }
 }
 
 #[inline(never)]
-unsafe extern "C" fn sample_at<C: Constants>(
+unsafe extern "C" fn sample_at<C: Constants, const MIRRORED: bool>(
     bearing: *const Bearing,
     last_valid: *mut LastValid,
     displacement: *const f32,
@@ -183,12 +183,35 @@ unsafe extern "C" fn sample_at<C: Constants>(
 ) -> u32 {
     // SAFETY: the contract is that of `ballrace_sample_at`.
     unsafe {
-        if C::USES_SPEED {
-            let at = (*state).of_kernel();
-            return hold(last_valid, displacement, wrench, |u| C::reaction(&bearing_of::<C>(bearing), u, at));
+        if !C::USES_SPEED {
+            return sample::<C, MIRRORED>(bearing, last_valid, displacement, (*state).cage, wrench);
         }
-        sample::<C>(bearing, last_valid, displacement, (*state).cage, wrench)
+        if MIRRORED {
+            let at = reversed(state);
+            return hold(last_valid, displacement, wrench, |u| reaction::<C, true>(bearing, u, at.of_kernel()));
+        }
+        let at = (*state).of_kernel();
+        hold(last_valid, displacement, wrench, |u| reaction::<C, false>(bearing, u, at))
     }
+}
+
+/// Computes the reaction; `at` of a mirrored bearing is in the frame rotated by pi about X.
+///
+/// # Safety
+/// `bearing` is the head of a `C` with valid pointers.
+#[inline(always)]
+unsafe fn reaction<C: Constants, const MIRRORED: bool>(
+    bearing: *const Bearing,
+    u: &Displacement<f32>,
+    at: &BearingKinematicState<f32>,
+) -> Reaction<f32> {
+    // SAFETY: by the contract of the function.
+    let bearing = unsafe { bearing_of::<C>(bearing) };
+    if MIRRORED {
+        let local = C::reaction(&bearing, &u.mirrored(), at);
+        return Reaction { wrench: local.wrench.mirrored(), ..local };
+    }
+    C::reaction(&bearing, u, at)
 }
 
 #[inline(never)]
@@ -313,58 +336,6 @@ unsafe extern "C" fn mirrored_force_at<C: Constants>(
         mirror(wrench);
         status
     }
-}
-
-#[inline(never)]
-unsafe extern "C" fn mirrored_sample<C: Constants>(
-    bearing: *const Bearing,
-    last_valid: *mut LastValid,
-    displacement: *const f32,
-    cage_phase: u64,
-    wrench: *mut f32,
-) -> u32 {
-    // SAFETY: the contract is that of `ballrace_sample`.
-    unsafe {
-        if C::USES_SPEED {
-            let state = KinematicState { cage: cage_phase, ..KinematicState::default() };
-            return mirrored_sample_at::<C>(bearing, last_valid, displacement, &raw const state, wrench);
-        }
-        let at = Phase(cage_phase.wrapping_neg()).into();
-        hold(last_valid, displacement, wrench, |u| mirrored_reaction::<C>(bearing, u, &at))
-    }
-}
-
-#[inline(never)]
-unsafe extern "C" fn mirrored_sample_at<C: Constants>(
-    bearing: *const Bearing,
-    last_valid: *mut LastValid,
-    displacement: *const f32,
-    state: *const KinematicState,
-    wrench: *mut f32,
-) -> u32 {
-    // SAFETY: the contract is that of `ballrace_sample_at`.
-    unsafe {
-        if C::USES_SPEED {
-            let at = reversed(state);
-            return hold(last_valid, displacement, wrench, |u| mirrored_reaction::<C>(bearing, u, at.of_kernel()));
-        }
-        mirrored_sample::<C>(bearing, last_valid, displacement, (*state).cage, wrench)
-    }
-}
-
-/// Computes the reaction of a mirrored bearing; `at` is in the frame rotated by pi about X.
-///
-/// # Safety
-/// `bearing` is the head of a `C` with valid pointers.
-#[inline(always)]
-unsafe fn mirrored_reaction<C: Constants>(
-    bearing: *const Bearing,
-    u: &Displacement<f32>,
-    at: &BearingKinematicState<f32>,
-) -> Reaction<f32> {
-    // SAFETY: by the contract of the function.
-    let local = unsafe { C::reaction(&bearing_of::<C>(bearing), &u.mirrored(), at) };
-    Reaction { wrench: local.wrench.mirrored(), ..local }
 }
 
 unsafe extern "C" fn mirrored_force_and_contact<C: Constants>(
