@@ -59,8 +59,10 @@ pub fn solved<M: Math<f64>>() -> Result<Massive<M>, InvalidParameter> {
 pub fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
     let domain = TableDomain {
         approach: [-60e-6, 100e-6],
+        scale: 50e-6,
         angle: [20_f64.to_radians(), 60_f64.to_radians()],
         speed: [0.2 * SPEED, 2.0 * SPEED],
+        speed_scale: 10.0 * SPEED,
         speed_ratios: [1.0, 0.0],
         intervals: [32, 16, 32],
     };

@@ -124,7 +124,7 @@ fn the_models_on_a_spindle() {
         ["quasi-static, centrifugal, gyroscopic", "quasi-static, centrifugal", "quasi-static, no effects"]
             .map(|model| error(model, "f64"));
     assert!(full < 0.1 * centrifugal && centrifugal < none, "{full:e} {centrifugal:e} {none:e}");
-    let tables = ["8 x 4", "16 x 8", "32 x 16", "64 x 32"].map(|size| error(&format!("tabulated {size}"), "f64"));
+    let tables = ["8 x 8", "16 x 16", "24 x 24", "32 x 32"].map(|size| error(&format!("tabulated {size}"), "f64"));
     assert!(tables.windows(2).all(|pair| pair[1] < pair[0]), "{tables:?}");
     // Balls solved one by one without inertia are the closed form.
     assert!((error("angular", "f64") / none - 1.0).abs() < 1e-6);
@@ -134,8 +134,8 @@ fn the_models_on_a_spindle() {
         let usual = |r: &&Value| r["model"] == model && r["usual"] == true && r["precision"] == "f64";
         figure(all.iter().find(usual).unwrap(), &["error", "residual"])
     };
-    assert!(left("quasi-static, centrifugal, gyroscopic") < 0.1 * left("tabulated 8 x 4"));
-    assert!(left("tabulated 64 x 32") < left("angular"));
+    assert!(left("quasi-static, centrifugal, gyroscopic") < 0.1 * left("tabulated 8 x 8"));
+    assert!(left("tabulated 32 x 32") < left("angular"));
     let why = all["impossible"].as_array().unwrap();
     assert_eq!(why.iter().map(|w| w["model"].as_str().unwrap()).collect::<Vec<_>>(), ["linear", "lumped"]);
     assert!(why.iter().all(|w| w["why"].as_str().unwrap().contains("preload")), "{why:?}");

@@ -64,10 +64,12 @@ fn tabulated<T: Scalar, M: Math<T>>(
     let massive = solved.with_outer_control(&STEEL_BALLS).unwrap();
     let domain = TableDomain {
         approach: [-30e-6, 40e-6],
+        scale: 40e-6,
         angle: [0.1, 0.8],
         speed: [0.8 * SPEED, 1.2 * SPEED],
+        speed_scale: 0.0,
         speed_ratios: [1.0, 0.0],
-        intervals: [64, 32, 8],
+        intervals: [36, 36, 4],
     };
     let grid = domain.grid().unwrap();
     let mut nodes = vec![[0.0; 2]; grid.len()];

@@ -49,11 +49,15 @@ pub struct Tabulated {
     pub offset: f32,
     /// R_i, lever arm, m.
     pub arm: f32,
-    /// Axis of the signed square root of the approach, sqrt(m); varies fastest.
+    /// Approach up to which the nodes are close, m.
+    pub scale: f32,
+    /// b, rad/s.
+    pub speed_scale: f32,
+    /// Axis of the coordinate of the approach, `sqrt(|s| / (|s| + scale))` with the sign of the approach `s`; varies fastest.
     pub approach: Axis,
     /// Axis of the sine of the angle of the line of groove centres.
     pub angle: Axis,
-    /// Axis of the speed, rad/s; varies slowest.
+    /// Axis of the coordinate of the speed `w`, `w (w + speed_scale)`, (rad/s)^2; varies slowest.
     pub speed: Axis,
     /// 1 if the table is over the speed of the outer ring, 0 for the inner ring.
     pub by_outer_speed: u32,
@@ -96,7 +100,13 @@ unsafe impl<const F: usize> Constants for WithFields<F> {
             offset: of.offset,
             arm: of.arm,
         };
-        let grid = Grid { approach: (&of.approach).into(), angle: (&of.angle).into(), speed: (&of.speed).into() };
+        let grid = Grid {
+            scale: of.scale,
+            speed_scale: of.speed_scale,
+            approach: (&of.approach).into(),
+            angle: (&of.angle).into(),
+            speed: (&of.speed).into(),
+        };
         let by_outer = of.by_outer_speed != 0;
         ballrace::bearing::tabulated::Tabulated::new(positions, constants, Table::new(grid, nodes), by_outer)
     }

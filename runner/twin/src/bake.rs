@@ -169,7 +169,7 @@ fn source(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>, whole: boo
 /// Returns the table of a bearing whose constants have one.
 fn table(scene: &Scene, of: &Bearing) -> Result<Option<TableData>> {
     Ok(match baked_model(of.model) {
-        Model::Tabulated => Some(build::table(scene, of)?),
+        Model::Tabulated => Some(build::table(scene, of, build::FIRMWARE_TABLE)?),
         _ => None,
     })
 }
@@ -247,7 +247,7 @@ impl Baked {
 
 /// Bytes of an element, of a table's grid with its flag, and of the displacement by preload, on a core of 32 bits.
 const ELEMENT_BYTES: usize = size_of::<ElementPosition<f32>>();
-const GRID_BYTES: usize = 3 * (4 + 4 * 4) + 4;
+const GRID_BYTES: usize = 2 * 4 + 3 * (4 + 4 * 4) + 4;
 const OFFSET_BYTES: usize = size_of::<Displacement<f32>>();
 
 impl ConstantBytes {
@@ -406,6 +406,7 @@ fn constants(out: &mut String, scene: &Scene, of: &Bearing, made: &TableData) ->
         constants.couple, constants.distance, constants.axis, constants.offset, constants.arm
     )?;
     writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
+    writeln!(out, "        scale: {:?},\n        speed_scale: {:?},", grid.scale, grid.speed_scale)?;
     for (name, axis) in [("approach", &grid.approach), ("angle", &grid.angle), ("speed", &grid.speed)] {
         writeln!(out, "        {name}: {},", axis_text(axis))?;
     }

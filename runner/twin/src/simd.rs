@@ -196,6 +196,8 @@ mod tests {
             let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, places.clone(), DisplacementDatum::Touching)?;
             let domain = TableDomain {
                 approach: [-20e-6, 40e-6],
+                scale: 10e-6,
+                speed_scale: 0.0,
                 angle: [-0.2, 0.6],
                 speed: [0.5 * SPEED, 2.0 * SPEED],
                 speed_ratios: [1.0, 0.0],

@@ -54,10 +54,12 @@ fn write_table<const F: usize>(
         "static const float nodes_{name}[] = {{ {} }};\n\
          static const ballrace_element elements_{name}[] = {{ {} }};\n\
          #define TABULATED_{name}(model_) {{ {{ model_, elements_{name}, {} }}, {couple:?}f, {distance:?}f, {cos:?}f, \
-         {sin:?}f, {offset:?}f, {arm:?}f, {}, {}, {}, 0, {}, nodes_{name} }}\n",
+         {sin:?}f, {offset:?}f, {arm:?}f, {:?}f, {:?}f, {}, {}, {}, 0, {}, nodes_{name} }}\n",
         nodes_text.join(", "),
         elements.join(", "),
         positions.len(),
+        grid.scale,
+        grid.speed_scale,
         axis(&grid.approach),
         axis(&grid.angle),
         axis(&grid.speed),

@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 use core::marker::PhantomData;
 
 /// Load that is added to a divisor to keep it above 0, N.
-const NO_LOAD: f64 = 1e-12;
+pub const NO_LOAD: f64 = 1e-12;
 
 /// Constants of the balls of a bearing.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Evaluation of all balls: from the displacements of the rings to ball states and ring forces.
 
 use super::QuasiStatic;
-use super::ball::{Balance, Ball, BallInput, Position};
+use super::ball::{Balance, Ball, BallInput, NO_LOAD, Position};
 use super::film::Film;
 use super::inertia::Inertia;
 use super::solver::Solution;
@@ -20,6 +20,11 @@ use crate::status::Status;
 const TABLE_NEWTON_STEPS: u8 = 60;
 /// Ratio of unbalanced force to largest load that is negligible against the error of a table.
 const TABLE_TOLERANCE: f64 = 1e-6;
+
+/// Least square of the sine between outer and inner contact with which the load that closes a gap is computed.
+const MIN_ASIDE: f64 = 1e-2;
+/// Largest load that closes a gap, over the load of the outer contact.
+const MAX_GAP_LOAD: f64 = 0.3;
 
 /// Ratio of friction to load above which a contact slips: the upper limit of traction in oil.
 const TRACTION_LIMIT: f64 = 0.1;
@@ -185,9 +190,12 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         let turn = all(cos) * direction.z - all(sin) * direction.r;
         let friction = balance.inner_share * balance.inertia.friction.value;
         let aside = balance.outer.direction.tangent().dot(direction);
-        let per_metre = balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::splat_f64(1e-3));
+        let per_metre =
+            balance.outer.load * balance.outer.inverse_length / (aside * aside + Lanes::splat_f64(MIN_ASIDE));
         let gap = per_metre * (balance.inner.deflection - balance.inner.deflection.positive());
-        let load = balance.inner.load + gap;
+        // The load without a limit grows steeply beside the line on which both races face each other; no ball there is loaded.
+        let most = balance.outer.load * Lanes::splat_f64(MAX_GAP_LOAD) + Lanes::splat_f64(NO_LOAD);
+        let load = balance.inner.load + gap * most / (most - gap);
         let ([load], [turn], [friction]) = (load.0, turn.0, friction.0);
         let [converged] = balance.is_converged(T::from_f64(TABLE_TOLERANCE)).0;
         ([load, turn, friction], converged)

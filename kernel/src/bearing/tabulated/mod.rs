@@ -62,8 +62,12 @@ struct TableQuery<L> {
     /// Direction of the line of groove centres, and its inverse length.
     line: Plane<L>,
     inverse_length: L,
-    /// Signed square root of the approach.
+    /// Coordinate of the approach.
+    x: L,
+    /// `sqrt(|s| + a)` of the approach s.
     root: L,
+    /// 1 with the sign of the approach.
+    sense: L,
 }
 
 /// Interpolated contacts of balls.
@@ -90,6 +94,7 @@ struct Lookup<L, T> {
 #[cfg_attr(target_pointer_width = "64", repr(align(64)))]
 struct StagedBlock<'a, T> {
     line: Plane<Lanes<T, BLOCK_SIZE>>,
+    x: Lanes<T, BLOCK_SIZE>,
     root: Lanes<T, BLOCK_SIZE>,
     positions: &'a [ElementPosition<T>; BLOCK_SIZE],
     /// Number of them that the block before also contains.
@@ -169,21 +174,19 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let inverse = all(T::ONE) / (length * both);
         let inverse_length = inverse * both;
         let approach = rest.plus(apart).dot(a) * (inverse * length) + deviations;
-        TableQuery {
-            line: apart.times(inverse_length),
-            inverse_length,
-            root: approach.abs().sqrt::<M>().xor_sign(approach),
-        }
+        let (x, root) = self.table.approach_coordinate::<K, M>(approach);
+        TableQuery { line: apart.times(inverse_length), inverse_length, x, root, sense: all(T::ONE).xor_sign(approach) }
     }
 
     #[inline(always)]
     fn contacts_of_balls<const K: usize>(
-        line: Plane<Lanes<T, K>>,
+        (line, root): (Plane<Lanes<T, K>>, Lanes<T, K>),
         fields: &[Lanes<T, K>; F],
     ) -> BallContacts<Lanes<T, K>> {
         let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::splat(T::ZERO));
-        // The table holds half the load.
-        let (load, sine, friction) = (field(0).twice_positive_part(), field(1), field(2));
+        // The table holds half the load over the cube of the root.
+        let load = field(0).twice_positive_part() * (root * root * root);
+        let (sine, friction) = (field(1), field(2));
         let cosine = (Lanes::splat(T::ONE) - sine * sine).sqrt::<M>();
         let contact = line.times(cosine).plus(line.tangent().times(sine));
         BallContacts { load, contact, turn: Plane { r: cosine, z: sine }, friction }
@@ -208,10 +211,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         balls: &ElementBlock<T, K>,
     ) -> Lookup<Lanes<T, K>, T> {
         let query = self.query(evaluation, balls);
-        let cells = self.table.cells(&evaluation.rows, query.line.z, query.root);
+        let cells = self.table.cells(&evaluation.rows, query.line.z, query.x);
         let (fields, missing) = self.table.fields::<0, K>(&evaluation.speed, &evaluation.rows, &cells, 0);
-        let inside = self.table.inside(query.root, query.line.z).any_sign().or_sign(missing);
-        Lookup { query, contacts_of_balls: Self::contacts_of_balls(query.line, &fields), inside }
+        let inside = self.table.inside(query.x, query.line.z).any_sign().or_sign(missing);
+        Lookup { query, contacts_of_balls: Self::contacts_of_balls((query.line, query.root), &fields), inside }
     }
 
     /// Adds balls one by one. The sign bit of the result is set outside the table.
@@ -241,14 +244,14 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         for part in &mut parts {
             let Some(balls) = self.positions.block(next) else { break };
             let Some(positions) = table.get(balls.first..).and_then(<[_]>::first_chunk) else { break };
-            let TableQuery { line, root, .. } = self.query(evaluation, &balls);
-            *part = Some(StagedBlock { line, root, positions, overlap: balls.overlap });
+            let TableQuery { line, x, root, .. } = self.query(evaluation, &balls);
+            *part = Some(StagedBlock { line, x, root, positions, overlap: balls.overlap });
             next += 1;
         }
         for (part, cells) in parts.iter().zip(&mut cells) {
-            let Some(StagedBlock { line, root, .. }) = part else { break };
-            *cells = Some(self.table.cells(&evaluation.rows, line.z, *root));
-            inside = inside.or_sign(self.table.inside(*root, line.z));
+            let Some(StagedBlock { line, x, .. }) = part else { break };
+            *cells = Some(self.table.cells(&evaluation.rows, line.z, *x));
+            inside = inside.or_sign(self.table.inside(*x, line.z));
         }
         let mut inside = inside.any_sign();
         // The test is outside the loop over the balls.
@@ -279,7 +282,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             let (Some(part), Some(cells)) = (part, cells) else { break };
             let (fields, missing) =
                 self.table.fields::<SPEEDS, BLOCK_SIZE>(&evaluation.speed, &evaluation.rows, cells, part.overlap);
-            *contact = Some(Aligned(self.contacts(&Self::contacts_of_balls(part.line, &fields))));
+            *contact = Some(Aligned(self.contacts(&Self::contacts_of_balls((part.line, part.root), &fields))));
             inside = inside.or_sign(missing);
         }
         inside
@@ -294,20 +297,24 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
     ) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::splat;
         let Lookup { query, contacts_of_balls, .. } = lookup;
-        let [by_sine, by_root] = self.table.slopes(&evaluation.speed, &evaluation.rows, query.line.z, query.root);
-        // d(root)/d(approach) = 1/(2 |root|); at the root 0 its factor is 0 too.
-        let per_approach = all(T::HALF) / (query.root.abs() + Lanes::splat_f64(1e-9));
+        let [by_sine, by_approach] = self.table.slopes(&evaluation.speed, &evaluation.rows, query.line.z, query.x);
+        // At the coordinate 0 the other factor is 0 too.
+        let per_approach = self.table.coordinate_slope(query.x, query.root);
         let per_across = query.line.r * query.inverse_length;
         let across = query.line.tangent();
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
         // Displacement along the line changes the approach, across it the sine of the angle by cos/l.
-        let slope = |k: usize| match (by_root.get(k), by_sine.get(k)) {
-            (Some(&root), Some(&sine)) => query.line.times(root * per_approach).plus(across.times(sine * per_across)),
+        let slope = |k: usize| match (by_approach.get(k), by_sine.get(k)) {
+            (Some(&along), Some(&sine)) => query.line.times(along * per_approach).plus(across.times(sine * per_across)),
             _ => nothing,
         };
         let gap = contacts_of_balls.load.less_than(Lanes::splat_f64(f64::MIN_POSITIVE));
-        let load = Plane::select(gap, nothing, slope(0).times(Lanes::splat_f64(2.0)));
+        // Q = f r^3 with r = sqrt(|s| + a): dQ = r^3 df + (3/2) (Q/r^2) sign(s) ds.
+        let (root, two) = (query.root, Lanes::splat_f64(2.0));
+        let by_root = Lanes::splat_f64(1.5) * contacts_of_balls.load * query.sense / (root * root);
+        let load = slope(0).times(two * root * root * root).plus(query.line.times(by_root));
+        let load = Plane::select(gap, nothing, load);
         // The contact rotates with the line and by d(asin w) = dw/sqrt(1 - w^2).
         let turning = across.times(query.inverse_length).plus(slope(1).times(all(T::ONE) / contacts_of_balls.turn.r));
         let (e, t) = (contacts_of_balls.contact, contacts_of_balls.contact.tangent());

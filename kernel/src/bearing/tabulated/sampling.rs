@@ -14,18 +14,25 @@ use crate::math::Exact;
 pub struct TableDomain {
     /// Least and greatest approach of the rings along the line of groove centres, m; negative with clearance.
     pub approach: [f64; 2],
+    /// Approach up to which the nodes are close, m, above 0: that of the most loaded ball in service. Above it the spacing
+    /// grows with the power 3/2 of the approach.
+    pub scale: f64,
     /// Least and greatest angle of that line, rad.
     pub angle: [f64; 2],
     /// Least and greatest speed, rad/s: of the inner ring, or of the outer ring if the inner ring is fixed.
     pub speed: [f64; 2],
+    /// Speed far below which the spacing of speeds is uniform and far above which that of their squares is, rad/s; 0 or more.
+    pub speed_scale: f64,
     /// Speeds of inner and outer ring divided by that speed: 1 and 0 for a rotating inner ring.
     pub speed_ratios: [f64; 2],
     /// Intervals along approach, angle and speed; 0 along the speed for a single speed.
     pub intervals: [usize; 3],
 }
 
-/// Nodes beyond the domain on both sides, so that the boundary conditions of the splines do not matter.
-const MARGIN: usize = 4;
+/// Least number of intervals along approach and angle: the slope at an end is that of five nodes.
+const MIN_INTERVALS: usize = 4;
+/// Coefficients beyond the domain on both sides.
+const MARGIN: usize = 1;
 
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
     let step = if high > low && intervals > 0 { (high - low) / intervals as f64 } else { 1.0 };
@@ -55,14 +62,25 @@ impl TableDomain {
             "0 or more, at most the greatest",
         )?;
         let [nx, na, nv] = self.intervals;
-        for (count, least) in [(nx, 1), (na, 1), (nv, 0)] {
-            check((least..=4096).contains(&count), "intervals", count as f64, "1 to 4096, 0 only along the speed")?;
+        for (count, least) in [(nx, MIN_INTERVALS), (na, MIN_INTERVALS), (nv, 0)] {
+            check(
+                (least..=4096).contains(&count),
+                "intervals",
+                count as f64,
+                "4 to 4096, or 0 to 4096 along the speed",
+            )?;
         }
-        let root = |s: f64| if s < 0.0 { -libm::sqrt(-s) } else { libm::sqrt(s) };
+        let scale = self.scale;
+        check(scale > 0.0 && scale.is_finite(), "scale", scale, "an approach above 0 m")?;
+        let coordinate = |s: f64| libm::copysign(libm::sqrt(s.abs() / (s.abs() + scale)), s);
+        let speed_scale = self.speed_scale;
+        check(speed_scale >= 0.0 && speed_scale.is_finite(), "speed_scale", speed_scale, "a speed of 0 rad/s or more")?;
         Ok(Grid {
-            approach: axis([root(low), root(high)], nx, MARGIN),
+            scale,
+            speed_scale,
+            approach: axis([coordinate(low), coordinate(high)], nx, MARGIN),
             angle: axis([libm::sin(self.angle[0]), libm::sin(self.angle[1])], na, MARGIN),
-            speed: axis(self.speed, nv, 0),
+            speed: axis(self.speed.map(|speed| speed * (speed + speed_scale)), nv, 0),
         })
     }
 }
@@ -89,7 +107,13 @@ impl Grid<f64> {
             density: T::from_f64(a.density),
             range: a.range.map(T::from_f64),
         };
-        Grid { approach: axis(&self.approach), angle: axis(&self.angle), speed: axis(&self.speed) }
+        Grid {
+            scale: T::from_f64(self.scale),
+            speed_scale: T::from_f64(self.speed_scale),
+            approach: axis(&self.approach),
+            angle: axis(&self.angle),
+            speed: axis(&self.speed),
+        }
     }
 }
 
@@ -115,27 +139,36 @@ where
     let mut open = 0;
     let rows = nodes.chunks_mut(grid.approach.count).enumerate().take(grid.angle.count * grid.speed.count);
     for (r, row) in rows {
+        let (layer, k) = (r / grid.angle.count, r % grid.angle.count);
+        let Some(sin) = sampled(&grid.angle, k) else { continue };
         // The force of a ball does not depend on the sense of rotation.
-        let speed = coordinate(&grid.speed, r / grid.angle.count).abs();
-        let sin = coordinate(&grid.angle, r % grid.angle.count).clamp(-0.999, 0.999);
+        let half = 0.5 * grid.speed_scale;
+        let speed = libm::sqrt(half * half + coordinate(&grid.speed, layer).max(0.0)) - half;
         let at = BearingKinematicState {
             inner_speed: speed * domain.speed_ratios[0],
             outer_speed: speed * domain.speed_ratios[1],
             ..BearingKinematicState::default()
         };
         for (i, node) in row.iter_mut().enumerate() {
-            let x = coordinate(&grid.approach, i);
-            let ([load, turn, friction], settled) = bearing.ball_at(x * x.abs(), sin, &at);
-            let fields = [0.5 * load, turn, friction];
+            let Some(x) = sampled(&grid.approach, i) else { continue };
+            let approach = grid.scale * x * x.abs() / (1.0 - x * x);
+            let root = libm::sqrt(approach.abs() + grid.scale);
+            let ([load, turn, friction], settled) = bearing.ball_at(approach, sin, &at);
+            let fields = [0.5 * load / (root * root * root), turn, friction];
             for (entry, field) in node.iter_mut().zip(fields) {
                 *entry = field;
             }
-            let [low, high] = grid.approach.range;
-            open += usize::from(!settled && (low..=high).contains(&x));
+            open += usize::from(!settled);
         }
     }
     prefilter(grid, nodes);
     open
+}
+
+/// Returns the coordinate of node `i`; `None` for the node beyond each end of the domain.
+fn sampled(axis: &Axis<f64>, i: usize) -> Option<f64> {
+    let [low, high] = axis.range;
+    (i > 0 && i + 1 < axis.count).then(|| coordinate(axis, i).clamp(low, high))
 }
 
 /// Converts values at the nodes to the coefficients of interpolating splines along approach and angle.
@@ -151,28 +184,56 @@ fn prefilter<const F: usize>(grid: &Grid<f64>, nodes: &mut [Node<f64, F>]) {
     }
 }
 
-/// Solves `(c[k-1] + 6 c[k] + c[k+1])/8 = f[k]` in place along one line of nodes by two recursions.
+/// Number of pivots after which the elimination of [`interpolation_coefficients`] has that of an infinite line, to the last
+/// bit.
+const PIVOTS: usize = 16;
+
+/// Solves `c[k-1] + 6 c[k] + c[k+1] = 8 f[k]` in place along one line of `count` nodes by elimination; the first and the last
+/// are beyond the domain and have no `f`.
 ///
-/// Values beyond the ends are taken as constant; the margin keeps the effect outside the domain. Source: Unser, Splines: a
-/// perfect fit for signal and image processing (1999).
+/// The slope of the spline at both ends of the domain is that of the polynomial through five nodes.
 fn interpolation_coefficients<const F: usize>(nodes: &mut [Node<f64, F>], start: usize, stride: usize, count: usize) {
-    /// sqrt(8) - 3
-    const POLE: f64 = -0.171_572_875_253_809_9;
-    const GAIN: f64 = 8.0;
+    const MIDDLE: f64 = 6.0;
+    // The other coefficient of the first and the last equation, into which those beyond the domain are inserted.
+    const BESIDE_END: f64 = 2.0;
+    let mut pivots = [MIDDLE; PIVOTS];
+    let (mut last_pivot, mut beside) = (MIDDLE, BESIDE_END);
+    for pivot in pivots.iter_mut().skip(1) {
+        last_pivot = MIDDLE - beside / last_pivot;
+        (*pivot, beside) = (last_pivot, 1.0);
+    }
+    let pivot = |k: usize| pivots.get(k).copied().unwrap_or(last_pivot);
+    let at = |k: usize| start + k * stride;
+    let last = count.saturating_sub(2);
     for field in 0..F {
-        let mut before: Option<f64> = None;
-        for k in 0..count {
-            if let Some(c) = entry(nodes, start + k * stride, field) {
-                *c = before.map_or(*c / (1.0 - POLE), |before| *c + POLE * before);
-                before = Some(*c);
+        let value = |nodes: &mut [Node<f64, F>], k: usize| entry(nodes, at(k), field).map_or(0.0, |f| *f);
+        let mut slope = |end: usize, inward: isize| {
+            let terms = [25.0, -48.0, 36.0, -16.0, 3.0].into_iter().zip(0_isize..);
+            terms.map(|(weight, k)| weight * value(nodes, end.saturating_add_signed(k * inward))).sum::<f64>() / 6.0
+        };
+        // Outward, times two intervals.
+        let [first_slope, last_slope] = [slope(1, 1), slope(last, -1)];
+        let mut before = 0.0;
+        for k in 1..=last {
+            let beyond = if k == 1 { first_slope } else { 0.0 } + if k == last { last_slope } else { 0.0 };
+            let (lower, size) =
+                if k == last { (BESIDE_END, MIDDLE - BESIDE_END / pivot(k - 2)) } else { (1.0, pivot(k - 1)) };
+            if let Some(f) = entry(nodes, at(k), field) {
+                before = (8.0 * *f - beyond - lower * before) / size;
+                *f = before;
             }
         }
-        let mut after: Option<f64> = None;
-        for k in (0..count).rev() {
-            if let Some(c) = entry(nodes, start + k * stride, field) {
-                let sum = after.map_or(-POLE / (1.0 - POLE) * *c, |after| POLE * (after - *c));
-                after = Some(sum);
-                *c = GAIN * sum;
+        for k in (1..last).rev() {
+            let after = value(nodes, k + 1);
+            let upper = if k == 1 { BESIDE_END } else { 1.0 };
+            if let Some(c) = entry(nodes, at(k), field) {
+                *c -= upper / pivot(k - 1) * after;
+            }
+        }
+        for (outer, inner, slope) in [(0, 2, first_slope), (last + 1, last - 1, last_slope)] {
+            let within = value(nodes, inner);
+            if let Some(c) = entry(nodes, at(outer), field) {
+                *c = within + slope;
             }
         }
     }

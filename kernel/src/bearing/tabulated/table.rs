@@ -1,16 +1,23 @@
 //! Table of the force of one ball over the positions of its groove centres and the speed.
 //!
-//! The table stores smooth quantities instead of the force: the load of the inner contact (negative in a gap), the sine of
+//! The table stores smooth quantities instead of the force: the load `Q` of the inner contact (negative in a gap), the sine of
 //! the angle from the line of groove centres to the contact, and the friction. Interpolation uses quadratic B-splines along
 //! approach and contact angle and is linear along the speed; results and their derivatives are continuous where contact
-//! begins and ends. The coordinate of the approach is its signed square root: a ball wedged between both races by the
-//! centrifugal force moves sideways by the root of the clearance, and the Hertz load is a cubic of the root, smooth also at
-//! the begin of contact.
+//! begins and ends.
+//!
+//! The coordinate of the approach `s` is `x = sqrt(|s| / (|s| + a))` with the sign of `s`, and the table holds `Q / (|s| +
+//! a)^(3/2)`. The Hertz load is then proportional to `x^3`, smooth also at the begin of contact; a ball wedged between both races
+//! by the centrifugal force moves sideways by the root of the clearance. The error is a share of the load at `a` below, and of the
+//! load itself above, up to the largest that a bearing bears.
+//!
+//! The coordinate of the speed `w` is `w (w + b)`. Inertia loads are proportional to its square: about one speed, `b = 0` is the
+//! best. Down to standstill, loads of balls without preload rise with a lower power, and a `b` above the highest speed is better.
 
+use crate::math::Math;
 use crate::math::lanes::{Lanes, LatticeIndices};
 use crate::scalar::{LatticeIndex, Scalar};
 
-/// One node: half the load (N; twice the positive part needs no branch), the sine of the angle to the contact, and with `F
+/// One node: half the load divided by `(|s| + a)^(3/2)` (N/m^(3/2); twice the positive part needs no branch), the sine of the angle to the contact, and with `F
 /// = 3` the friction at the inner contact (0 without gyroscopic moment, or if the outer race carries all of it). With `F =
 /// 4` the last number is unused: SIMD registers of four numbers load such a node at once.
 pub type Node<T, const F: usize> = [T; F];
@@ -31,11 +38,15 @@ pub struct Axis<T> {
 /// Grid of a table. The nodes are stored separately: the approach varies fastest, then the angle, then the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid<T> {
-    /// Signed square root of the approach, sqrt(m).
+    /// a, approach up to which the nodes are close, m.
+    pub scale: T,
+    /// Coordinate of the approach, -1 to 1.
     pub approach: Axis<T>,
     /// Sine of the angle of the line of groove centres.
     pub angle: Axis<T>,
-    /// Speed, rad/s.
+    /// b, rad/s.
+    pub speed_scale: T,
+    /// Coordinate of the speed, (rad/s)^2.
     pub speed: Axis<T>,
 }
 
@@ -175,8 +186,9 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
     #[inline(always)]
     pub(super) fn at_speed(&self, speed: T) -> AtSpeed<T> {
         let axis = &self.grid.speed;
-        let Lanes([inside]) = axis.inside(Lanes([speed]));
-        let (layer, weights) = if axis.count == 1 { (0, [T::ONE, T::ZERO]) } else { axis.linear(speed) };
+        let x = speed * (speed + self.grid.speed_scale);
+        let Lanes([inside]) = axis.inside(Lanes([x]));
+        let (layer, weights) = if axis.count == 1 { (0, [T::ONE, T::ZERO]) } else { axis.linear(x) };
         AtSpeed { first: layer.wrapping_mul(self.layer()), weights, inside }
     }
 
@@ -186,14 +198,29 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         (self.grid.approach.count as u32).wrapping_mul(self.grid.angle.count as u32)
     }
 
-    /// Returns a number whose sign bit is set where signed roots `x` of the approach or sines `sin` of the angle are
+    /// Returns the coordinate of approaches `s`, and `sqrt(|s| + a)`, of whose cube the table's load is a multiple.
+    #[inline(always)]
+    pub(super) fn approach_coordinate<const K: usize, M: Math<T>>(&self, s: Lanes<T, K>) -> (Lanes<T, K>, Lanes<T, K>) {
+        let size = s.abs();
+        let root = (size + Lanes::splat(self.grid.scale)).sqrt::<M>();
+        ((size.sqrt::<M>() / root).xor_sign(s), root)
+    }
+
+    /// Returns the derivative of the coordinate `x` by the approach, `a / (2 |x| (|s| + a)^2)`; a large number at 0.
+    #[inline(always)]
+    pub(super) fn coordinate_slope<const K: usize>(&self, x: Lanes<T, K>, root: Lanes<T, K>) -> Lanes<T, K> {
+        let sum = root * root;
+        Lanes::splat(T::HALF * self.grid.scale) / ((x.abs() + Lanes::splat_f64(1e-9)) * sum * sum)
+    }
+
+    /// Returns a number whose sign bit is set where coordinates `x` of the approach or sines `sin` of the angle are
     /// outside the domain; [`AtSpeed::inside`] tests the speed.
     #[inline(always)]
     pub(super) fn inside<const K: usize>(&self, x: Lanes<T, K>, sin: Lanes<T, K>) -> Lanes<T, K> {
         self.grid.approach.inside(x).or_sign(self.grid.angle.inside(sin))
     }
 
-    /// Returns the cells of balls from sines of the angle and signed roots `x` of the approach.
+    /// Returns the cells of balls from sines of the angle and coordinates `x` of the approach.
     #[inline(always)]
     pub(super) fn cells<const K: usize>(
         &self,
@@ -255,7 +282,7 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         (transposed(&nodes), missing)
     }
 
-    /// Returns the derivatives of the quantities by the sine of the angle and the signed root of the approach.
+    /// Returns the derivatives of the quantities by the sine of the angle and the coordinate of the approach.
     #[inline(always)]
     pub(super) fn slopes<const K: usize>(
         &self,

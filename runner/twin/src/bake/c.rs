@@ -309,6 +309,8 @@ impl<'a> Writer<'a> {
             ("axis_sin", single(sin)),
             ("offset", single(offset)),
             ("arm", single(arm)),
+            ("scale", single(grid.scale)),
+            ("speed_scale", single(grid.speed_scale)),
             ("approach", axis(&grid.approach)),
             ("angle", axis(&grid.angle)),
             ("speed", axis(&grid.speed)),

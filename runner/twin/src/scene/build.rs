@@ -5,10 +5,11 @@ mod error;
 mod kinematics;
 mod lumped;
 mod preload;
+mod service_load;
 
 pub use balls::{
-    PRESSURE_LIMIT, Solved, TableData, inertia_params, of_table, point_contact_approach, point_contact_load,
-    quasi_static, solved_in, table,
+    FIRMWARE_TABLE, PRESSURE_LIMIT, Solved, TableData, inertia_params, of_table, point_contact_approach,
+    point_contact_load, quasi_static, solved_in, table,
 };
 pub use error::BuildError;
 use kinematics::outer_ratio;

@@ -33,11 +33,11 @@ const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
 const STEPS: [u8; 4] = [3, 4, 5, 6];
 const CONVERGED: u8 = 20;
 /// Intervals of a table along approach and angle that are compared.
-const TABLES: [[i64; 2]; 4] = [[8, 4], [16, 8], [32, 16], [64, 32]];
+const TABLES: [i64; 4] = [8, 16, 24, 32];
 /// Intervals along a speed that hardly changes.
-const ABOUT_ONE_SPEED: i64 = 4;
+const ABOUT_ONE_SPEED: i64 = 2;
 /// Intervals along a speed that changes.
-const OVER_SPEEDS: i64 = 16;
+const OVER_SPEEDS: i64 = 8;
 
 impl FidelityLevel {
     fn new(name: &str, model: Model) -> Self {
@@ -60,12 +60,14 @@ impl FidelityLevel {
         }
         levels.push(Self::new("lumped", Model::Lumped));
         levels.push(Self::new("angular", Model::Angular));
-        let span =
-            if matches!(scene.shaft.speed, crate::scene::Speed::Constant(_)) { ABOUT_ONE_SPEED } else { OVER_SPEEDS };
-        for [approach, angle] in TABLES {
-            let mut level = Self::new(&format!("tabulated {approach} x {angle}"), Model::Tabulated);
+        let span = match scene.shaft.speed {
+            crate::scene::Speed::Constant(_) => ABOUT_ONE_SPEED,
+            _ => OVER_SPEEDS,
+        };
+        for intervals in TABLES {
+            let mut level = Self::new(&format!("tabulated {intervals} x {intervals}"), Model::Tabulated);
             level.effects.clone_from(&named);
-            level.intervals = Some([approach, angle, span]);
+            level.intervals = Some([intervals, intervals, span]);
             levels.push(level);
         }
         for kept in 0..=named.len() {

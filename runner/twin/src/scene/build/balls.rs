@@ -1,5 +1,6 @@
 //! Models with balls in equilibrium: solved ball by ball, and tabulated.
 
+use super::service_load::approach_in_service;
 use super::{BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
 use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
@@ -171,17 +172,41 @@ impl TableData {
     /// Returns the numbers of each node that are used.
     #[must_use]
     pub const fn fields(&self) -> usize {
-        if self.friction { 3 } else { 2 }
+        numbers(self.friction)
     }
 }
+
+/// Returns the numbers of a node.
+const fn numbers(friction: bool) -> usize {
+    if friction { 3 } else { 2 }
+}
+
+/// Returns true where the inner contact has friction.
+fn has_inner_friction(of: &BearingScene) -> bool {
+    of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer
+}
+
+/// Size of a table whose intervals the scene does not state.
+#[derive(Debug, Clone, Copy)]
+pub struct TableSize {
+    /// Largest size in `f32`.
+    bytes: usize,
+    /// Intervals along a speed that changes.
+    over_speeds: usize,
+}
+
+/// Size of a table on the desktop.
+pub const DESKTOP_TABLE: TableSize = TableSize { bytes: 64 << 10, over_speeds: 12 };
+/// Size of a table in firmware.
+pub const FIRMWARE_TABLE: TableSize = TableSize { bytes: 32 << 10, over_speeds: 8 };
 
 /// Samples the quasi-static model of one bearing.
 ///
 /// # Errors
 /// As [`quasi_static`], and a table with states without equilibrium.
-pub fn table(scene: &Scene, of: &BearingScene) -> Result<TableData, BuildError> {
+pub fn table(scene: &Scene, of: &BearingScene, size: TableSize) -> Result<TableData, BuildError> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
-    let (domain, by_outer) = domain(scene, of, &geometry)?;
+    let (domain, by_outer) = domain(scene, of, &geometry, size)?;
     let one = [ElementPosition::from_azimuth(Phase::ZERO)];
     let plain = QuasiStatic::<f64, Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
     let constants = plain.table_constants();
@@ -200,8 +225,7 @@ pub fn table(scene: &Scene, of: &BearingScene) -> Result<TableData, BuildError> 
             states: grid.len(),
         });
     }
-    let friction = of.effects.gyroscopic && of.effects.sharing != crate::scene::FrictionSharing::Outer;
-    Ok(TableData { by_outer, grid, nodes, constants, friction })
+    Ok(TableData { by_outer, grid, nodes, constants, friction: has_inner_friction(of) })
 }
 
 /// Returns the load of a Hertzian point contact, N: `Q = K delta^1.5`, 0 without contact.
@@ -220,25 +244,41 @@ pub fn point_contact_approach(stiffness: f64, load: f64) -> f64 {
 pub const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Contact angles to either side of the free one, rad.
 const TABLE_ANGLES: f64 = 0.4;
-/// Speeds about a constant one.
-const TABLE_SPEEDS: [f64; 2] = [0.8, 1.2];
+/// Squares of the speeds about a constant one; inertia loads are linear in the square, and the constant speed is a node.
+const TABLE_SPEEDS_SQUARED: [f64; 2] = [0.64, 1.36];
 /// Range of speeds of a table that does not depend on them, rad/s.
 const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
-/// Intervals along approach and angle, and along the speed about a constant one and over one that changes.
-const TABLE_INTERVALS: ([usize; 2], usize, usize) = ([64, 32], 8, 32);
+/// Scale of a wide range of speeds over the highest.
+const WIDE_SPEEDS: f64 = 10.0;
+/// Intervals along the angle of a bearing with a contact angle, over which its forces change evenly.
+const ANGLE_INTERVALS: usize = 12;
+/// Least and largest number of intervals along approach and angle.
+const INTERVALS: [usize; 2] = [4, 64];
+/// Nodes along approach and angle beyond the number of intervals.
+const FURTHER_NODES: usize = 3;
+/// Load of a ball in service over that at the static pressure limit, where the scene states no load.
+const TYPICAL_LOAD: f64 = 0.05;
 
 /// Returns the range of a bearing's table: the scene's, else up to the static pressure limit, about free angle and speed.
-fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> Result<(TableDomain, bool), BuildError> {
+///
+/// The intervals are the scene's, else as many as `size` allows.
+fn domain(
+    scene: &Scene,
+    of: &BearingScene,
+    geometry: &BallBearingGeometry,
+    size: TableSize,
+) -> Result<(TableDomain, bool), BuildError> {
     let given = of.table.unwrap_or_default();
     let contact = geometry.contact(Race::Inner);
     let (_, _, pressure) = contact.ellipse(1.0);
     let load = (PRESSURE_LIMIT / pressure).powi(3);
     let most = point_contact_approach(geometry.stiffness(), load);
-    let free = if of.facing == Facing::Both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
-    let widest = if of.facing == Facing::Both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
+    let both = of.facing == Facing::Both;
+    let free = if both { [0.0, geometry.contact_angle] } else { [geometry.contact_angle; 2] };
+    let widest = if both { free[1] + TABLE_ANGLES } else { TABLE_ANGLES };
     let angles = [(free[0] - widest).max(-1.3), (free[1] + TABLE_ANGLES).min(1.3)];
     let (inner, outer) = (scene.shaft.speed, scene.shaft.outer_speed);
-    let about = |speed: f64| TABLE_SPEEDS.map(|part| part * speed.abs());
+    let about = |speed: f64| TABLE_SPEEDS_SQUARED.map(|part| part.sqrt() * speed.abs());
     let by_outer = inner == Speed::Constant(0.0) && outer != 0.0;
     let speeds = match inner {
         _ if by_outer => about(outer),
@@ -250,22 +290,56 @@ fn domain(scene: &Scene, of: &BearingScene, geometry: &BallBearingGeometry) -> R
     // Without inertia and film the table does not depend on the speed.
     let still = of.effects == crate::scene::Effects::default();
     let speed = if still { EVERY_SPEED } else { given.speed.unwrap_or(speeds) };
-    let ([approach, angle], about_one, over_many) = TABLE_INTERVALS;
     let narrow = matches!(inner, Speed::Constant(_)) && given.speed.is_none();
-    let [nx, na, nv] = given.intervals.unwrap_or([approach, angle, if narrow { about_one } else { over_many }]);
-    let intervals = [nx, na, if still || speed[0] == speed[1] { 0 } else { nv }];
-    let approach = given.approach.unwrap_or([-0.5 * most, most]);
-    Ok((
-        TableDomain { approach, angle: given.angle.unwrap_or(angles), speed, speed_ratios: turning, intervals },
-        by_outer,
-    ))
+    let layers = match (still || speed[0] == speed[1], narrow) {
+        (true, _) => 0,
+        (_, true) if both => 2,
+        (_, true) => 4,
+        (_, false) => size.over_speeds,
+    };
+    let intervals = match given.intervals {
+        Some([nx, na, nv]) => [nx, na, if layers == 0 { 0 } else { nv }],
+        None => {
+            let nodes = size.bytes / (size_of::<f32>() * numbers(has_inner_friction(of))) / (layers + 1);
+            let [nx, na] = resolution(nodes, both);
+            [nx, na, layers]
+        }
+    };
+    let in_service = approach_in_service(scene, of, geometry);
+    let domain = TableDomain {
+        approach: given.approach.unwrap_or([-0.5 * most, most]),
+        scale: in_service
+            .unwrap_or_else(|| point_contact_approach(geometry.stiffness(), TYPICAL_LOAD * load))
+            .min(most),
+        angle: given.angle.unwrap_or(angles),
+        speed,
+        speed_scale: if narrow { 0.0 } else { WIDE_SPEEDS * speed[1] },
+        speed_ratios: turning,
+        intervals,
+    };
+    Ok((domain, by_outer))
+}
+
+/// Returns the intervals along approach and angle of a layer of at most `nodes` nodes.
+///
+/// A deep-groove bearing has as many along the angle: its balls change sides in the plane of the grooves, where an even number
+/// puts nodes.
+fn resolution(nodes: usize, both: bool) -> [usize; 2] {
+    let [least, most] = INTERVALS;
+    if both {
+        let fits = |intervals: &usize| (intervals + FURTHER_NODES).pow(2) <= nodes;
+        [(least..=most).rev().step_by(2).find(fits).unwrap_or(least); 2]
+    } else {
+        let along = (nodes / (ANGLE_INTERVALS + FURTHER_NODES)).saturating_sub(FURTHER_NODES);
+        [along.clamp(least, most), ANGLE_INTERVALS]
+    }
 }
 
 pub(super) fn tabulated<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
     scene: &Scene,
     of: &BearingScene,
 ) -> Result<H, BuildError> {
-    of_table::<T, M, H>(of, &table(scene, of)?)
+    of_table::<T, M, H>(of, &table(scene, of, DESKTOP_TABLE)?)
 }
 
 /// Builds the tabulated model from its table.
@@ -294,3 +368,6 @@ fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(
         Some(surface) => facing(of, H::dispatched(bearing.with_surface(surface))),
     })
 }
+
+#[cfg(test)]
+mod tests;

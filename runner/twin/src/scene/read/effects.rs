@@ -109,11 +109,13 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
         })
     };
     let intervals = inner.read("intervals", |n| {
-        let expected = "a list of three whole numbers from 1 to 1000: along approach, angle and speed";
+        let expected =
+            "a list of three whole numbers: from 4 to 1000 along approach and angle, from 1 to 1000 along the speed";
         let list = n.list(expected)?;
-        let count = |n: &Node<'_>| n.integer(1, 1000, expected).map(|i| usize::try_from(i).unwrap_or(1));
+        let count =
+            |n: &Node<'_>, least: i64| n.integer(least, 1000, expected).map(|i| usize::try_from(i).unwrap_or(4));
         match list.as_slice() {
-            [a, b, c] => Ok([count(a)?, count(b)?, count(c)?]),
+            [a, b, c] => Ok([count(a, 4)?, count(b, 4)?, count(c, 1)?]),
             _ => Err(n.refuse(expected)),
         }
     })?;

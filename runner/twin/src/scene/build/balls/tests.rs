@@ -1,0 +1,81 @@
+//! Tables of default size against the model that they are made from, over the motion of light and heavy rotors.
+
+use super::*;
+use crate::handle::{AnyForceModel, ForceModel};
+use crate::plant::Plant;
+use crate::scene::read::read_str;
+use crate::trade::force::in_precision;
+use crate::trade::poses::{self, Pose};
+use ballrace::{Status, Wrench};
+use std::path::Path;
+
+fn scene(speed: &str, [mass, thrust]: [f64; 2], bearing: &str) -> Scene {
+    let facing = if bearing.contains("contact_angle") { ["+z", "-z"] } else { ["both"; 2] };
+    let bearing = |name: &str, station: i32, facing: &str| {
+        format!(
+            "[[bearing]]\nname = '{name}'\nstation = '{station} mm'\nfacing = '{facing}'\nmodel = 'tabulated'\nelements = 9\n\
+             ball_diameter = '7.94 mm'\npitch_diameter = '39.04 mm'\ninner_conformity = 0.52\nouter_conformity = 0.52\n{bearing}\n"
+        )
+    };
+    let text = format!(
+        "name = 'rotor'\n[shaft]\nspeed = {speed}\n[rotor]\nmass = '{mass} kg'\ndiametral_inertia = 0.03\npolar_inertia = 0.006\n\
+         damping = [400, 400, 400, 0.4, 0.4]\ngravity = [0, -9.81, 0]\nload = [0, 0, {thrust}, 0, 0]\n\
+         unbalance = [{{ moment = '8 g mm', angle = '17 deg', station = '20 mm' }}]\n{}{}",
+        bearing("DE", -100, facing[0]),
+        bearing("NDE", 100, facing[1])
+    );
+    read_str(&text, Path::new("rotor.toml")).unwrap()
+}
+
+/// Returns the largest error of the forces of one bearing over those of the scene's motion, relative to the largest force.
+fn error(scene: &Scene, size: TableSize) -> f64 {
+    let of = &scene.bearings[0];
+    let made = table(scene, of, size).unwrap();
+    assert!(4 * made.fields() * made.nodes.len() <= size.bytes);
+    let plant = Plant::try_new(scene).unwrap();
+    let poses = poses::computed(scene, &plant).unwrap();
+    let offset = plant.bearings[0].offset;
+    let tabulated = of_table::<f32, Exact, AnyForceModel<f32>>(of, &made).unwrap();
+    let exact = solved_in(of, 20).unwrap();
+    let (mut error, mut largest) = (0.0_f64, 0.0_f64);
+    for pose in &poses[0] {
+        let pose = Pose { u: pose.u + offset, at: pose.at };
+        let (rounded, at) = in_precision(&pose);
+        let found = tabulated.reaction(&rounded, &at);
+        assert!(!found.status.contains(Status::OUT_OF_TABLE));
+        let expected = exact.reaction(&pose.u, &pose.at).wrench;
+        let size = |w: Wrench<f64>| w.fx.hypot(w.fy).hypot(w.fz);
+        let found = found.wrench.to_array().map(f64::from);
+        let apart = std::array::from_fn(|i| found[i] - expected.to_array()[i]);
+        error = error.max(size(Wrench::from_array(apart)));
+        largest = largest.max(size(expected));
+    }
+    error / largest
+}
+
+#[test]
+fn tables_of_default_size_have_a_small_error_relative_to_the_load_in_service() {
+    let effects = "effects = ['centrifugal', 'gyroscopic']\n";
+    let deep_groove = format!("diametral_clearance = '10 um'\n{effects}");
+    let pair = format!("contact_angle = '25 deg'\npreload = {{ force = '100 N' }}\n{effects}");
+    let friction = format!("{pair}friction_sharing = 'proportional'\n");
+    let slow = "'3000 rpm'";
+    let run_up = "{ from = '1000 rpm', to = '12000 rpm', over = '2 s' }";
+    let cases = [
+        ("without inertia", scene(slow, [9.0, 60.0], "diametral_clearance = '10 um'"), [1e-4; 2]),
+        ("9 kg", scene(slow, [9.0, 60.0], &deep_groove), [1e-4; 2]),
+        ("9 kg, light thrust", scene(slow, [9.0, 10.0], &deep_groove), [2e-4; 2]),
+        ("200 kg", scene(slow, [200.0, 60.0], &deep_groove), [1e-4; 2]),
+        ("15 000 rpm", scene("'15000 rpm'", [9.0, 60.0], &deep_groove), [1e-4, 5e-4]),
+        ("preloaded pair", scene("'12000 rpm'", [9.0, 0.0], &pair), [1e-4; 2]),
+        ("friction at both races", scene("'12000 rpm'", [9.0, 0.0], &friction), [1e-4, 3e-4]),
+        ("run-up", scene(run_up, [9.0, 0.0], &pair), [1e-3, 2e-3]),
+    ];
+    for (name, scene, limits) in &cases {
+        for (size, limit) in [DESKTOP_TABLE, FIRMWARE_TABLE].into_iter().zip(limits) {
+            let found = error(scene, size);
+            println!("{name}, {} kB: {found:.1e}", size.bytes >> 10);
+            assert!(found < *limit, "{name}, {} kB: {found:e}", size.bytes >> 10);
+        }
+    }
+}
