@@ -1011,7 +1011,15 @@ typedef struct ballrace_tabulated {
      */
     float arm;
     /**
-     * Axis of the signed square root of the approach, sqrt(m); varies fastest.
+     * Approach up to which the nodes are close, m.
+     */
+    float scale;
+    /**
+     * b, rad/s.
+     */
+    float speed_scale;
+    /**
+     * Axis of the coordinate of the approach, `sqrt(|s| / (|s| + scale))` with the sign of the approach `s`; varies fastest.
      */
     struct ballrace_axis approach;
     /**
@@ -1019,7 +1027,7 @@ typedef struct ballrace_tabulated {
      */
     struct ballrace_axis angle;
     /**
-     * Axis of the speed, rad/s; varies slowest.
+     * Axis of the coordinate of the speed `w`, `w (w + speed_scale)`, (rad/s)^2; varies slowest.
      */
     struct ballrace_axis speed;
     /**

@@ -169,6 +169,10 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
 
 impl<const K: usize> Mask<K> {
     #[inline(always)]
+    pub fn all(self) -> bool {
+        self.0.into_iter().fold(true, |all, one| all & one)
+    }
+    #[inline(always)]
     pub fn and(mut self, other: Self) -> Self {
         let mut i = 0;
         while i < K {

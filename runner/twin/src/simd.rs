@@ -1,7 +1,8 @@
 //! Code compiled twice, for every processor of the target and for processors with AVX2, and selected at run time.
 //!
 //! Both forms execute the same operations in the same order, on four values at a time instead of two, so the results are
-//! bitwise equal.
+//! bitwise equal. The solver of the quasi-static model ends here as soon as a block of balls has converged: its forces are the same on
+//! all desktops and those of the kernel's fixed number of steps within 1e-10.
 
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffness};
@@ -89,6 +90,7 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
 pub struct OnWideRegisters<M>(PhantomData<M>);
 
 impl<T: Scalar, M: Math<T>> Math<T> for OnWideRegisters<M> {
+    const STOPS_EARLY: bool = true;
     #[inline(always)]
     fn sqrt(x: T) -> T {
         M::sqrt(x)
@@ -233,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn balls_in_equilibrium_have_the_same_bits_on_wide_registers() -> Result<(), InvalidParameter> {
+    fn balls_in_equilibrium_on_wide_registers_stop_at_the_same_forces() -> Result<(), InvalidParameter> {
         let geometry = BallBearingGeometry {
             ball_diameter: 7.94e-3,
             pitch_diameter: 39.04e-3,
@@ -250,6 +252,7 @@ mod tests {
             race_control: RaceControl::Outer,
             friction_sharing: FrictionSharing::Outer,
         };
+        let mut worst = 0.0_f64;
         for count in [1, 4, 9, 16] {
             let sixteen: ElementPositions<f64, 16> = evenly_spaced(Phase::ZERO);
             let places: Vec<ElementPosition<f64>> = sixteen.iter().copied().take(count).collect();
@@ -261,11 +264,14 @@ mod tests {
                     let cage = Phase::from_revolutions(0.0137 * f64::from(i));
                     let at = BearingKinematicState { cage, inner_speed: 3.0 * SPEED, ..Default::default() };
                     let [a, b] = [plain.reaction(&pose(i), &at), wide.reaction(&pose(i), &at)];
-                    assert_eq!(a.wrench.to_array().map(f64::to_bits), b.wrench.to_array().map(f64::to_bits));
-                    assert_eq!((a.load.to_bits(), a.status), (b.load.to_bits(), b.status));
+                    assert_eq!(a.status, b.status);
+                    let difference =
+                        a.wrench.to_array().into_iter().zip(b.wrench.to_array()).map(|(a, b)| (a - b).abs());
+                    worst = worst.max(difference.fold(0.0, f64::max) / a.load.max(1.0));
                 }
             }
         }
+        assert!(worst < 1e-10, "{worst:e}");
         Ok(())
     }
 

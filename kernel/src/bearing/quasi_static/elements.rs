@@ -6,7 +6,7 @@ use super::film::Film;
 use super::inertia::Inertia;
 use super::solver::Solution;
 use crate::bearing::Reaction;
-use crate::bearing::element_position::{BLOCK_SIZE, ElementLayout, ElementPosition, padded_groups};
+use crate::bearing::element_position::{BLOCK_SIZE, ElementBlock, ElementLayout, ElementPosition, padded_groups};
 use crate::bearing::ring::{Contact, Motion, WrenchSum};
 use crate::bearing::surface::{Smooth, Surface};
 use crate::frame::{Displacement, Wrench};
@@ -34,6 +34,20 @@ const TRACTION_LIMIT: f64 = 0.1;
 pub struct BallPosition<T> {
     centre: [T; 2],
     deflections: [T; 2],
+}
+
+impl<T: Scalar> BallPosition<T> {
+    /// Returns the position that follows this one and the two before it on a parabola: a start close to the next solution.
+    #[must_use]
+    pub fn extrapolated(&self, [before, earlier]: [&Self; 2]) -> Self {
+        let three = T::ONE + T::ONE + T::ONE;
+        let next = |now: T, before: T, earlier: T| three * (now - before) + earlier;
+        let both = |[a, b]: [T; 2], [c, d]: [T; 2], [e, f]: [T; 2]| [next(a, c, e), next(b, d, f)];
+        Self {
+            centre: both(self.centre, before.centre, earlier.centre),
+            deflections: both(self.deflections, before.deflections, earlier.deflections),
+        }
+    }
 }
 
 /// State of one ball.
@@ -95,20 +109,17 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         rims: &Rims<T>,
         at: &BearingKinematicState<T>,
     ) -> BallInput<T, K> {
-        let motions = positions.each_ref().map(|position| {
-            let motion = Motion::of(position, &rims.inner, at, &self.surface).with_waviness();
-            match &rims.outer {
-                Some(rim) => {
-                    let other = Motion::of(position, rim, at, &Smooth);
-                    Motion { radial: motion.radial - other.radial, axial: motion.axial - other.axial, ..motion }
-                }
-                None => motion,
-            }
-        });
+        let block = ElementBlock::of(positions);
+        let motion = Motion::of_block(&block, &rims.inner, at, &self.surface).with_waviness();
+        let (mut radial, mut axial) = (motion.radial, motion.axial);
+        if let Some(rim) = &rims.outer {
+            let other = Motion::of_block(&block, rim, at, &Smooth);
+            (radial, axial) = (radial - other.radial, axial - other.axial);
+        }
         BallInput {
-            grooves: Plane { r: Lanes(motions.map(|m| m.radial + self.offset)), z: Lanes(motions.map(|m| m.axial)) },
-            inner_deviation: Lanes(motions.map(|m| m.deviation.inner)),
-            outer_deviation: Lanes(motions.map(|m| m.deviation.outer)),
+            grooves: Plane { r: radial + Lanes::splat(self.offset), z: axial },
+            inner_deviation: motion.deviation.inner,
+            outer_deviation: motion.deviation.outer,
             speeds: *at,
             rolling: Lanes::splat(T::ONE),
         }
@@ -151,9 +162,14 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     ) {
         let groups = padded_groups::<T, BLOCK_SIZE>(&self.positions).zip(balls.chunks_mut(BLOCK_SIZE));
         for (group, balls) in groups {
-            let mut input = self.ball_input(&group.positions, rims, at);
             let start = gather(balls);
-            input.rolling = self.ball.rolling(&input, &start);
+            let input = M::on_registers(
+                #[inline(always)]
+                || {
+                    let input = self.ball_input(&group.positions, rims, at);
+                    BallInput { rolling: self.ball.rolling(&input, &start), ..input }
+                },
+            );
             let solution = self.ball.iterate(&input, &start, self.newton_steps);
             scatter(&solution, balls);
             each_group(group.without_padding(), &solution);

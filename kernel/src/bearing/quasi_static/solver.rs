@@ -20,6 +20,10 @@ const REVERSAL: f64 = -0.9;
 /// Smallest determinant of the Newton matrix relative to that of the contact stiffness at which it is used.
 const MIN_DETERMINANT_RATIO: f64 = 0.2;
 
+/// Ratio of unbalanced force to largest load from which one step, with the quadratic convergence of Newton's method, reaches
+/// rounding errors of `f64`.
+const NEAR: f64 = 1e-6;
+
 /// `1000^-0.067`: film thickness at a typical load relative to that under 1 N.
 const FILM_AT_1000_N: f64 = 0.63;
 /// Largest ratio of contact load to centrifugal force of a wedged ball in the initial value.
@@ -72,23 +76,29 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             cut_count: zero,
         };
         for _ in 0..steps {
-            self.step(input, &mut state);
+            let near = self.step(input, &mut state);
+            if M::STOPS_EARLY && near {
+                let solution = self.solution(input, &state.at);
+                if solution.converged.all() {
+                    return solution;
+                }
+            }
         }
         self.solution(input, &state.at)
     }
 
-    /// Performs one step. On registers of its own it is a function whose state is in memory, from which the compiler sees which lanes belong
+    /// Performs one step and returns true where the one after it is not needed. On registers of its own it is a function whose state is in memory, from which the compiler sees which lanes belong
     /// together.
     #[inline(always)]
-    fn step<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) {
+    fn step<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) -> bool {
         M::on_registers(
             #[inline(always)]
             || self.step_on_registers(input, state),
-        );
+        )
     }
 
     #[inline(always)]
-    fn step_on_registers<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) {
+    fn step_on_registers<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) -> bool {
         let one = Lanes::splat(T::ONE);
         let zero = Lanes::splat(T::ZERO);
         let Iteration { at, direction, fraction, slope, cut_count } = state;
@@ -112,6 +122,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             at.outer_deflection = balance.outer.deflection;
             at.inner_deflection = balance.inner.deflection;
         }
+        M::STOPS_EARLY && balance.is_converged(T::from_f64(NEAR)).all()
     }
 
     /// Evaluates the forces at a position.

@@ -92,7 +92,7 @@ impl MountedBearing {
     #[must_use]
     pub fn moving(&self) -> AnyBearing<f64> {
         match &self.solved {
-            Some(solved) => Shared(Arc::new(Warm::new(solved.clone(), self.offset))),
+            Some(solved) => Shared(Arc::new(Warm::new(solved.clone(), self.offset, self.elements))),
             None => self.bearing.clone(),
         }
     }
