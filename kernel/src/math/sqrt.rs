@@ -19,7 +19,21 @@ pub fn sqrt_f32(x: f32) -> f32 {
     {
         fpu::sqrt(x)
     }
-    #[cfg(not(any(target_arch = "x86_64", vsqrt)))]
+    #[cfg(fsqrt)]
+    {
+        let root: f32;
+        // SAFETY: the target has this instruction; it accesses no memory and only the named registers.
+        unsafe {
+            core::arch::asm!(
+                "fsqrt.s {root}, {x}",
+                x = in(freg) x,
+                root = lateout(freg) root,
+                options(pure, nomem, nostack, preserves_flags),
+            );
+        }
+        root
+    }
+    #[cfg(not(any(target_arch = "x86_64", vsqrt, fsqrt)))]
     libm::sqrtf(x)
 }
 

@@ -2,6 +2,7 @@
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rustc-check-cfg=cfg(board_an505)");
     // Not optimised, the image is too large for the micro:bit.
     let smallest =
         if std::env::var("PROFILE").is_ok_and(|profile| profile == "release") { "microbit" } else { "an386" };
@@ -9,9 +10,12 @@ fn main() {
         "thumbv7em-none-eabi" => ("an386", &["link.x"]),
         "thumbv6m-none-eabi" => (smallest, &["link.x"]),
         "thumbv8m.main-none-eabihf" => ("an505", &["link.x"]),
-        "riscv32imac-unknown-none-elf" => ("virt", &["memory.x", "link.x"]),
+        "riscv32imac-unknown-none-elf" | "riscv32imafc-unknown-none-elf" => ("virt", &["memory.x", "link.x"]),
         _ => return,
     };
+    if board == "an505" {
+        println!("cargo:rustc-cfg=board_an505");
+    }
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     println!("cargo:rustc-link-search={folder}/../boards/{board}");
     for script in scripts {

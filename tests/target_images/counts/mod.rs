@@ -1,5 +1,6 @@
 //! Instructions, modelled cycles, stack and flash of every subject, beside hand-written C, held in `docs/src/performance.md`.
 
+mod cores;
 mod fast;
 mod listing;
 mod path;

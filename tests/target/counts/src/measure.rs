@@ -2,8 +2,9 @@
 
 use crate::counter::Counter;
 use core::hint::black_box;
-use cortex_m_semihosting::hprintln;
+#[cfg(target_arch = "arm")]
 use cortex_m_stack::{current_stack_in_use, repaint_stack, stack_painted, stack_size};
+use semihosting::println;
 
 /// Identity of a subject in the table.
 #[derive(Clone, Copy)]
@@ -50,10 +51,7 @@ impl Bench {
         for i in 1..=self.inputs {
             let mut input = black_box(prepare(i));
             if i <= PAINTED && i < self.inputs {
-                repaint_stack();
-                let before = current_stack_in_use();
-                black_box(call(&mut input));
-                stack = stack.max(stack_size() - stack_painted() - before);
+                stack = stack.max(stack_of(|| call(&mut input)));
                 input = black_box(prepare(i));
             }
             let count = self.counter.count(|| call(&mut input));
@@ -61,6 +59,23 @@ impl Bench {
         }
         let Name { what, elements, precision, math, function } = name;
         let address = address.addr() & !1; // the lowest bit says Thumb
-        hprintln!("{};{};{};{};{};{};{};{};{}", what, elements, precision, math, function, least, most, stack, address);
+        println!("{};{};{};{};{};{};{};{};{}", what, elements, precision, math, function, least, most, stack, address);
     }
+}
+
+/// Returns the bytes of stack that a call overwrites.
+#[cfg(target_arch = "arm")]
+#[inline(always)]
+fn stack_of<R>(call: impl FnOnce() -> R) -> u32 {
+    repaint_stack();
+    let before = current_stack_in_use();
+    black_box(call());
+    stack_size() - stack_painted() - before
+}
+
+/// Returns 0: the stack is measured on Arm.
+#[cfg(not(target_arch = "arm"))]
+fn stack_of<R>(call: impl FnOnce() -> R) -> u32 {
+    black_box(call());
+    0
 }

@@ -2,7 +2,8 @@
 #![no_std]
 #![no_main]
 
-#[cortex_m_rt::entry]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
     counts::run(counts::inputs::COUNT)
 }

@@ -39,7 +39,7 @@ fn integrators<const D: usize>(bench: &Bench, what: &'static str) {
 }
 
 #[inline(never)]
-fn observers(bench: &Bench) {
+pub fn observers(bench: &Bench) {
     let (Ok(rigid), Ok(flexible)) = (bearing().and_then(machine), flexible_rig::<12>()) else { return };
     observer(bench, "observer of a rigid rotor, two angular bearings, 5 probes", rigid);
     observer(bench, "observer of a flexible rotor, 12 coordinates, two angular bearings, 5 probes", flexible);

@@ -25,6 +25,15 @@ pub fn all(bench: &Bench) {
     flexible::all(bench);
 }
 
+/// The functions that firmware takes, in `f32`.
+pub fn hot(bench: &Bench) {
+    sine_and_cosine(bench);
+    bearings::all::<f32, Exact>(bench, "f32", "exact");
+    balls::all(bench);
+    rotor::all::<f32>(bench, "f32");
+    flexible::observers(bench);
+}
+
 #[inline(never)]
 fn sin_cos(angle: Phase) -> (f32, f32) {
     <Exact as Math<f32>>::sin_cos(angle)

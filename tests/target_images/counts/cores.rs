@@ -1,0 +1,100 @@
+//! Instructions of what firmware takes on other cores than the Cortex-M4F, held in `docs/src/performance.md`.
+
+use super::{CHAPTER, MARGIN, Name, Subject, chapter, compiler, table};
+use crate::{COUNTING, FPU, build};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::Command;
+
+const BEGIN: &str = "<!-- cores:begin -->\n";
+const END: &str = "<!-- cores:end -->";
+const HEAD: &str = "| f32 | N | Cortex-M4F | Cortex-M33 | Cortex-M7 | RV32IMAFC |\n| --- | --: | --: | --: | --: | --: |\n";
+const M33: &str = "thumbv8m.main-none-eabihf";
+const RISC_V: &str = "riscv32imafc-unknown-none-elf";
+/// The target's code as the compiler writes it for a Cortex-M7, which predicts branches.
+const FOR_M7: [&str; 2] = ["--config", "target.thumbv7em-none-eabihf.rustflags=[\"-Ctarget-cpu=cortex-m7\"]"];
+
+/// Builds the image for each core.
+fn images() -> [PathBuf; 3] {
+    let bin = ["--bin", "cores"];
+    let both = build("images", "release", &["counts"], &[M33, RISC_V], &bin);
+    let m7 = build("images-m7", "release", &["counts"], &[FPU], &[&bin[..], &FOR_M7].concat());
+    [(&both, M33), (&m7, FPU), (&both, RISC_V)].map(|(folder, target)| folder.join(target).join("release/cores"))
+}
+
+fn subjects(emulator: &str, board: &[&str], image: &PathBuf) -> Vec<Subject> {
+    let output = Command::new(emulator)
+        .args(board)
+        .args(["-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(COUNTING)
+        .arg("-kernel")
+        .arg(image)
+        .output()
+        .expect("missing: an emulator; tests/run names the line to type");
+    assert!(output.status.success(), "{}: {}", image.display(), String::from_utf8_lossy(&output.stdout));
+    String::from_utf8(output.stdout).expect("text").lines().map(Subject::parse).collect()
+}
+
+/// Returns the name of each row and its cells.
+fn rows(m4f: &[table::Row]) -> Vec<(Name, [String; 4])> {
+    let [m33, m7, risc_v] = images();
+    let m33 = subjects("qemu-system-arm", &["-M", "mps2-an505"], &m33);
+    let m7 = subjects("qemu-system-arm", &["-M", "mps2-an500"], &m7);
+    let risc_v = subjects("qemu-system-riscv32", &["-M", "virt", "-bios", "none"], &risc_v);
+    let wanted = m33.iter().zip(&m7).zip(&risc_v).filter(|((subject, _), _)| ![4, 16].contains(&subject.name.elements));
+    wanted
+        .map(|((m33, m7), risc_v)| {
+            assert!(m33.name == m7.name && m33.name == risc_v.name, "the cores count the same: {}", m33.name);
+            assert_eq!(m33.least, m33.most, "{}: the count depends on the input", m33.name);
+            let m4f = m4f.iter().find(|row| row.name == m33.name).map_or(0, |row| row.most);
+            (m33.name.clone(), [m4f.to_string(), m33.most.to_string(), range(m7), range(risc_v)])
+        })
+        .collect()
+}
+
+/// Returns the counts over the inputs. Selections by short branches may change them a little.
+fn range(Subject { name, least, most, .. }: &Subject) -> String {
+    assert!(f64::from(*most) / f64::from(*least) < 1.1, "{name}: {least} to {most}");
+    if least == most { most.to_string() } else { format!("{least} to {most}") }
+}
+
+fn section(rows: &[(Name, [String; 4])]) -> String {
+    let mut text = HEAD.to_owned();
+    for (Name { what, elements, function, .. }, cells) in rows {
+        writeln!(text, "| {what}: {function} | {elements} | {} |", cells.join(" | ")).expect("a string takes it");
+    }
+    text
+}
+
+/// The numbers of a row, by the last of each cell.
+fn counts(line: &str) -> Vec<f64> {
+    let cells = line.trim_matches('|').split('|').skip(2);
+    cells.filter_map(|cell| cell.split_whitespace().last()?.parse().ok()).collect()
+}
+
+#[test]
+#[ignore = "needs qemu-system-arm, qemu-system-misc and two targets; tests/run runs it"]
+fn counts_on_other_cores_match_the_documented_table() {
+    let text = std::fs::read_to_string(chapter()).expect(CHAPTER);
+    let (_, stated, _) = table::split(&text);
+    let rows = rows(&table::read(stated));
+    let begin = text.find(BEGIN).expect("a mark where the table begins") + BEGIN.len();
+    let end = begin + text[begin..].find(END).expect("a mark where the table ends");
+    let found = section(&rows);
+    if std::env::var_os("BALLRACE_WRITE").is_some() {
+        std::fs::write(chapter(), format!("{}{found}{}", &text[..begin], &text[end..])).expect(CHAPTER);
+        return;
+    }
+    if !stated.contains(&format!("Compiled by {},", compiler())) {
+        println!("{CHAPTER}: figures of another compiler than {}: not compared", compiler());
+        return;
+    }
+    let stated = &text[begin..end];
+    assert_eq!(stated.lines().count(), found.lines().count(), "BALLRACE_WRITE=1 rewrites the table of {CHAPTER}");
+    for (stated, found) in stated.lines().zip(found.lines()).skip(2) {
+        for (a, b) in counts(stated).into_iter().zip(counts(found)) {
+            assert!((b / a - 1.0).abs() <= MARGIN, "{found}; {CHAPTER} has {stated}: BALLRACE_WRITE=1 rewrites it");
+        }
+    }
+}
