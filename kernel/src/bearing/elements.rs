@@ -109,6 +109,12 @@ pub trait CageFrame<T: Scalar> {
         let local = self.reaction_in_cage_frame(&to_cage_frame(u, turn), at);
         Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
+
+    /// Computes [`super::Bearing::element_loads`], always inlined.
+    #[inline(always)]
+    fn element_loads_inlined(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
+        self.element_loads_in_cage_frame(&to_cage_frame(u, Self::cage_rotation(at.cage)), at, loads);
+    }
 }
 
 #[inline(always)]
@@ -155,7 +161,7 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         reaction_and_stiffness(self, u, at, turn)
     }
 
-    #[inline]
+    #[inline(always)]
     fn element_loads_in_cage_frame(
         &self,
         u: &Displacement<E::Scalar>,

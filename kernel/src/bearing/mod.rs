@@ -132,8 +132,7 @@ macro_rules! bearing_in_cage {
                 ($crate::bearing::Reaction { wrench: ring::from_cage_frame(&local.wrench, turn), ..local }, k)
             }
             fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
-                use $crate::bearing::{CageFrame, ring};
-                self.element_loads_in_cage_frame(&ring::to_cage_frame(u, Self::cage_rotation(at.cage)), at, loads);
+                $crate::bearing::CageFrame::element_loads_inlined(self, u, at, loads);
             }
         }
     };

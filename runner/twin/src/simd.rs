@@ -81,7 +81,10 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
         self.bearing.reaction_and_stiffness(u, at)
     }
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        self.bearing.element_loads(u, at, loads);
+        self.registers.run(
+            #[inline(always)]
+            || self.bearing.element_loads_inlined(u, at, loads),
+        );
     }
 }
 

@@ -8,7 +8,8 @@ use std::process::Command;
 
 const BEGIN: &str = "<!-- cores:begin -->\n";
 const END: &str = "<!-- cores:end -->";
-const HEAD: &str = "| f32 | N | Cortex-M4F | Cortex-M33 | Cortex-M7 | RV32IMAFC |\n| --- | --: | --: | --: | --: | --: |\n";
+const HEAD: &str =
+    "| f32 | N | Cortex-M4F | Cortex-M33 | Cortex-M7 | RV32IMAFC |\n| --- | --: | --: | --: | --: | --: |\n";
 const M33: &str = "thumbv8m.main-none-eabihf";
 const RISC_V: &str = "riscv32imafc-unknown-none-elf";
 /// The target's code as the compiler writes it for a Cortex-M7, which predicts branches.

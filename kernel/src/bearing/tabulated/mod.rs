@@ -385,7 +385,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         (reaction, tangent.finish(self.constants.arm, turn))
     }
 
-    #[inline]
+    #[inline(always)]
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let evaluation = self.evaluation(u, at);
         let mut loads = loads.iter_mut();

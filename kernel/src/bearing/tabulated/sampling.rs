@@ -7,7 +7,7 @@ use crate::bearing::quasi_static::QuasiStatic;
 use crate::bearing::quasi_static::film::Film;
 use crate::bearing::quasi_static::inertia::Inertia;
 use crate::kinematic_state::BearingKinematicState;
-use crate::math::Exact;
+use crate::math::Math;
 
 /// Domain and resolution of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,13 +124,14 @@ fn coordinate(axis: &Axis<f64>, i: usize) -> f64 {
 /// Fills `nodes` (as many as the grid has; further ones stay unchanged) from the balls of the bearing.
 ///
 /// Returns the number of nodes within the domain that did not converge.
-pub fn fill_table<P, I, L, S, const F: usize>(
-    bearing: &QuasiStatic<f64, Exact, P, I, L, S>,
+pub fn fill_table<M, P, I, L, S, const F: usize>(
+    bearing: &QuasiStatic<f64, M, P, I, L, S>,
     domain: &TableDomain,
     grid: &Grid<f64>,
     nodes: &mut [Node<f64, F>],
 ) -> usize
 where
+    M: Math<f64>,
     P: ElementLayout<f64>,
     I: Inertia<f64>,
     L: Film<f64>,

@@ -64,6 +64,8 @@ pub(super) struct TwinStage {
     plant: Arc<Plant>,
     /// Samples per second.
     rate: f64,
+    /// Settling time of the plant, s.
+    settling_time: f64,
     state: Option<TwinState>,
     /// The twin has followed a sample.
     has_run: bool,
@@ -89,8 +91,9 @@ struct TwinState {
 }
 
 impl TwinStage {
-    pub(super) const fn new(plant: Arc<Plant>, rate: f64) -> Self {
+    pub(super) fn new(plant: Arc<Plant>, rate: f64) -> Self {
         Self {
+            settling_time: plant.settling_time(),
             plant,
             rate,
             state: None,
@@ -106,7 +109,7 @@ impl TwinStage {
         let Some(state) = &self.state else { return true };
         let steps = index.saturating_sub(state.index) as f64;
         let coasted = state.shaft.speed * steps / self.rate / TAU;
-        let longest = self.plant.settling_time().max(LONGEST_COAST) * self.rate;
+        let longest = self.settling_time.max(LONGEST_COAST) * self.rate;
         coasted.abs() > LONGEST_COAST_TURNS || steps > longest
     }
 
@@ -227,7 +230,7 @@ impl TwinStage {
     /// For as long as its run-in takes, the twin is not stopped again, so that work stays bounded where it overflows at once.
     pub(super) fn stop_if_stuck(&mut self, time: f64) -> bool {
         let is_stuck = self.state.as_ref().is_some_and(|state| state.held >= LONGEST_HOLD);
-        if !is_stuck || time - self.last_hold_restart <= 1.0 + self.plant.settling_time() {
+        if !is_stuck || time - self.last_hold_restart <= 1.0 + self.settling_time {
             return false;
         }
         self.last_hold_restart = time;

@@ -208,7 +208,8 @@ pub fn table(scene: &Scene, of: &BearingScene, size: TableSize) -> Result<TableD
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry, size)?;
     let one = [ElementPosition::from_azimuth(Phase::ZERO)];
-    let plain = QuasiStatic::<f64, Exact, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
+    let plain =
+        QuasiStatic::<f64, OnWideRegisters<Exact>, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
     let constants = plain.table_constants();
     let grid = domain.grid().map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
