@@ -66,10 +66,10 @@ fn tabulated<T: Scalar, M: Math<T>>(
         approach: [-30e-6, 40e-6],
         scale: 40e-6,
         angle: [0.1, 0.8],
-        speed: [0.8 * SPEED, 1.2 * SPEED],
+        speed: [0.8 * SPEED, 1.36_f64.sqrt() * SPEED],
         speed_scale: 0.0,
         speed_ratios: [1.0, 0.0],
-        intervals: [36, 36, 4],
+        intervals: [64, 12, 4],
     };
     let grid = domain.grid().unwrap();
     let mut nodes = vec![[0.0; 2]; grid.len()];

@@ -371,4 +371,5 @@ fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
