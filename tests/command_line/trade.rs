@@ -149,7 +149,7 @@ fn the_chosen_model_meets_the_goal() {
     let out = desk.done(&["trade", "scene.toml", "--forces-only", "--error", "0.2%"]).out;
     assert!(out.contains("scene-chosen.toml"), "{out}");
     let chosen = desk.read("scene-chosen.toml");
-    assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 8, 4]"), "{chosen}");
+    assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 16, 2]"), "{chosen}");
     // Independent check: forces of both scenes at one displacement.
     desk.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
     let force = |scene: &str| {
