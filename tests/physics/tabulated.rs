@@ -190,6 +190,21 @@ fn states_outside_the_table_are_flagged() {
 }
 
 #[test]
+fn loads_continue_above_the_largest_approach() {
+    let bearing = solved(harris_218_geometry(), &STEEL_BALLS);
+    let domain = TableDomain { scale: 30e-6, ..domain([32, 16, 8]) };
+    let table = looked_up::<f64, _, 2>(&bearing, &domain);
+    let above = TableDomain { approach: [100e-6, 300e-6], ..domain };
+    let mut random = Random(0x0a);
+    for _ in 0..1_000 {
+        let (u, at) = state(&mut random, &harris_218_geometry(), &above);
+        let (found, expected) = (table.reaction(&u, &at), bearing.with_newton_steps(40).reaction(&u, &at));
+        assert!(found.status == Status::OUT_OF_TABLE || found.status == Status::OK);
+        assert!((found.load / expected.load - 1.0).abs() < 3e-3, "{} {} {u:?}", found.load, expected.load);
+    }
+}
+
+#[test]
 fn tangents_against_differences() {
     let bearing = solved(acbb_s_geometry(), &InertiaParams { friction_sharing: FrictionSharing::Equal, ..STEEL_BALLS });
     let domain = TableDomain { approach: [-10e-6, 30e-6], scale: 60e-6, angle: [0.1, 0.8], ..domain([32, 16, 16]) };

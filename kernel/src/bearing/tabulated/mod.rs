@@ -29,7 +29,7 @@ use core::marker::PhantomData;
 /// A ball bearing with interpolated ball forces. Cost per ball: three square roots, one division, 9 nodes of two or three
 /// numbers (18 for a table of several speeds).
 ///
-/// Outside the domain of the table the result is that at its boundary, with [`Status::OUT_OF_TABLE`].
+/// Outside the domain of the table the polynomials of the last nodes continue, with [`Status::OUT_OF_TABLE`].
 #[derive(Debug, Clone, Copy)]
 pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     positions: P,
