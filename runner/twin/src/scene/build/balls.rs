@@ -257,6 +257,8 @@ const ANGLE_INTERVALS: usize = 12;
 const INTERVALS: [usize; 2] = [4, 64];
 /// Nodes along approach and angle beyond the number of intervals.
 const FURTHER_NODES: usize = 3;
+/// Least approach in service over the largest approach: a rotor without weight and load still moves.
+const LEAST_SCALE: f64 = 0.02;
 /// Load of a ball in service over that at the static pressure limit, where the scene states no load.
 const TYPICAL_LOAD: f64 = 0.05;
 
@@ -311,7 +313,7 @@ fn domain(
         approach: given.approach.unwrap_or([-0.5 * most, most]),
         scale: in_service
             .unwrap_or_else(|| point_contact_approach(geometry.stiffness(), TYPICAL_LOAD * load))
-            .min(most),
+            .clamp(LEAST_SCALE * most, most),
         angle: given.angle.unwrap_or(angles),
         speed,
         speed_scale: if narrow { 0.0 } else { WIDE_SPEEDS * speed[1] },
