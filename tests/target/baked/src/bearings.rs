@@ -19,7 +19,7 @@
 // bearing_de largest load: 3.353e2 N
 // bearing_de largest error: 1.9e-1 N
 // bearing_de largest relative error: 5.7e-4
-// bearing_de instructions: 2545
+// bearing_de instructions: 2543
 // bearing_de cycles: 4794
 // bearing_de stack: 324 bytes
 // bearing_de flash of code: 2166 bytes
