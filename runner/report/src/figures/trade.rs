@@ -38,7 +38,8 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Opt
     let (low, high) = range(&mut shown.iter().map(|d| d.cost));
     let x = Axis::decades(low / 1.6, high * 1.6, costs);
     let (low, high) = range(&mut shown.iter().map(|d| error(d)));
-    let y = Axis::decades(low / 2.5, high * 2.5, errors);
+    // The number of the lowest dot stands below it, inside the frame.
+    let y = Axis::decades(low / 10.0, high * 2.5, errors);
     let left = gutter(&[&y]);
     let frame = Frame { start: 0.0, left, top: 30.0, right: WIDE_RIGHT, bottom: HEIGHT, x, y };
     let mut best: Vec<&Dot> = shown.iter().copied().filter(|d| d.front).collect();
