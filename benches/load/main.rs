@@ -22,8 +22,8 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 use std::{env, thread};
 
-const USAGE: &str =
-    "usage: cargo bench -q -p ballrace-benches --bench load -- [--machines N] [--minutes M] [--program FILE]";
+const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench load -- [--machines N] [--minutes M] [--scene FILE] [--program FILE]";
+/// Scene of a machine unless another is given.
 const SCENE: &str = include_str!("scene.toml");
 /// Sampling rate of the scene, Hz.
 const RATE: u64 = 51_200;
@@ -35,19 +35,21 @@ const WARM: Duration = Duration::from_secs(60);
 struct Arguments {
     machines: usize,
     minutes: f64,
+    scene: String,
     program: PathBuf,
 }
 
 impl Arguments {
     fn parse(mut given: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
         let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/release/ballrace");
-        let mut arguments = Self { machines: 16, minutes: 10.0, program };
+        let mut arguments = Self { machines: 16, minutes: 10.0, scene: SCENE.to_owned(), program };
         while let Some(argument) = given.next() {
             let mut value = || given.next().ok_or_else(|| format!("missing value of {argument}\n{USAGE}"));
             match argument.as_str() {
                 "--bench" => {}
                 "--machines" => arguments.machines = value()?.parse()?,
                 "--minutes" => arguments.minutes = value()?.parse()?,
+                "--scene" => arguments.scene = fs::read_to_string(value()?)?,
                 "--program" => arguments.program = value()?.into(),
                 option => return Err(format!("unknown option {option}\n{USAGE}").into()),
             }
@@ -64,9 +66,9 @@ struct Monitor {
 }
 
 impl Monitor {
-    fn start(program: &Path, folder: PathBuf, port: u16) -> Result<Self, Box<dyn Error>> {
+    fn start(program: &Path, scene: &str, folder: PathBuf, port: u16) -> Result<Self, Box<dyn Error>> {
         fs::create_dir(&folder)?;
-        fs::write(folder.join("scene.toml"), SCENE)?;
+        fs::write(folder.join("scene.toml"), scene)?;
         let process = Command::new(program)
             .args(["replay", "scene.toml", "--paced", "--encoding", "frames", "--format", "json", "--no-report"])
             .args(["--state", "state", "--events", "events.jsonl", "--indicators", "trend"])
@@ -113,8 +115,8 @@ impl Drop for Monitor {
 }
 
 /// Returns the frames of one recording without their sequence numbers.
-fn recorded(program: &Path, folder: &Path) -> Result<Vec<Vec<f32>>, Box<dyn Error>> {
-    fs::write(folder.join("scene.toml"), SCENE)?;
+fn recorded(program: &Path, scene: &str, folder: &Path) -> Result<Vec<Vec<f32>>, Box<dyn Error>> {
+    fs::write(folder.join("scene.toml"), scene)?;
     let simulated = Command::new(program)
         .args(["simulate", "scene.toml", "--duration", RECORDED, "--settle", "2 s", "--as-recording"])
         .args(["-o", "recording.csv"])
@@ -131,14 +133,14 @@ fn recorded(program: &Path, folder: &Path) -> Result<Vec<Vec<f32>>, Box<dyn Erro
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Arguments { machines, minutes, program } = Arguments::parse(env::args().skip(1))?;
+    let Arguments { machines, minutes, scene, program } = Arguments::parse(env::args().skip(1))?;
     let folder = tempfile::tempdir()?;
-    let frames = Arc::new(recorded(&program, folder.path())?);
+    let frames = Arc::new(recorded(&program, &scene, folder.path())?);
     let is_over = Arc::new(AtomicBool::new(false));
     let mut monitors = vec![];
     for i in 0..machines {
         let port = source::free_port()?;
-        let mut monitor = Monitor::start(&program, folder.path().join(format!("machine-{}", i + 1)), port)?;
+        let mut monitor = Monitor::start(&program, &scene, folder.path().join(format!("machine-{}", i + 1)), port)?;
         let (frames, is_over) = (frames.clone(), is_over.clone());
         monitor.source = Some(thread::spawn(move || Source::new(port, &frames).run(RATE, &is_over)));
         monitors.push(monitor);

@@ -1,7 +1,7 @@
 //! Common evaluation of all models with independent elements.
 
 use super::Reaction;
-use super::element_position::{BLOCK_SIZE, ElementBlock, ElementLayout, ElementPosition};
+use super::element_position::{BLOCK_SIZE, ElementLayout};
 use super::ring::{
     CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame,
 };
@@ -12,6 +12,24 @@ use crate::math::Math;
 use crate::math::lanes::Lanes;
 use crate::phase::Phase;
 use crate::scalar::Scalar;
+
+/// Largest number of elements evaluated together, stage by stage: each element is a chain of dependent operations, which a desktop
+/// processor overlaps only if they are close together in the code. A stage ends in memory, a whole block at a time, so that the compiler
+/// uses registers as wide as a block.
+pub(super) const MAX_STAGED: usize = 4 * BLOCK_SIZE;
+
+/// Result of a stage for each block.
+pub(super) type Staged<X> = [Option<X>; MAX_STAGED / BLOCK_SIZE];
+
+/// A value aligned to cache lines.
+#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
+pub(super) struct Aligned<X>(pub X);
+
+/// Returns stages without results. Element by element, so that only the discriminants are written.
+#[inline(always)]
+pub(super) const fn empty_stages<X>() -> Staged<X> {
+    [None, None, None, None]
+}
 
 /// Contact mechanics of the rolling elements around one ring, element by element.
 ///
@@ -41,17 +59,37 @@ pub trait Elements {
         at: Motion<Self::Scalar>,
     ) -> (Contact<Self::Scalar>, ContactStiffness<Self::Scalar>);
 
-    /// Adds the forces of `K` elements side by side, in their order.
+    /// Adds the forces of all elements, up to [`MAX_STAGED`] at a time: first their contacts, then the sum in the order of the elements.
+    /// Writes the load of as many elements as `loads` takes. Returns `None` for pairs, for fewer elements than a block, and where blocks hold one element.
     #[inline(always)]
-    fn add_block<const K: usize>(
+    fn staged_sum(
         &self,
-        sum: &mut WrenchSum<Self::Scalar>,
-        block: &[ElementPosition<Self::Scalar>; K],
         rim: &Displacement<Self::Scalar>,
         at: &BearingKinematicState<Self::Scalar>,
-    ) {
-        let motion = Motion::of_block(&ElementBlock::of(block), rim, at, self.surface());
-        sum.add_each(block, &self.contacts(motion), 0);
+        loads: &mut [Self::Scalar],
+    ) -> Option<WrenchSum<Self::Scalar>> {
+        let Ring { positions, scale, .. } = self.ring();
+        let stored = positions.stored();
+        if BLOCK_SIZE == 1 || Self::ElementPositions::IS_PAIRED || stored.len() < BLOCK_SIZE {
+            return None;
+        }
+        let (mut sum, mut begin) = (WrenchSum::new(), 0);
+        while begin * BLOCK_SIZE < stored.len() {
+            let mut stages = empty_stages();
+            for (i, stage) in stages.iter_mut().enumerate() {
+                let Some(block) = positions.block(begin + i) else { break };
+                let contacts = self.contacts(Motion::of_block(&block, rim, at, self.surface()));
+                *stage = Some(Aligned((contacts, block.first, block.overlap)));
+            }
+            for Aligned((contacts, first, overlap)) in stages.iter().map_while(Option::as_ref) {
+                sum.add_each(stored.get(*first..).unwrap_or_default(), contacts, *overlap);
+                for (load, &unscaled) in loads.iter_mut().skip(*first).zip(&contacts.load.0) {
+                    *load = *scale * unscaled;
+                }
+            }
+            begin += MAX_STAGED / BLOCK_SIZE;
+        }
+        Some(sum)
     }
 
     /// Computes the reaction of all elements in the cage frame.
@@ -59,21 +97,19 @@ pub trait Elements {
     fn sum(&self, u: &Displacement<Self::Scalar>, at: &BearingKinematicState<Self::Scalar>) -> Reaction<Self::Scalar> {
         let ring = self.ring();
         let rim = ring.at_rim(u);
-        let mut sum = WrenchSum::new();
-        let stored = ring.positions.stored();
-        if Self::ElementPositions::IS_PAIRED {
-            for position in stored {
-                sum.add_pair(position, &self.contacts(Motion::of_pair(position, &rim, at, self.surface())));
-            }
+        let sum = if let Some(sum) = self.staged_sum(&rim, at, &mut []) {
+            sum
         } else {
-            let (blocks, rest) = stored.as_chunks::<BLOCK_SIZE>();
-            for block in blocks {
-                self.add_block(&mut sum, block, &rim, at);
+            let mut sum = WrenchSum::new();
+            for position in ring.positions.stored() {
+                if Self::ElementPositions::IS_PAIRED {
+                    sum.add_pair(position, &self.contacts(Motion::of_pair(position, &rim, at, self.surface())));
+                } else {
+                    sum.add(position, &self.contacts(Motion::of(position, &rim, at, self.surface()).alone()).alone());
+                }
             }
-            for position in rest {
-                self.add_block(&mut sum, core::array::from_ref(position), &rim, at);
-            }
-        }
+            sum
+        };
         sum.finish(ring.arm, ring.scale)
     }
 }
@@ -101,6 +137,18 @@ pub trait CageFrame<T: Scalar> {
     /// Computes [`super::Bearing::element_loads`] with the displacement in the cage frame.
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
+    /// Computes [`super::Bearing::reaction_and_loads`] with displacement and wrench in the cage frame.
+    #[inline(always)]
+    fn reaction_and_loads_in_cage_frame(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        self.element_loads_in_cage_frame(u, at, loads);
+        self.reaction_in_cage_frame(u, at)
+    }
+
     /// Computes [`super::Bearing::reaction`], always inlined: a caller compiled for wider SIMD registers than the rest of
     /// the program compiles the bearing with it.
     #[inline(always)]
@@ -110,10 +158,17 @@ pub trait CageFrame<T: Scalar> {
         Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
 
-    /// Computes [`super::Bearing::element_loads`], always inlined.
+    /// Computes [`super::Bearing::reaction_and_loads`], always inlined.
     #[inline(always)]
-    fn element_loads_inlined(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        self.element_loads_in_cage_frame(&to_cage_frame(u, Self::cage_rotation(at.cage)), at, loads);
+    fn reaction_and_loads_inlined(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        let turn = Self::cage_rotation(at.cage);
+        let local = self.reaction_and_loads_in_cage_frame(&to_cage_frame(u, turn), at, loads);
+        Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
     }
 }
 
@@ -169,9 +224,27 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         loads: &mut [E::Scalar],
     ) {
         let rim = self.ring().at_rim(u);
+        if self.staged_sum(&rim, at, loads).is_some() {
+            return;
+        }
         for (position, load) in self.ring().positions.all().zip(loads) {
             let contact = self.contacts(Motion::of(&position, &rim, at, self.surface()).alone());
             *load = self.ring().scale * contact.alone().load;
         }
+    }
+
+    #[inline(always)]
+    fn reaction_and_loads_in_cage_frame(
+        &self,
+        u: &Displacement<E::Scalar>,
+        at: &BearingKinematicState<E::Scalar>,
+        loads: &mut [E::Scalar],
+    ) -> Reaction<E::Scalar> {
+        let ring = self.ring();
+        if let Some(sum) = self.staged_sum(&ring.at_rim(u), at, loads) {
+            return sum.finish(ring.arm, ring.scale);
+        }
+        self.element_loads_in_cage_frame(u, at, loads);
+        self.sum(u, at)
     }
 }

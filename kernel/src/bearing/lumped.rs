@@ -116,8 +116,8 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Axi
     }
 }
 
-/// Number of elements evaluated per iteration; four independent powers hide the latency of the square root.
-const BLOCK_SIZE: usize = 4;
+/// Number of elements evaluated per iteration on a microcontroller; four independent powers hide the latency of the square root.
+const GROUP_SIZE: usize = 4;
 
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
     /// Returns the radial displacement at which the element makes contact.
@@ -194,14 +194,19 @@ where
     }
     #[inline(always)]
     fn sum(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        let mut sum = RadialSum::new();
-        let (groups, rest) = self.ring.positions.stored().as_chunks::<BLOCK_SIZE>();
-        for group in groups {
-            self.add_group(&mut sum, group, u, at);
-        }
-        for position in rest {
-            self.add_group(&mut sum, core::array::from_ref(position), u, at);
-        }
+        let sum = if let Some(sum) = self.staged_sum(u, at, &mut []) {
+            sum.radial()
+        } else {
+            let mut sum = RadialSum::new();
+            let (groups, rest) = self.ring.positions.stored().as_chunks::<GROUP_SIZE>();
+            for group in groups {
+                self.add_group(&mut sum, group, u, at);
+            }
+            for position in rest {
+                self.add_group(&mut sum, core::array::from_ref(position), u, at);
+            }
+            sum
+        };
         sum.finish(self.ring.scale)
     }
 }
@@ -265,5 +270,14 @@ impl<T: Scalar, A: CageFrame<T>, B: CageFrame<T>> CageFrame<T> for Combined<A, B
     #[inline(always)]
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads_in_cage_frame(u, at, loads);
+    }
+    #[inline(always)]
+    fn reaction_and_loads_in_cage_frame(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        self.0.reaction_and_loads_in_cage_frame(u, at, loads) + self.1.reaction_in_cage_frame(u, at)
     }
 }

@@ -82,6 +82,13 @@ pub trait Bearing<T: Scalar>: Send + Sync {
     /// Writes the load on each element, N, as many as `loads` takes. A bearing without elements writes nothing.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]);
 
+    /// Computes the force as [`Bearing::reaction`] and writes the loads of [`Bearing::element_loads`]; on a desktop processor at the cost of
+    /// the force alone.
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        self.element_loads(u, at, loads);
+        self.reaction(u, at)
+    }
+
     /// Computes the force for one sample of a stream.
     ///
     /// As [`Bearing::reaction`], but samples that are NaN, infinite or overflow are flagged, counted and replaced by the
@@ -110,6 +117,9 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for &B {
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         (**self).element_loads(u, at, loads);
     }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        (**self).reaction_and_loads(u, at, loads)
+    }
 }
 
 /// Implements [`Bearing`] for a type that implements [`CageFrame`]: rotation to the cage frame, evaluation, rotation back.
@@ -132,7 +142,16 @@ macro_rules! bearing_in_cage {
                 ($crate::bearing::Reaction { wrench: ring::from_cage_frame(&local.wrench, turn), ..local }, k)
             }
             fn element_loads(&self, u: &$crate::Displacement<T>, at: &$crate::BearingKinematicState<T>, loads: &mut [T]) {
-                $crate::bearing::CageFrame::element_loads_inlined(self, u, at, loads);
+                use $crate::bearing::{CageFrame, ring};
+                self.element_loads_in_cage_frame(&ring::to_cage_frame(u, Self::cage_rotation(at.cage)), at, loads);
+            }
+            fn reaction_and_loads(
+                &self,
+                u: &$crate::Displacement<T>,
+                at: &$crate::BearingKinematicState<T>,
+                loads: &mut [T],
+            ) -> $crate::bearing::Reaction<T> {
+                $crate::bearing::CageFrame::reaction_and_loads_inlined(self, u, at, loads)
             }
         }
     };
@@ -160,5 +179,9 @@ impl<T: Scalar, B: Bearing<T>> Bearing<T> for Mirrored<B> {
     }
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads(&u.mirrored(), &at.reversed(), loads);
+    }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        let local = self.0.reaction_and_loads(&u.mirrored(), &at.reversed(), loads);
+        Reaction { wrench: local.wrench.mirrored(), ..local }
     }
 }

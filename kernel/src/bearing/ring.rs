@@ -243,6 +243,12 @@ impl<T: Scalar> WrenchSum<T> {
         self.z_sin += tilting * position.sin;
     }
 
+    /// Returns the radial part.
+    #[inline(always)]
+    pub(super) fn radial(&self) -> RadialSum<T> {
+        RadialSum { x: self.x, y: self.y, load: self.load }
+    }
+
     /// Returns the force on the ring: the negative sum, times `scale`.
     #[inline(always)]
     pub(super) fn finish(&self, arm: T, scale: T) -> Reaction<T> {

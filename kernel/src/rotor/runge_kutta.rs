@@ -14,6 +14,8 @@ pub struct RungeKutta4<T> {
 }
 
 impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
+    // Always inlined: the caller may be compiled for wider SIMD registers than the rest of the program.
+    #[inline(always)]
     fn step<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
         &self,
         system: &RotorBearingSystem<R, C, N>,
@@ -21,41 +23,29 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
         shaft: &ShaftMotion<T>,
     ) -> Status {
         let h = self.step;
-        let half = T::HALF * h;
+        let (half, sixth, third) = (T::HALF * h, h * T::from_f64(1.0 / 6.0), h * T::from_f64(1.0 / 3.0));
         let parts = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
-        // Acceleration at the time `dt` into the step.
-        let slope = |q: &[T; D], rate: &[T; D], dt: T| {
-            let now = shaft.after(dt);
-            let turned = system.advance_components(&parts, shaft.delta_after(dt));
-            let bearings = system.bearing_forces(q, &system.kinematic_states(&turned, &now));
-            let mut f = system.rotor.excitation(&now);
-            vector::add(&mut f, &bearings.force);
-            vector::add(&mut f, &system.rotor.internal_force(q, rate, now.speed));
-            (system.rotor.acceleration(&f), (bearings.load, bearings.status))
-        };
-        let (q0, v0) = (state.q, state.velocity);
-        let (a1, bearings) = slope(&q0, &v0, T::ZERO);
-        let (q2, v2) = (along(&q0, half, &v0), along(&v0, half, &a1));
-        let (a2, _) = slope(&q2, &v2, half);
-        let (q3, v3) = (along(&q0, half, &v2), along(&v0, half, &a2));
-        let (a3, _) = slope(&q3, &v3, half);
-        let (q4, v4) = (along(&q0, h, &v3), along(&v0, h, &a3));
-        let (a4, _) = slope(&q4, &v4, h);
-        let next = RotorState {
-            q: weighted(&q0, h, [&v0, &v2, &v3, &v4]),
-            velocity: weighted(&v0, h, [&a1, &a2, &a3, &a4]),
-            acceleration: a4,
-            component_angles: parts,
-            shaft_angle: shaft.angle,
-            held_steps: state.held_steps,
-        };
-        accept(state, &next, shaft.is_finite(), bearings)
+        // Coordinates and velocities of a stage, and x + h/6 (k1 + 2 k2 + 2 k3 + k4) so far.
+        let (mut q, mut velocity) = (state.q, state.velocity);
+        let mut next = RotorState { component_angles: parts, shaft_angle: shaft.angle, ..*state };
+        let mut at_start = (T::ZERO, Status::OK);
+        let stages = [(T::ZERO, sixth, half), (half, third, half), (half, third, h), (h, sixth, T::ZERO)];
+        for (i, (time, weight, to_next)) in stages.into_iter().enumerate() {
+            let now = shaft.after(time);
+            let turned = system.advance_components(&parts, shaft.delta_after(time));
+            let bearings = system.bearing_forces(&q, &system.kinematic_states(&turned, &now));
+            let mut force = system.rotor.excitation(&now);
+            vector::add(&mut force, &bearings.force);
+            vector::add(&mut force, &system.rotor.internal_force(&q, &velocity, now.speed));
+            next.acceleration = system.rotor.acceleration(&force);
+            if i == 0 {
+                at_start = (bearings.load, bearings.status);
+            }
+            vector::add_scaled(&mut next.q, weight, &velocity);
+            vector::add_scaled(&mut next.velocity, weight, &next.acceleration);
+            q = along(&state.q, to_next, &velocity);
+            velocity = along(&state.velocity, to_next, &next.acceleration);
+        }
+        accept(state, &next, shaft.is_finite(), at_start)
     }
-}
-
-/// Returns `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
-fn weighted<T: Scalar, const D: usize>(x: &[T; D], h: T, [k1, k2, k3, k4]: [&[T; D]; 4]) -> [T; D] {
-    let sixth = h * T::from_f64(1.0 / 6.0);
-    let third = h * T::from_f64(1.0 / 3.0);
-    along(&along(&along(&along(x, sixth, k1), third, k2), third, k3), sixth, k4)
 }

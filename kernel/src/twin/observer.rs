@@ -37,7 +37,7 @@ pub struct SpeedGain<T, const D: usize, const P: usize> {
 /// Source: Kalman 1960; disturbances as states: Johnson 1971. Cost: the steps of the integrator, a sine and cosine, and `P
 /// (5 D + P)` multiplications, twice that with gains at several speeds.
 #[derive(Debug, Clone, Copy)]
-pub struct Observer<T, R, C, I, A, const D: usize, const N: usize, const P: usize> {
+pub struct Observer<T, R, C, I, A, const D: usize, const N: usize, const P: usize, B = [[T; D]; P]> {
     /// Model of the rotor on its bearings.
     pub system: RotorBearingSystem<R, C, N>,
     /// Integrator; its time step must be `step`.
@@ -46,8 +46,9 @@ pub struct Observer<T, R, C, I, A, const D: usize, const N: usize, const P: usiz
     pub step: T,
     /// Time steps per sample.
     pub substeps: u32,
-    /// `C`: reading of each probe per unit of each coordinate.
-    pub probes: [[T; D]; P],
+    /// `C`: reading of each probe per unit of each coordinate. An array, or a slice of at most `P` rows where the number of probes is known
+    /// only at run time: readings and gains beyond it are not used.
+    pub probes: B,
     /// Gains by speed: a slice of at least one.
     pub gains: A,
     /// Speed of the first gain, rad/s, and gains per rad/s.
@@ -95,19 +96,22 @@ impl<T: Scalar, const D: usize, const N: usize> ObserverState<T, D, N> {
     }
 }
 
-impl<T, R, C, I, A, const D: usize, const N: usize, const P: usize> Observer<T, R, C, I, A, D, N, P>
+impl<T, R, C, I, A, const D: usize, const N: usize, const P: usize, B> Observer<T, R, C, I, A, D, N, P, B>
 where
     T: Scalar,
     R: SecondOrderSystem<T, D>,
     C: ForceElement<T, D>,
     I: Integrator<T>,
     A: AsRef<[SpeedGain<T, D, P>]>,
+    B: AsRef<[[T; D]]>,
 {
     /// Processes one sample: `shaft` is the motion of the shaft at the last sample, `readings` are the present probe
     /// readings (m).
     ///
     /// A reading that is not finite corrects nothing; the others do. A sample above the gate corrects nothing at all: the
     /// state is then the prediction. The number of instructions is constant.
+    // Always inlined: the caller may be compiled for wider SIMD registers than the rest of the program.
+    #[inline(always)]
     pub fn sample<M: Math<T>>(
         &self,
         state: &mut ObserverState<T, D, N>,
@@ -116,7 +120,8 @@ where
     ) -> Estimate<T, P> {
         let mut status = self.predict::<M>(state, shaft);
         let mut innovation = [T::ZERO; P];
-        for ((e, reading), row) in innovation.iter_mut().zip(readings).zip(&self.probes) {
+        let probes = self.probes.as_ref();
+        for ((e, reading), row) in innovation.iter_mut().zip(readings).zip(probes) {
             let expected = row.iter().zip(&state.motion.q).fold(T::ZERO, |sum, (&c, &q)| sum + c * q);
             let found = *reading - expected;
             let usable = found.is_finite();
@@ -127,16 +132,17 @@ where
         let gains = || self.gains.as_ref().iter().skip(weights.below as usize).zip(weights.of_each);
         let mut nis = T::ZERO;
         for (gain, weight) in gains() {
-            nis += weight * gain.normalised_square(&innovation);
+            nis += weight * gain.normalised_square(&innovation, probes.len());
         }
         let accepted = nis <= self.gate;
         let correction = innovation.map(|e| T::select(accepted, e, T::ZERO));
         for (gain, weight) in gains() {
-            gain.apply(state, weight, &correction);
+            gain.apply(state, weight, &correction, probes.len());
         }
         Estimate { innovation, nis, status: status.union(Status::INNOVATION_REJECTED.when(!accepted)) }
     }
 
+    #[inline(always)]
     fn predict<M: Math<T>>(&self, state: &mut ObserverState<T, D, N>, shaft: &ShaftMotion<T>) -> Status {
         let (mut status, mut now) = (Status::OK, *shaft);
         let (sin, cos) = M::sin_cos(Phase::ZERO.advanced(shaft.delta_after(self.step)));
@@ -162,6 +168,7 @@ where
     }
 
     /// Returns the interpolation weights of the gains at `speed`.
+    #[inline(always)]
     fn weights(&self, speed: T) -> Weights<T> {
         let gains = self.gains.as_ref();
         let [first, density] = self.speeds;
@@ -183,12 +190,13 @@ struct Weights<T> {
 }
 
 impl<T: Scalar, const D: usize, const P: usize> SpeedGain<T, D, P> {
-    /// Adds `weight` times the correction of this innovation to the state.
-    fn apply<const N: usize>(&self, state: &mut ObserverState<T, D, N>, weight: T, innovation: &[T; P]) {
+    /// Adds `weight` times the correction of this innovation of `probes` probes to the state.
+    #[inline(always)]
+    fn apply<const N: usize>(&self, state: &mut ObserverState<T, D, N>, weight: T, innovation: &[T; P], probes: usize) {
         let motion = &mut state.motion;
         let states = [&mut motion.q, &mut motion.velocity, &mut state.load, &mut state.rotating_load];
         for (to, gains) in states.into_iter().zip([&self.position, &self.rate, &self.load, &self.rotating_load]) {
-            for (&e, gain) in innovation.iter().zip(gains) {
+            for (&e, gain) in innovation.iter().zip(gains).take(probes) {
                 let e = weight * e;
                 for (entry, &by) in to.iter_mut().zip(gain) {
                     *entry += by * e;
@@ -197,11 +205,12 @@ impl<T: Scalar, const D: usize, const P: usize> SpeedGain<T, D, P> {
         }
     }
 
-    /// Returns the normalised square `e^T S^-1 e` of an innovation.
-    fn normalised_square(&self, innovation: &[T; P]) -> T {
+    /// Returns the normalised square `e^T S^-1 e` of an innovation of `probes` probes.
+    #[inline(always)]
+    fn normalised_square(&self, innovation: &[T; P], probes: usize) -> T {
         let mut square = T::ZERO;
-        for row in &self.whitening {
-            let white = row.iter().zip(innovation).fold(T::ZERO, |sum, (&w, &e)| sum + w * e);
+        for row in self.whitening.iter().take(probes) {
+            let white = row.iter().zip(innovation).take(probes).fold(T::ZERO, |sum, (&w, &e)| sum + w * e);
             square += white * white;
         }
         square
@@ -209,6 +218,7 @@ impl<T: Scalar, const D: usize, const P: usize> SpeedGain<T, D, P> {
 }
 
 /// Rotates the pairs `FX FY` and `MX MY`, and those of the elastic coordinates, by the angle with this sine and cosine.
+#[inline(always)]
 fn rotated<T: Scalar, const D: usize>(load: &[T; D], sin: T, cos: T) -> [T; D] {
     let mut out = *load;
     let rotate = |x: &mut T, y: &mut T| (*x, *y) = (cos * *x - sin * *y, cos * *y + sin * *x);

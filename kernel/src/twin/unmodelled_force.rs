@@ -14,6 +14,7 @@ pub struct WithUnmodelledForce<'a, R, T, const D: usize> {
 }
 
 impl<R, T: Scalar, const D: usize> WithUnmodelledForce<'_, R, T, D> {
+    #[inline(always)]
     fn added(&self, mut f: [T; D]) -> [T; D] {
         for (entry, &load) in f.iter_mut().zip(&self.load) {
             *entry += load;
@@ -28,12 +29,15 @@ impl<R: SecondOrderSystem<T, D>, T: Scalar, const D: usize> SecondOrderSystem<T,
     fn constant_load(&self) -> [T; D] {
         self.added(self.system.constant_load())
     }
+    #[inline(always)]
     fn excitation(&self, shaft: &ShaftMotion<T>) -> [T; D] {
         self.added(self.system.excitation(shaft))
     }
+    #[inline(always)]
     fn internal_force(&self, q: &[T; D], rate: &[T; D], speed: T) -> [T; D] {
         self.system.internal_force(q, rate, speed)
     }
+    #[inline(always)]
     fn acceleration(&self, f: &[T; D]) -> [T; D] {
         self.system.acceleration(f)
     }

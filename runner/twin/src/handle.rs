@@ -41,6 +41,9 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.0.element_loads(u, at, loads);
     }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        self.0.reaction_and_loads(u, at, loads)
+    }
 }
 
 /// Handle of a bearing that is built at run time.

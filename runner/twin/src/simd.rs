@@ -81,10 +81,13 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
         self.bearing.reaction_and_stiffness(u, at)
     }
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
+        self.reaction_and_loads(u, at, loads);
+    }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
         self.registers.run(
             #[inline(always)]
-            || self.bearing.element_loads_inlined(u, at, loads),
-        );
+            || self.bearing.reaction_and_loads_inlined(u, at, loads),
+        )
     }
 }
 

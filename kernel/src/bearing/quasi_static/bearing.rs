@@ -26,6 +26,15 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.inner_reaction(&self.rims(u, None), at)
     }
+    #[inline(always)]
+    fn reaction_and_loads_in_cage_frame(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        self.inner_reaction_and_loads(&self.rims(u, None), at, loads)
+    }
     #[inline]
     fn reaction_and_stiffness_in_cage_frame(
         &self,

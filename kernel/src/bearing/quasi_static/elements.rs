@@ -235,6 +235,24 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         sum.finish(self.inner_arm)
     }
 
+    /// Computes the reaction on the inner ring in the cage frame, and the loads on the inner race.
+    #[inline(always)]
+    pub(super) fn inner_reaction_and_loads(
+        &self,
+        rims: &Rims<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        let (mut sum, mut loads) = (InnerSum::new(), loads.iter_mut());
+        self.solve_each(rims, at, |positions, solution| {
+            sum.add(&self.ball, positions, solution);
+            for ((_, &found), load) in positions.iter().zip(&solution.balance.inner.load.0).zip(&mut loads) {
+                *load = found;
+            }
+        });
+        sum.finish(self.inner_arm)
+    }
+
     /// Computes the reaction on the inner ring starting from the last ball positions.
     #[inline(always)]
     pub(super) fn inner_reaction_from(

@@ -12,7 +12,7 @@ pub use table::{Axis, Grid, Node, Table};
 
 use self::table::{AtSpeed, CellPositions, Rows};
 use super::element_position::{BLOCK_SIZE, ElementBlock, ElementLayout, ElementPosition, padded_groups};
-use super::elements::CageFrame;
+use super::elements::{Aligned, CageFrame, MAX_STAGED, Staged, empty_stages};
 use super::quasi_static::{Matrix, TableConstants, contact_tangents};
 use super::ring::{CageRotation, Contact, ContactTangent, Motion, TangentSum, WrenchSum};
 use super::surface::{Smooth, Surface};
@@ -40,10 +40,6 @@ pub struct Tabulated<T, M, P, A, const F: usize, S = Smooth> {
     surface: S,
     math: PhantomData<M>,
 }
-
-/// Largest number of balls evaluated together, stage by stage: each ball is a chain of dependent operations, which a
-/// desktop processor overlaps only if they are close together in the code.
-const MAX_STAGED: usize = 4 * BLOCK_SIZE;
 
 /// Values common to all balls of one evaluation.
 struct Evaluation<'a, T, const F: usize> {
@@ -97,21 +93,10 @@ struct StagedBlock<'a, T> {
     x: Lanes<T, BLOCK_SIZE>,
     root: Lanes<T, BLOCK_SIZE>,
     positions: &'a [ElementPosition<T>; BLOCK_SIZE],
+    /// Index of the first of them.
+    first: usize,
     /// Number of them that the block before also contains.
     overlap: usize,
-}
-
-/// Result of a stage for each block.
-type Staged<X> = [Option<X>; MAX_STAGED / BLOCK_SIZE];
-
-/// A value aligned to cache lines, as [`CellPositions`].
-#[cfg_attr(target_pointer_width = "64", repr(align(64)))]
-struct Aligned<X>(X);
-
-/// Returns stages without results. Element by element, so that only the discriminants are written.
-#[inline(always)]
-const fn empty_stages<X>() -> Staged<X> {
-    [None, None, None, None]
 }
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -235,9 +220,45 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         inside
     }
 
+    /// Returns true where balls are evaluated in blocks, stage by stage.
+    #[inline(always)]
+    const fn is_staged(stored: &[ElementPosition<T>]) -> bool {
+        BLOCK_SIZE > 1 && stored.len() >= BLOCK_SIZE
+    }
+
+    /// Computes the reaction in the cage frame. Where balls are evaluated in stages, writes the loads of the stored positions.
+    #[inline(always)]
+    fn reaction_of_balls(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        let (evaluation, mut sum) = (self.evaluation(u, at), WrenchSum::new());
+        let (mut inside, positions) = (evaluation.speed.inside(), self.positions.stored());
+        if Self::is_staged(positions) {
+            let mut begin = 0;
+            while begin * BLOCK_SIZE < positions.len() {
+                inside = inside.or_sign(self.add_staged(&evaluation, begin, &mut sum, loads));
+                begin += MAX_STAGED / BLOCK_SIZE;
+            }
+        } else {
+            inside = inside.or_sign(self.add(&evaluation, positions.iter().copied(), &mut sum));
+        }
+        if P::IS_PAIRED {
+            inside =
+                inside.or_sign(self.add(&evaluation, positions.iter().map(|position| position.opposite()), &mut sum));
+        }
+        Reaction {
+            status: Status::OUT_OF_TABLE.when(inside.is_sign_negative()),
+            ..sum.finish(self.constants.arm, T::ONE)
+        }
+    }
+
     /// Adds the balls of the blocks from `begin` on, up to `MAX_STAGED` together, stage by stage.
     #[inline(always)]
-    fn add_staged(&self, evaluation: &Evaluation<'_, T, F>, begin: usize, sum: &mut WrenchSum<T>) -> T {
+    fn add_staged(
+        &self,
+        evaluation: &Evaluation<'_, T, F>,
+        begin: usize,
+        sum: &mut WrenchSum<T>,
+        loads: &mut [T],
+    ) -> T {
         let (mut parts, mut cells, mut contacts) = (empty_stages(), empty_stages(), empty_stages());
         let mut inside = Lanes::<T, BLOCK_SIZE>::splat(T::ZERO);
         let (mut next, table) = (begin, self.positions.stored());
@@ -245,7 +266,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             let Some(balls) = self.positions.block(next) else { break };
             let Some(positions) = table.get(balls.first..).and_then(<[_]>::first_chunk) else { break };
             let TableQuery { line, x, root, .. } = self.query(evaluation, &balls);
-            *part = Some(StagedBlock { line, x, root, positions, overlap: balls.overlap });
+            *part = Some(StagedBlock { line, x, root, positions, first: balls.first, overlap: balls.overlap });
             next += 1;
         }
         for (part, cells) in parts.iter().zip(&mut cells) {
@@ -264,6 +285,9 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         for (part, contact) in parts.iter().zip(&contacts) {
             let (Some(part), Some(contact)) = (part, contact) else { break };
             sum.add_each(part.positions, &contact.0, part.overlap);
+            for (load, &found) in loads.iter_mut().skip(part.first).zip(&contact.0.load.0) {
+                *load = found;
+            }
         }
         inside
     }
@@ -342,25 +366,21 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
 
     #[inline(always)]
     fn reaction_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        let (evaluation, mut sum) = (self.evaluation(u, at), WrenchSum::new());
-        let (mut inside, positions) = (evaluation.speed.inside(), self.positions.stored());
-        if BLOCK_SIZE > 1 && positions.len() >= BLOCK_SIZE {
-            let mut begin = 0;
-            while begin * BLOCK_SIZE < positions.len() {
-                inside = inside.or_sign(self.add_staged(&evaluation, begin, &mut sum));
-                begin += MAX_STAGED / BLOCK_SIZE;
-            }
-        } else {
-            inside = inside.or_sign(self.add(&evaluation, positions.iter().copied(), &mut sum));
+        self.reaction_of_balls(u, at, &mut [])
+    }
+
+    #[inline(always)]
+    fn reaction_and_loads_in_cage_frame(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        loads: &mut [T],
+    ) -> Reaction<T> {
+        if P::IS_PAIRED || !Self::is_staged(self.positions.stored()) {
+            self.element_loads_in_cage_frame(u, at, loads);
+            return self.reaction_in_cage_frame(u, at);
         }
-        if P::IS_PAIRED {
-            inside =
-                inside.or_sign(self.add(&evaluation, positions.iter().map(|position| position.opposite()), &mut sum));
-        }
-        Reaction {
-            status: Status::OUT_OF_TABLE.when(inside.is_sign_negative()),
-            ..sum.finish(self.constants.arm, T::ONE)
-        }
+        self.reaction_of_balls(u, at, loads)
     }
 
     #[inline]

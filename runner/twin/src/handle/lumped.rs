@@ -69,6 +69,15 @@ impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
         self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum + reaction, stiffness + k))
     }
 
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        if !self.housing.is_empty() {
+            self.element_loads(u, at, loads);
+            return self.force(u, at);
+        }
+        let radial = self.radial.reaction_and_loads(u, at, loads);
+        self.axial.iter().fold(radial, |sum, axial| sum + axial.reaction(u, at))
+    }
+
     /// Computes the loads of the radial elements, which show the load zone; on a displaced housing, the size of the reaction at each point.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         if self.housing.is_empty() {

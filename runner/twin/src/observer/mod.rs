@@ -19,8 +19,9 @@ use crate::error::Result;
 use crate::plant::{AXIAL, MountedBearing, Plant, ReactingElement, Step, SystemTask, array};
 use crate::recording::Sample;
 use crate::scene::Speed;
+use crate::simd::SimdDispatch;
 use ballrace::rotor::{ComponentAngles, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion};
-use ballrace::twin::{Observer, ObserverState, SpeedGain};
+use ballrace::twin::{Estimate, Observer, ObserverState, SpeedGain};
 use ballrace::{Exact, Phase, Status};
 use nalgebra::DMatrix;
 
@@ -220,10 +221,11 @@ pub struct EstimatorTask<'a> {
 }
 
 type KernelObserver<S, C, const D: usize, const N: usize> =
-    Observer<f64, S, C, Step, Vec<SpeedGain<f64, D, MAX_PROBES>>, D, N, MAX_PROBES>;
+    Observer<f64, S, C, Step, Vec<SpeedGain<f64, D, MAX_PROBES>>, D, N, MAX_PROBES, Vec<[f64; D]>>;
 
 struct Estimator<S, C, const D: usize, const N: usize> {
     observer: KernelObserver<S, C, D, N>,
+    registers: SimdDispatch,
     state: ObserverState<f64, D, N>,
     readings: [f64; MAX_PROBES],
     /// Number of probes in use.
@@ -269,12 +271,27 @@ where
                 slopes.clear();
                 continue;
             };
-            let other = self.observer.sample::<Exact>(state, drive, &readings).innovation;
+            let other = sample(&self.observer, self.registers, state, drive, &readings).innovation;
             let slope = std::array::from_fn(|p| (other[p] - innovation[p]) / cages::DISPLACEMENT);
             white(&slope, slopes);
         }
         self.observer.gate = gate;
     }
+}
+
+/// Advances an observer by one sample, with the instruction sets of the processor. Not inlined: it is compiled once for all its callers.
+#[inline(never)]
+fn sample<S: SecondOrderSystem<f64, D>, C: ReactingElement<D>, const D: usize, const N: usize>(
+    observer: &KernelObserver<S, C, D, N>,
+    registers: SimdDispatch,
+    state: &mut ObserverState<f64, D, N>,
+    drive: &ShaftMotion<f64>,
+    readings: &[f64; MAX_PROBES],
+) -> Estimate<f64, MAX_PROBES> {
+    registers.run(
+        #[inline(always)]
+        || observer.sample::<Exact>(state, drive, readings),
+    )
 }
 
 fn dot(a: &[f64; MAX_PROBES], b: &[f64; MAX_PROBES]) -> f64 {
@@ -294,7 +311,7 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
         S: SecondOrderSystem<f64, D> + 'static,
         C: ReactingElement<D> + 'static,
     {
-        let probes = std::array::from_fn(|p| self.rows.get(p).map_or([0.0; D], |row| array(row)));
+        let probes = self.rows.iter().map(|row| array(row)).collect();
         let parts: [ComponentAngles; N] = array(&self.parts);
         let motion = RotorState {
             velocity: array(&self.start.rate),
@@ -314,6 +331,7 @@ impl SystemTask<Box<dyn StateEstimator>> for EstimatorTask<'_> {
         };
         Box::new(Estimator {
             observer,
+            registers: SimdDispatch::detect(),
             state: ObserverState { motion, load: array(&self.start.load), rotating_load: array(&self.start.turning) },
             readings: [0.0; MAX_PROBES],
             probes: self.rows.len(),
@@ -335,7 +353,7 @@ where
         for (to, &reading) in self.readings.iter_mut().zip(readings).take(self.probes) {
             *to = reading;
         }
-        let estimate = self.observer.sample::<Exact>(&mut self.state, drive, &self.readings);
+        let estimate = sample(&self.observer, self.registers, &mut self.state, drive, &self.readings);
         self.has_evidence = false;
         if self.displaced.iter().any(Option::is_some) {
             let is_rejected = estimate.status.contains(Status::INNOVATION_REJECTED);

@@ -1,7 +1,7 @@
 //! Comparison stage: the readings against those of the twin and of simpler predictors, probe by probe.
 
 use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
-use super::statistics::Sums;
+use super::statistics::{MotionSums, ShaftAngles, Sums};
 use crate::outcome::baseline::{Baseline, BaselineProbe};
 use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
@@ -59,8 +59,9 @@ impl SampleReadings {
 
 #[derive(Default, Clone)]
 struct OneProbe {
-    measured: Sums,
-    twin: Sums,
+    angles: ShaftAngles,
+    measured: MotionSums,
+    twin: MotionSums,
     residual: Sums,
     /// Difference from the previous sample.
     persistence: Sums,
@@ -204,17 +205,18 @@ impl OneProbe {
             self.last = None;
             return;
         }
+        self.angles.add(basis);
         self.measured.add(measured, basis);
         self.twin.add(twin, basis);
-        self.residual.add(measured - twin, basis);
-        self.linear.add(measured - linear, basis);
+        self.residual.add(measured - twin);
+        self.linear.add(measured - linear);
         if let Some(last) = self.last.replace(measured) {
-            self.persistence.add(measured - last, basis);
+            self.persistence.add(measured - last);
         }
     }
 
     fn outcome(&self, probe: &Probe) -> ProbeOutcome {
-        let (_, one_x_left) = self.measured.one_x();
+        let (_, one_x_left) = self.measured.one_x(&self.angles);
         let residual = self.residual.rms() * UM;
         let spread = self.measured.rms_about_mean() * UM;
         let against = |rms: f64| SimplePredictor::new(rms, residual);
@@ -224,7 +226,7 @@ impl OneProbe {
             one_x: against(one_x_left * UM),
             linear: against(self.linear.rms() * UM),
         };
-        let (measured, twin) = (self.measured.motion(), self.twin.motion());
+        let (measured, twin) = (self.measured.motion(&self.angles), self.twin.motion(&self.angles));
         ProbeOutcome {
             name: probe.column.clone(),
             station_mm: probe.station * 1e3,

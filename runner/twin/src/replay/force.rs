@@ -123,7 +123,7 @@ impl ForceStage {
         {
             force.sigma = sigma;
         }
-        let first_load = forces.add(bearing, force, displacements, at);
+        let first_load = forces.add(bearing, force, at.cage);
         Some((force, first_load))
     }
 
@@ -152,7 +152,8 @@ pub struct BearingForces {
     twin_contact_lost: u64,
     held_samples: u64,
     largest: f64,
-    loads: Vec<f64>,
+    /// Loads of the elements at the present sample, at the measured displacement and in the twin.
+    loads: [Vec<f64>; 2],
     /// Load by azimuth, at the measured displacement and in the twin.
     pub around: Vec<[Running; 2]>,
 }
@@ -170,7 +171,7 @@ impl BearingForces {
             twin_contact_lost: 0,
             held_samples: 0,
             largest: 0.0,
-            loads: vec![0.0; elements],
+            loads: [vec![0.0; elements], vec![0.0; elements]],
             around: vec![Default::default(); AZIMUTH_BINS],
         }
     }
@@ -185,25 +186,23 @@ impl BearingForces {
         with_all: bool,
         at: &BearingKinematicState<f64>,
     ) -> EvaluatedForce {
-        let (wrench, status) = bearing.bearing.sample(&mut self.held, &displacements.measured, at);
-        let measured = wrench.to_array();
-        let (twin, estimated) = if with_all {
-            let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
-            (force_at(bearing, &displacements.twin, at), estimated)
-        } else {
-            ([0.0; 5], [0.0; 5])
-        };
-        EvaluatedForce { measured, twin, estimated, sigma: [f64::NAN; 5], status }
+        let none = EvaluatedForce { sigma: [f64::NAN; 5], ..EvaluatedForce::default() };
+        if !with_all {
+            let (measured, status) = bearing.bearing.sample(&mut self.held, &displacements.measured, at);
+            return EvaluatedForce { measured: measured.to_array(), status, ..none };
+        }
+        let [loads, twin_loads] = &mut self.loads;
+        let (measured, status) = self.held.update(displacements.measured.is_finite(), || {
+            bearing.bearing.reaction_and_loads(&displacements.measured, at, loads)
+        });
+        let measured = measured.to_array();
+        let twin = bearing.bearing.reaction_and_loads(&displacements.twin, at, twin_loads).wrench.to_array();
+        let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
+        EvaluatedForce { measured, twin, estimated, status, ..none }
     }
 
-    /// Adds a sample to the sums; returns the load on element 1.
-    fn add(
-        &mut self,
-        bearing: &MountedBearing,
-        sample: &EvaluatedForce,
-        displacements: &Displacements,
-        at: &BearingKinematicState<f64>,
-    ) -> f64 {
+    /// Adds a sample and the loads of its evaluation to the sums; returns the load on element 1.
+    fn add(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) -> f64 {
         self.contact_lost += u64::from(sample.status.contains(Status::CONTACT_LOST));
         self.evaluated += u64::from(!sample.status.is_held());
         self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
@@ -218,12 +217,9 @@ impl BearingForces {
                 }
             }
         }
-        let twin_first = self.add_element_loads(bearing, &displacements.twin, at, 1);
-        if sample.status.is_held() {
-            twin_first
-        } else {
-            self.add_element_loads(bearing, &displacements.measured, at, 0)
-        }
+        self.add_element_loads(bearing, sample, cage);
+        let first = self.loads[usize::from(sample.status.is_held())].first();
+        first.copied().unwrap_or(0.0)
     }
 
     /// Returns the shares of samples in which no element carries load, at the measured displacement and in the twin.
@@ -233,24 +229,19 @@ impl BearingForces {
         [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }
 
-    /// Adds the element loads at a displacement, the measured one (`which` 0) or the twin's (1); returns that on element 1.
-    fn add_element_loads(
-        &mut self,
-        bearing: &MountedBearing,
-        displacement: &Displacement<f64>,
-        at: &BearingKinematicState<f64>,
-        which: usize,
-    ) -> f64 {
-        self.loads.fill(0.0);
-        bearing.bearing.element_loads(displacement, at, &mut self.loads);
-        for (&load, azimuth) in self.loads.iter().zip(bearing.azimuths(at.cage)) {
+    /// Adds the loads of the last evaluation by azimuth: those in the twin and, where the sample is not held, those at the measured
+    /// displacement.
+    fn add_element_loads(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) {
+        let [loads, twin_loads] = &self.loads;
+        for ((&load, &twin_load), azimuth) in loads.iter().zip(twin_loads).zip(bearing.azimuths(cage)) {
             let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
-            self.around[bin][which].add(load);
-            if which == 0 {
+            let [measured, twin] = &mut self.around[bin];
+            twin.add(twin_load);
+            if !sample.status.is_held() {
+                measured.add(load);
                 self.largest = self.largest.max(load);
             }
         }
-        self.loads.first().copied().unwrap_or(0.0)
     }
 
     /// Returns the outcome of the bearing.
@@ -359,7 +350,9 @@ mod tests {
         let loads = element_loads(bearing, &displacement, &at);
         let (azimuth, _) = loads.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         let mut forces = BearingForces::new(bearing.elements);
-        forces.add_element_loads(bearing, &displacement, &at, 0);
+        let displacements = Displacements { measured: displacement, twin: Displacement::default(), observer: None };
+        let force = forces.evaluate(bearing, &displacements, true, &at);
+        forces.add(bearing, &force, at.cage);
         let load = |bin: &usize| forces.around[*bin][0].mean();
         let bin = (0..AZIMUTH_BINS).max_by(|a, b| load(a).total_cmp(&load(b))).unwrap();
         [azimuth.rem_euclid(TAU).to_degrees(), (bin as f64 + 0.5) * 360.0 / AZIMUTH_BINS as f64]

@@ -8,72 +8,108 @@ use nalgebra::{Matrix3, Vector3};
 
 const UM: f64 = 1e6;
 
-/// Sums of one signal with the shaft angle.
-#[derive(Debug, Clone, Default)]
+/// Sums of a signal about its first value.
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sums {
     n: f64,
-    /// First reading, subtracted from all, so that a large mean costs no digits.
+    /// First value, subtracted from all, so that a large mean costs no digits.
     origin: f64,
     min: f64,
     max: f64,
+    sum: f64,
     square: f64,
-    /// Products of the signal with (1, cos, sin).
-    signal: Vector3<f64>,
-    /// Products of (1, cos, sin) with itself.
-    basis: Matrix3<f64>,
 }
 
 impl Sums {
-    /// Adds one sample of the signal (m) at a shaft angle given by (sin, cos).
-    pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
+    /// Adds a value; returns it less the first one.
+    pub fn add(&mut self, value: f64) -> f64 {
         if self.n == 0.0 {
-            (self.origin, self.min, self.max) = (signal, signal, signal);
+            (self.origin, self.min, self.max) = (value, value, value);
         }
-        let y = signal - self.origin;
-        let basis = Vector3::new(1.0, cos, sin);
+        let y = value - self.origin;
         self.n += 1.0;
-        self.min = self.min.min(signal);
-        self.max = self.max.max(signal);
+        self.min = self.min.min(value);
+        self.max = self.max.max(value);
+        self.sum += y;
         self.square += y * y;
-        self.signal += basis * y;
-        self.basis += basis * basis.transpose();
+        y
     }
 
-    /// Returns the mean, m.
+    /// Returns the mean.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        self.origin + self.signal[0] / self.n.max(1.0)
+        self.origin + self.sum / self.n.max(1.0)
     }
 
-    /// Returns the root mean square about zero, m.
+    /// Returns the root mean square about zero.
     #[must_use]
     pub fn rms(&self) -> f64 {
-        (self.rms_about_mean().powi(2) + self.mean().powi(2)).sqrt()
+        self.rms_about_mean().hypot(self.mean())
+    }
+
+    /// Returns the root mean square about the mean.
+    #[must_use]
+    pub fn rms_about_mean(&self) -> f64 {
+        let n = self.n.max(1.0);
+        (self.square / n - (self.sum / n).powi(2)).max(0.0).sqrt()
+    }
+}
+
+/// Sums of cosine and sine of the shaft angle, shared by the signals of the same samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ShaftAngles {
+    /// Products of (1, cos, sin) with itself.
+    products: Matrix3<f64>,
+}
+
+impl ShaftAngles {
+    /// Adds a shaft angle given by (sin, cos).
+    pub fn add(&mut self, (sin, cos): (f64, f64)) {
+        let basis = Vector3::new(1.0, cos, sin);
+        self.products += basis * basis.transpose();
+    }
+}
+
+/// Sums of a motion (m) with the shaft angle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MotionSums {
+    sums: Sums,
+    /// Products of the signal with cos and sin.
+    one_x: [f64; 2],
+}
+
+impl MotionSums {
+    /// Adds one sample at a shaft angle given by (sin, cos).
+    pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
+        let y = self.sums.add(signal);
+        self.one_x[0] += cos * y;
+        self.one_x[1] += sin * y;
     }
 
     /// Returns the root mean square about the mean, m.
     #[must_use]
     pub fn rms_about_mean(&self) -> f64 {
-        let n = self.n.max(1.0);
-        (self.square / n - (self.signal[0] / n).powi(2)).max(0.0).sqrt()
+        self.sums.rms_about_mean()
     }
 
-    /// Returns cosine and sine of a least-squares fit of mean and 1X, m, and the rms of its residual.
+    /// Returns cosine and sine of a least-squares fit of mean and 1X, m, and the rms of its residual; `angles` are those of all samples.
     #[must_use]
-    pub fn one_x(&self) -> ((f64, f64), f64) {
-        let Some(inverse) = self.basis.try_inverse() else { return ((0.0, 0.0), self.rms_about_mean()) };
-        let fit = inverse * self.signal;
-        let left = (self.square - fit.dot(&self.signal)) / self.n.max(1.0);
+    pub fn one_x(&self, angles: &ShaftAngles) -> ((f64, f64), f64) {
+        let Some(inverse) = angles.products.try_inverse() else { return ((0.0, 0.0), self.rms_about_mean()) };
+        let [cos, sin] = self.one_x;
+        let signal = Vector3::new(self.sums.sum, cos, sin);
+        let fit = inverse * signal;
+        let left = (self.sums.square - fit.dot(&signal)) / self.sums.n.max(1.0);
         ((fit[1], fit[2]), left.max(0.0).sqrt())
     }
 
-    /// Returns the motion for the report, um.
+    /// Returns the motion for the report, um; `angles` are those of all samples.
     #[must_use]
-    pub fn motion(&self) -> Motion {
-        let ((cos, sin), _) = self.one_x();
+    pub fn motion(&self, angles: &ShaftAngles) -> Motion {
+        let ((cos, sin), _) = self.one_x(angles);
         Motion {
-            mean_um: self.mean() * UM,
-            peak_to_peak_um: (self.max - self.min) * UM,
+            mean_um: self.sums.mean() * UM,
+            peak_to_peak_um: (self.sums.max - self.sums.min) * UM,
             rms_um: self.rms_about_mean() * UM,
             one_x_um: cos.hypot(sin) * UM,
             one_x_phase_lag_deg: phase_lag_deg(cos, sin),
@@ -81,11 +117,11 @@ impl Sums {
     }
 }
 
-/// Running mean, extremes and mean square of a quantity.
+/// Mean, extremes and mean square of a quantity.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Running {
     n: f64,
-    mean: f64,
+    sum: f64,
     min: f64,
     max: f64,
     square: f64,
@@ -98,8 +134,8 @@ impl Running {
             (self.min, self.max) = (x, x);
         }
         self.n += 1.0;
-        self.mean += (x - self.mean) / self.n;
-        self.square += (x * x - self.square) / self.n;
+        self.sum += x;
+        self.square += x * x;
         self.min = self.min.min(x);
         self.max = self.max.max(x);
     }
@@ -113,13 +149,13 @@ impl Running {
     /// Returns the mean.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        self.mean
+        self.sum / self.n.max(1.0)
     }
 
     /// Returns the root mean square about zero.
     #[must_use]
     pub fn rms(&self) -> f64 {
-        self.square.max(0.0).sqrt()
+        (self.square / self.n.max(1.0)).sqrt()
     }
 
     /// Returns the smallest and the largest value.

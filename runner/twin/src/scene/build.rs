@@ -24,7 +24,7 @@ use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
-use ballrace::bearing::{Bearing as _, ElementPosition};
+use ballrace::bearing::{BLOCK_SIZE, Bearing as _, BlockedPositions, ElementBlock, ElementPosition};
 use ballrace::contact::hertz::{Material, Race};
 use ballrace::rotor::{MovingBallsParams, RotorParams, Support, Unbalance};
 use ballrace::{Displacement, Exact, Math, Phase, Scalar, Stiffness, Wrench};
@@ -111,6 +111,13 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
     (0..scene.elements).map(|j| place(scene, j)).map(mirror).collect()
 }
 
+/// Returns the positions of [`places`], also in SIMD blocks.
+fn blocked_places<T: Scalar>(
+    scene: &BearingScene,
+) -> BlockedPositions<Vec<ElementPosition<T>>, Vec<ElementBlock<T, BLOCK_SIZE>>> {
+    BlockedPositions::new(places(scene))
+}
+
 /// Returns the position of element `j` (0 is the first) with the cage at angle 0.
 #[must_use]
 pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
@@ -163,7 +170,7 @@ fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviatio
 
 fn angular<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "angular")?;
-    let built = Angular::<T, M, _>::try_new(geometry, places(scene), zero).map_err(|e| named(scene, e))?;
+    let built = Angular::<T, M, _>::try_new(geometry, blocked_places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {
         None => facing(scene, H::dispatched(built)),
         Some(surface) => facing(scene, H::dispatched(built.with_surface(surface))),

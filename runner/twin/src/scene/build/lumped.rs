@@ -1,6 +1,6 @@
 //! The lumped model: radial and axial elements with any contact law, on a rigid or displaced housing.
 
-use super::{BuildError, facing, geometry, invalid, named, places, uneven};
+use super::{BuildError, blocked_places, facing, geometry, invalid, named, uneven};
 use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, FreeAngle};
 use ballrace::bearing::flexible::HousingPoint;
@@ -71,7 +71,7 @@ fn with_radial<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M> + 'static, H: B
     law: L,
     play: f64,
 ) -> Result<H, BuildError> {
-    let radial = Radial::<T, M, L, _>::try_new(places(scene), law, play).map_err(|e| named(scene, e))?;
+    let radial = Radial::<T, M, L, _>::try_new(blocked_places(scene), law, play).map_err(|e| named(scene, e))?;
     let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
     match uneven::<T, M>(scene) {
         None if alone => Ok(facing(scene, H::dispatched(radial))),
@@ -106,7 +106,7 @@ fn axial_elements<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M> + 'static, H
     law: L,
 ) -> Result<H::Elements, BuildError> {
     let (play, radius) = scene.axial.map_or((0.0, 0.0), |a| (a.play, a.radius));
-    let axial = Axial::<T, M, L, _>::try_new(places(scene), law, play, radius).map_err(|e| named(scene, e))?;
+    let axial = Axial::<T, M, L, _>::try_new(blocked_places(scene), law, play, radius).map_err(|e| named(scene, e))?;
     Ok(H::elements(axial))
 }
 

@@ -35,6 +35,9 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         self.bearing.element_loads(&self.with(u), at, loads);
     }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        self.bearing.reaction_and_loads(&self.with(u), at, loads)
+    }
 }
 
 /// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
