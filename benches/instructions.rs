@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 use subjects::balls::PLAIN_C;
+use subjects::chain::CHAIN_C;
 use subjects::{COLUMNS, Subject};
 
 /// Start of the text before the table.
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let given = |option: &str| env::args().any(|argument| argument == option);
     let mut subjects = subjects::all()?;
     // Another program's instructions are not counted.
-    subjects.retain(|subject| subject.row != PLAIN_C);
+    subjects.retain(|subject| ![PLAIN_C, CHAIN_C].contains(&subject.row.as_str()));
     if given(COUNTED) || !given("--bench") && !given("--check") {
         subjects.iter_mut().for_each(counted);
     } else if given("--check") {

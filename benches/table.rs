@@ -15,6 +15,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
 use subjects::balls::{COLD, COLD_WIDE, LOOKED_UP, PLAIN_C, WARM, WARM_WIDE};
+use subjects::chain::{CHAIN, CHAIN_C, CHAIN_WIDE};
 use subjects::{BATCH, BATCH_PRELOADED, COLUMNS, ROOTS, Subject};
 
 /// The file that holds the table, from the root of the repository.
@@ -22,7 +23,9 @@ const CHAPTER: &str = "docs/src/performance.md";
 const SECTION: Section = Section { name: "bench", first_column: "ns per call" };
 
 /// Rows of ratios: the name, what is above, what is below.
-const RATIOS: [(&str, &str, &str); 8] = [
+const RATIOS: [(&str, &str, &str); 10] = [
+    ("ratio: force from the force before to tuned C (aim: at most 1)", CHAIN, CHAIN_C),
+    ("ratio: force from the force before, widest registers, to tuned C (aim: at most 1)", CHAIN_WIDE, CHAIN_C),
     ("ratio: quasi-static cold, widest registers, to plain C (aim: at most 0.35)", COLD_WIDE, PLAIN_C),
     ("ratio: quasi-static from the last sample, widest registers, to plain C (aim: at most 0.12)", WARM_WIDE, PLAIN_C),
     ("ratio: quasi-static cold to plain C (aim: below 1)", COLD, PLAIN_C),

@@ -1,5 +1,6 @@
 //! Sixteen balls of Harris' 218 bearing in equilibrium: solved, from where they were, looked up, and in plain C.
 
+use super::yardstick::{self, States};
 use super::{INPUTS, Subject, scattered};
 use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
@@ -11,9 +12,8 @@ use ballrace::contact::hertz::Material;
 use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase};
 use ballrace_twin::simd::OnWideRegisters;
 use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::hint::black_box;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 /// From a cold start.
 pub const COLD: &str = "quasi-static, inertia, N = 16: force, cold";
@@ -133,50 +133,10 @@ fn warm<M: Math<f64>>(row: &str, bearing: Massive<M>) -> Subject {
     Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
 }
 
-/// Passes over the poses that one run of the C program makes: what the pipe costs is then below a hundredth.
-const PASSES: u32 = 8;
-
-/// The C program with the poses as its input.
-struct Yardstick {
-    child: Child,
-    orders: ChildStdin,
-    answers: BufReader<ChildStdout>,
-    _folder: tempfile::TempDir,
-}
-
-impl Drop for Yardstick {
-    fn drop(&mut self) {
-        // It ends when its input does; whether it had ended already does not matter.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
 fn plain_c() -> Option<Subject> {
-    let mut yardstick = start_yardstick()?;
-    let run = Box::new(move || {
-        let told = writeln!(yardstick.orders, "{PASSES}").and_then(|()| yardstick.orders.flush());
-        let mut answer = String::new();
-        let read = yardstick.answers.read_line(&mut answer);
-        black_box((told.is_ok(), read.is_ok(), answer));
-    });
-    Some(Subject { row: PLAIN_C.to_owned(), column: super::COLUMNS[0], calls: INPUTS * PASSES, run })
-}
-
-fn start_yardstick() -> Option<Yardstick> {
-    let folder = tempfile::tempdir().ok()?;
-    let program = folder.path().join("yardstick");
-    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/yardstick/quasi_static.c");
-    let built = Command::new("cc").args(["-O3", "-fno-math-errno", source, "-o"]).arg(&program).arg("-lm").status();
-    if !built.is_ok_and(|status| status.success()) {
-        eprintln!("no C compiler: the row of plain C is left out; type: apt-get install -y gcc");
-        return None;
-    }
-    let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    let (mut orders, answers) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
-    writeln!(orders, "{INPUTS}").ok()?;
+    let mut input = format!("{INPUTS}\n");
     for Displacement { u, v, w, thu, thv } in poses() {
-        writeln!(orders, "{u:e} {v:e} {w:e} {thu:e} {thv:e}").ok()?;
+        writeln!(input, "{u:e} {v:e} {w:e} {thu:e} {thv:e}").ok()?;
     }
-    Some(Yardstick { child, orders, answers, _folder: folder })
+    yardstick::subject(PLAIN_C, "quasi_static", &[], States { input: &input, count: INPUTS, passes: 8 })
 }

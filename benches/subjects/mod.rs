@@ -2,8 +2,10 @@
 
 mod arrays;
 pub mod balls;
+pub mod chain;
 mod models;
 mod rotor;
+mod yardstick;
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
 use ballrace::{Displacement, Exact, Fast, Phase, Scalar};
@@ -41,6 +43,7 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     subjects.extend(models::moving::<f32, Fast>(single_fast)?);
     subjects.extend(arrays::batches_and_limit::<f64>(double, f64::sqrt)?);
     subjects.extend(arrays::batches_and_limit::<f32>(single, f32::sqrt)?);
+    subjects.extend(chain::all()?);
     subjects.extend(balls::all()?);
     subjects.extend(rotor::steps::<f64>(double)?);
     subjects.extend(rotor::steps::<f32>(single)?);

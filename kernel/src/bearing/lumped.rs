@@ -123,7 +123,7 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
     /// Returns the radial displacement at which the element makes contact.
     #[inline(always)]
     fn gap(&self, azimuth: Phase, at: &BearingKinematicState<T>) -> T {
-        gap(self.play, self.surface.deviation(azimuth, at))
+        if S::IS_SMOOTH { self.play } else { gap(self.play, self.surface.deviation(azimuth, at)) }
     }
 
     /// Returns twice the deflection of a stored element; of a pair, less that of the opposite element.
@@ -150,7 +150,7 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: 
     }
 }
 
-/// Returns the radial displacement at which an element makes contact; with `Lanes`, of several elements.
+/// Returns the radial displacement at which an element on an uneven surface makes contact; with `Lanes`, of several elements.
 #[inline(always)]
 fn gap<L: Copy + Add<Output = L> + Sub<Output = L>>(play: L, shape: ElementDeviation<L>) -> L {
     play - (shape.radial + shape.inner + shape.outer)
@@ -179,14 +179,15 @@ where
     #[inline(always)]
     fn contacts<const K: usize>(&self, at: Motion<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
         let none = Lanes::splat(T::NEGATIVE_ZERO);
-        let deflection = at.radial - gap(Lanes::splat(self.play), at.deviation);
+        let play = Lanes::splat(self.play);
+        let deflection = at.radial - if S::IS_SMOOTH { play } else { gap(play, at.deviation) };
         let load = Lanes(self.law.unscaled_load(deflection.twice_positive_part().0));
         Contact { radial: load, axial: none, tilting: none, load }
     }
     #[inline(always)]
     fn contact_and_stiffness(&self, at: Motion<T>) -> (Contact<T>, ContactStiffness<T>) {
-        let (load, slope) =
-            self.law.unscaled_load_and_slope((at.radial - gap(self.play, at.deviation)).twice_positive_part());
+        let gap = if S::IS_SMOOTH { self.play } else { gap(self.play, at.deviation) };
+        let (load, slope) = self.law.unscaled_load_and_slope((at.radial - gap).twice_positive_part());
         (
             Contact { radial: load, axial: T::NEGATIVE_ZERO, tilting: T::NEGATIVE_ZERO, load },
             ContactStiffness { radial: slope, cross: T::NEGATIVE_ZERO, axial: T::NEGATIVE_ZERO },

@@ -23,6 +23,9 @@ pub struct ElementDeviation<T> {
 
 /// The surface deviations of a bearing.
 pub trait Surface<T: Scalar>: Send + Sync {
+    /// True for surfaces without any deviation, which a model may then leave out.
+    const IS_SMOOTH: bool = false;
+
     /// Returns the deviations at the ball at `azimuth` in the fixed frame.
     fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T>;
 }
@@ -32,6 +35,7 @@ pub trait Surface<T: Scalar>: Send + Sync {
 pub struct Smooth;
 
 impl<T: Scalar> Surface<T> for Smooth {
+    const IS_SMOOTH: bool = true;
     #[inline(always)]
     fn deviation(&self, _azimuth: Phase, _kinematics: &BearingKinematicState<T>) -> ElementDeviation<T> {
         // -0 is the neutral element of addition.
