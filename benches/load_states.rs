@@ -49,7 +49,9 @@ pub fn all() -> Result<Vec<LoadState>, InvalidParameter> {
     for (load, place) in places {
         let state = (load, place, 1e-6);
         states.push(in_state(MODELS[4], double, state, balls::SPEED, balls::solved::<Exact>()?));
-        states.push(in_state(MODELS[5], double, state, balls::SPEED, balls::looked_up(&balls::solved()?)?));
+        let positions: ElementPositions<f64, 16> = evenly_spaced(Phase::ZERO);
+        let table = balls::looked_up(&balls::solved()?, positions)?;
+        states.push(in_state(MODELS[5], double, state, balls::SPEED, table));
     }
     Ok(states)
 }

@@ -7,10 +7,10 @@ use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidPar
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, OuterControlled, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
 use ballrace::bearing::tabulated::{Node, Table, TableDomain, Tabulated, fill_table};
-use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
+use ballrace::bearing::{Bearing, BlockedPositions, ElementLayout, ElementPositions, evenly_spaced};
 use ballrace::contact::hertz::Material;
 use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase};
-use ballrace_twin::simd::OnWideRegisters;
+use ballrace_twin::simd::{Dispatched, OnWideRegisters};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -25,11 +25,13 @@ pub const COLD_WIDE: &str = "quasi-static, inertia, N = 16: force, cold, widest 
 pub const WARM_WIDE: &str = "quasi-static, inertia, N = 16: force, 3 steps from the last sample, widest registers";
 /// From the table.
 pub const LOOKED_UP: &str = "tabulated, N = 16: force";
+/// As [`LOOKED_UP`] in the form of the program: positions in blocks, registers selected at run time.
+pub const LOOKED_UP_WIDE: &str = "tabulated, N = 16: force, widest registers";
 /// Six plain Newton steps in C.
 pub const PLAIN_C: &str = "plain C, 6 Newton steps, N = 16: force, cold";
 
 pub type Massive<M = Exact> = QuasiStatic<f64, M, ElementPositions<f64, 16>, OuterControlled<f64>>;
-pub type LookedUp = Tabulated<f64, Exact, ElementPositions<f64, 16>, Vec<Node<f64, 2>>, 2>;
+pub type LookedUp<P = ElementPositions<f64, 16>> = Tabulated<f64, Exact, P, Vec<Node<f64, 2>>, 2>;
 
 pub const SPEED: f64 = 10_000.0 * TAU / 60.0;
 const WARM_STEPS: u8 = 3;
@@ -56,7 +58,7 @@ pub fn solved<M: Math<f64>>() -> Result<Massive<M>, InvalidParameter> {
         .with_outer_control(&inertia)
 }
 
-pub fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
+pub fn looked_up<P: ElementLayout<f64>>(bearing: &Massive, positions: P) -> Result<LookedUp<P>, InvalidParameter> {
     let domain = TableDomain {
         approach: [-60e-6, 100e-6],
         scale: 50e-6,
@@ -69,7 +71,7 @@ pub fn looked_up(bearing: &Massive) -> Result<LookedUp, InvalidParameter> {
     let grid = domain.grid()?;
     let mut nodes = vec![[0.0; 2]; grid.len()];
     fill_table(bearing, &domain, &grid, &mut nodes);
-    Ok(Tabulated::new(evenly_spaced(Phase::ZERO), bearing.table_constants(), Table::new(grid, nodes), false))
+    Ok(Tabulated::new(positions, bearing.table_constants(), Table::new(grid, nodes), false))
 }
 
 /// About the equilibrium under 17.8 kN of thrust, with radial load and tilt.
@@ -96,7 +98,9 @@ fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &BearingKinematicState<
 pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
     let bearing: Massive = solved()?;
     let wide: Massive<OnWideRegisters<Exact>> = solved()?;
-    let table = looked_up(&bearing)?;
+    let places: ElementPositions<f64, 16> = evenly_spaced(Phase::ZERO);
+    let table = looked_up(&bearing, places)?;
+    let wide_table = Dispatched::new(looked_up(&bearing, BlockedPositions::<_, Vec<_>>::new(places))?);
     let mut subjects = vec![
         each(COLD, move |u, at| {
             black_box(bearing.reaction(u, at));
@@ -108,6 +112,9 @@ pub fn all() -> Result<Vec<Subject>, InvalidParameter> {
         warm(WARM_WIDE, wide),
         each(LOOKED_UP, move |u, at| {
             black_box(table.reaction(u, at));
+        }),
+        each(LOOKED_UP_WIDE, move |u, at| {
+            black_box(wide_table.reaction(u, at));
         }),
     ];
     subjects.extend(plain_c());
