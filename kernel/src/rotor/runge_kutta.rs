@@ -2,6 +2,7 @@
 
 use super::vector::along;
 use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept, vector};
+use crate::kinematic_state::BearingKinematicState;
 use crate::scalar::Scalar;
 use crate::status::Status;
 
@@ -30,11 +31,16 @@ impl<T: Scalar> Integrator<T> for RungeKutta4<T> {
         let mut next = RotorState { component_angles: parts, shaft_angle: shaft.angle, ..*state };
         let mut at_start = (T::ZERO, Status::OK);
         let stages = [(T::ZERO, sixth, half), (half, third, half), (half, third, h), (h, sixth, T::ZERO)];
+        let (mut now, mut at, mut excitation) = (*shaft, [BearingKinematicState::default(); N], [T::ZERO; D]);
         for (i, (time, weight, to_next)) in stages.into_iter().enumerate() {
-            let now = shaft.after(time);
-            let turned = system.advance_components(&parts, shaft.delta_after(time));
-            let bearings = system.bearing_forces(&q, &system.kinematic_states(&turned, &now));
-            let mut force = system.rotor.excitation(&now);
+            // The two stages in the middle of the step share the shaft motion and what depends on it alone.
+            if i != 2 {
+                now = shaft.after(time);
+                at = system.kinematic_states(&system.advance_components(&parts, shaft.delta_after(time)), &now);
+                excitation = system.rotor.excitation(&now);
+            }
+            let bearings = system.bearing_forces(&q, &at);
+            let mut force = excitation;
             vector::add(&mut force, &bearings.force);
             vector::add(&mut force, &system.rotor.internal_force(&q, &velocity, now.speed));
             next.acceleration = system.rotor.acceleration(&force);

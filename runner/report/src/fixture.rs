@@ -433,6 +433,7 @@ fn timing() -> Timing {
         paced: true,
         samples: 51_200,
         compute: Quantiles { p50_ns: 1_210, p99_ns: 1_870, p999_ns: 3_440, max_ns: 41_300 },
+        stages: Some(StageTimes { twin_ns: 420.0, observer_ns: 510.0, forces_ns: 330.0, comparison_ns: 610.0 }),
         pacing: Some(Pacing {
             block_ns: 5_000_000,
             blocks: 800,

@@ -556,6 +556,7 @@ fn timing(timing: &Timing, compared: bool) -> Vec<PageSection> {
     }
     let memory = timing.peak_memory_bytes.map(|bytes| format!("{} MB", fixed(bytes as f64 / 1e6, 1)));
     facts.extend(memory.map(|memory| Fact::new("Peak memory", memory)));
+    facts.extend(words::stages(timing).map(|sentence| Fact::new("Stages", sentence)));
     facts.extend(words::pacing(timing).into_iter().map(|sentence| Fact::new("Pacing", sentence)));
     let mut all = vec![PageSection::facts("Timing", facts)];
     if compared {

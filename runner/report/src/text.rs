@@ -355,6 +355,9 @@ fn compute_times(page: &mut Page, timing: &Timing) {
     }
     let heads: [&[&str]; 1] = [&["us", "median", "99 %", "99.9 %", "largest"]];
     page.table(1, &heads, &rows);
+    if let Some(stages) = words::stages(timing) {
+        page.sentence("  ", &stages);
+    }
 }
 
 fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {

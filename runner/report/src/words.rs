@@ -370,6 +370,20 @@ pub(super) fn beaten(probes: &[ProbeOutcome]) -> String {
     names.join(", ")
 }
 
+/// Returns the mean time of a sample by stage; `None` where no twin ran.
+pub fn stages(timing: &Timing) -> Option<String> {
+    timing.stages.map(|stages| {
+        let us = |ns: f64| fixed(ns * 1e-3, 2);
+        format!(
+            "Mean of a sample: twin {} us, observer {} us, forces {} us, comparison {} us.",
+            us(stages.twin_ns),
+            us(stages.observer_ns),
+            us(stages.forces_ns),
+            us(stages.comparison_ns)
+        )
+    })
+}
+
 /// Returns sentences on the timing and the source of a paced replay; none for other replays.
 pub fn pacing(timing: &Timing) -> Vec<String> {
     let kept = timing.pacing.as_ref().map(|pacing| {

@@ -27,7 +27,7 @@ pub use pictures::{
 pub use rotor::RotorOutcome;
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
 pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
-pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, Timing};
+pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, StageTimes, Timing};
 
 use crate::recording::flaws::FlawSummary;
 use crate::scene::{OperatingClearance, Scene};

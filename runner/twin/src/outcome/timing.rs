@@ -26,6 +26,9 @@ pub struct Timing {
     pub samples: u64,
     /// Kernel and twin, per sample.
     pub compute: Quantiles,
+    /// Mean time of a sample by stage; only where the twin ran.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stages: Option<StageTimes>,
     /// The time from one sample to the next.
     pub sample_period_ns: u64,
     /// Wall time from the first processed sample to the outcome.
@@ -45,6 +48,20 @@ pub struct Timing {
     /// Counts of records that outputs could not write; only when paced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outputs: Option<OutputFigures>,
+}
+
+/// Mean time of a sample in the stages of a replay, ns, measured at every 61st sample.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StageTimes {
+    /// The twin, and the same rotor on linear springs.
+    pub twin_ns: f64,
+    /// The observer, with the tracking of the cages.
+    pub observer_ns: f64,
+    /// Forces of the bearings, their noise bands and sums.
+    pub forces_ns: f64,
+    /// Comparison of readings and twin: spectra, orders, limits, figures.
+    pub comparison_ns: f64,
 }
 
 /// Counts of records that outputs could not write, such as on a full disk.

@@ -13,8 +13,9 @@ use ballrace::{BearingKinematicState, Displacement, Phase, Status};
 pub const AZIMUTH_BINS: usize = 72;
 /// Largest rate of samples with evaluated forces in live operation, Hz; a quarter of them enters the figures.
 pub const LIVE_FORCE_RATE: f64 = 3200.0;
-/// Decimation factor of the noise-band computation after the first revolutions, which the figures show.
-const NOISE_BAND_DECIMATION: u64 = 8;
+/// Decimation factor of the noise-band computation after the first revolutions, which the figures show; a prime number, so that it meets
+/// all angles of the shaft.
+const NOISE_BAND_DECIMATION: u64 = 31;
 
 /// Forces of one bearing at one sample: FX, FY, FZ (N), MX, MY (N m) on the inner ring.
 #[derive(Clone, Copy, Default)]

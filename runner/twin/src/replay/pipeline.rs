@@ -21,7 +21,7 @@ use super::second::{Second, SecondIndicators};
 use super::snapshot::{RecentSamples, Snapshot};
 use super::standstill::Standstill;
 use super::startup::{Queued, RunInProgress, Search, SearchResult, Startup};
-use super::timing::Ledger;
+use super::timing::{Ledger, Stage};
 use super::totals::Totals;
 use super::twin::TwinStage;
 use crate::diagnosis::DiagnosisResult;
@@ -373,6 +373,7 @@ impl<'a> Pipeline<'a> {
         }
         self.timing.sample(time);
         let begun = Instant::now();
+        let mut clock = self.timing.stages_of(index);
         self.location.set_sample(&self.range, sample);
         if self.is_synchronised()
             && let Some((coordinates, rates)) = self.observer.state()
@@ -380,6 +381,7 @@ impl<'a> Pipeline<'a> {
             self.twin.place(coordinates, rates);
         }
         self.twin.advance(sample, &interval);
+        self.timing.passed(Stage::Twin, &mut clock);
         let observed = self.observer.advance(
             (sample, &interval),
             &self.twin,
@@ -389,11 +391,14 @@ impl<'a> Pipeline<'a> {
             &mut self.cages,
         );
         self.twin.set_cage_offsets(self.cages.offsets());
+        self.timing.passed(Stage::Observer, &mut clock);
         let displacements = self.displaced();
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, self.twin.parts(), &shaft, &displacements);
         self.timing.worked(begun);
+        self.timing.passed(Stage::Forces, &mut clock);
         self.twin.advance_linear(&interval);
+        self.timing.passed(Stage::Twin, &mut clock);
         let is_restart = interval.start == Some(super::twin::TwinStart::Restart);
         if is_restart {
             self.comparison.lines.interrupt();
@@ -416,7 +421,9 @@ impl<'a> Pipeline<'a> {
         self.sample_readings.evaluate(readings, twins, &self.rows, &self.planes);
         let processed = ProcessedSample { sample, status, revolutions: interval.revolutions, displacements };
         self.compare(&processed);
+        self.timing.passed(Stage::Comparison, &mut clock);
         self.record(&processed)?;
+        self.timing.passed(Stage::Forces, &mut clock);
         self.displacements = processed.displacements;
         if self.twin.stop_if_stuck(time) {
             self.notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));

@@ -1,8 +1,28 @@
 //! Compute time of the samples of a replay.
 
-use crate::outcome::{Quantiles, Timing};
+use crate::outcome::{Quantiles, StageTimes, Timing};
 use hdrhistogram::{CreationError, Histogram};
 use std::time::{Duration, Instant};
+
+/// Every how many samples the stages are timed: two readings of the clock cost as much as a short stage. A prime number, because some work
+/// is due at every power of two.
+const STAGE_DECIMATION: u64 = 61;
+
+/// Stage of a replay that is timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The twin and its linear reference.
+    Twin,
+    /// The observer.
+    Observer,
+    /// Forces of the bearings.
+    Forces,
+    /// Comparison of readings and twin.
+    Comparison,
+}
+
+/// Clock of the stages of one sample; stopped at samples that are not timed.
+pub struct StageClock(Option<Instant>);
 
 /// Compute times of one replay.
 pub struct Ledger {
@@ -12,6 +32,10 @@ pub struct Ledger {
     first: f64,
     last: f64,
     diagnosis: Duration,
+    /// Time of each [`Stage`] in the timed samples.
+    stages: [Duration; 4],
+    /// Number of timed samples.
+    timed: u64,
 }
 
 /// Returns a histogram from 1 ns to 1000 s with three digits, 50 kB at any number of entries.
@@ -28,7 +52,16 @@ impl Ledger {
     /// # Errors
     /// None in practice.
     pub fn try_new(period: f64) -> Result<Self, CreationError> {
-        Ok(Self { compute: histogram()?, period, start: None, first: 0.0, last: 0.0, diagnosis: Duration::ZERO })
+        Ok(Self {
+            compute: histogram()?,
+            period,
+            start: None,
+            first: 0.0,
+            last: 0.0,
+            diagnosis: Duration::ZERO,
+            stages: [Duration::ZERO; 4],
+            timed: 0,
+        })
     }
 
     /// Marks the start of the work on the sample at `time` (s).
@@ -37,6 +70,21 @@ impl Ledger {
             (self.start, self.first) = (Some(Instant::now()), time);
         }
         self.last = time;
+    }
+
+    /// Starts the clock of the stages of the sample `index`.
+    pub fn stages_of(&mut self, index: u64) -> StageClock {
+        let is_timed = index.is_multiple_of(STAGE_DECIMATION);
+        self.timed += u64::from(is_timed);
+        StageClock(is_timed.then(Instant::now))
+    }
+
+    /// Adds the time since the last call to `stage`.
+    pub fn passed(&mut self, stage: Stage, clock: &mut StageClock) {
+        if let Some(since) = &mut clock.0 {
+            let now = Instant::now();
+            self.stages[stage as usize] += now.duration_since(std::mem::replace(since, now));
+        }
     }
 
     /// Records the work on a sample, from `begun` to now.
@@ -57,6 +105,15 @@ impl Ledger {
         Timing {
             samples: self.compute.len(),
             compute: quantiles(&self.compute),
+            stages: (self.timed > 0).then(|| {
+                let mean = |stage: Stage| self.stages[stage as usize].as_nanos() as f64 / self.timed as f64;
+                StageTimes {
+                    twin_ns: mean(Stage::Twin),
+                    observer_ns: mean(Stage::Observer),
+                    forces_ns: mean(Stage::Forces),
+                    comparison_ns: mean(Stage::Comparison),
+                }
+            }),
             sample_period_ns: (self.period * 1e9).round() as u64,
             wall_s: wall,
             diagnosis_s: self.diagnosis.as_secs_f64(),
