@@ -1,6 +1,6 @@
 //! The same bits everywhere: checksums over a recording on the desktop and on six kinds of microcontroller.
 
-use super::{HOST, build};
+use super::{Board, HOST, MPS2_M4F, RISC_V, build, printed};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -15,29 +15,28 @@ const SPOILT: [(usize, usize, f32); 3] = [(100, 0, f32::NAN), (101, 2, f32::INFI
 /// The samples of one turn that are changed to see that the checksums depend on them.
 const CHANGED: std::ops::Range<usize> = 640..896;
 
-/// Where an image runs.
-struct RotorBearingSystem {
+/// A kind of microcontroller, and the boards on which its images run.
+struct Microcontroller {
     target: &'static str,
-    emulator: &'static str,
-    release_board: &'static str,
-    debug_board: &'static str,
+    release_board: Board,
+    debug_board: Board,
 }
 
-const MACHINES: [RotorBearingSystem; 6] = [
-    arm("thumbv7em-none-eabihf", "mps2-an386", "mps2-an386"),
-    arm("thumbv7em-none-eabi", "mps2-an386", "mps2-an386"),
-    arm("thumbv6m-none-eabi", "microbit", "mps2-an385"),
-    arm("thumbv8m.main-none-eabihf", "mps2-an505", "mps2-an505"),
-    riscv("riscv32imac-unknown-none-elf"),
-    riscv("riscv32imafc-unknown-none-elf"),
+const MICROCONTROLLERS: [Microcontroller; 6] = [
+    on(MPS2_M4F, "thumbv7em-none-eabihf"),
+    on(MPS2_M4F, "thumbv7em-none-eabi"),
+    Microcontroller {
+        target: "thumbv6m-none-eabi",
+        release_board: Board::arm("microbit"),
+        debug_board: Board::arm("mps2-an385"),
+    },
+    on(Board::arm("mps2-an505"), "thumbv8m.main-none-eabihf"),
+    on(RISC_V, "riscv32imac-unknown-none-elf"),
+    on(RISC_V, "riscv32imafc-unknown-none-elf"),
 ];
 
-const fn arm(target: &'static str, release_board: &'static str, debug_board: &'static str) -> RotorBearingSystem {
-    RotorBearingSystem { target, emulator: "qemu-system-arm", release_board, debug_board }
-}
-
-const fn riscv(target: &'static str) -> RotorBearingSystem {
-    RotorBearingSystem { target, emulator: "qemu-system-riscv32", release_board: "virt", debug_board: "virt" }
+const fn on(board: Board, target: &'static str) -> Microcontroller {
+    Microcontroller { target, release_board: board, debug_board: board }
 }
 
 /// The rig's recording with a spall as the images read it: five `f32` and a turn counter a sample.
@@ -66,19 +65,7 @@ fn recording() -> Vec<u8> {
 
 /// What a program prints, started beside the recording.
 fn checksums(program: &mut Command, folder: &Path) -> String {
-    let output = program.current_dir(folder).output().expect("missing: an emulator; tests/run names the line to type");
-    assert!(output.status.success(), "{program:?}: {}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-fn on_board(machine: &RotorBearingSystem, board: &str, image: &Path) -> Command {
-    let mut command = Command::new(machine.emulator);
-    command.args(["-M", board, "-nographic", "-monitor", "none", "-serial", "none"]);
-    command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    if machine.emulator.contains("riscv") {
-        command.args(["-bios", "none"]);
-    }
-    command
+    String::from_utf8(printed(program.current_dir(folder))).expect("text")
 }
 
 /// Builds the program for this machine with AVX2 and FMA, once, and returns its path.
@@ -91,7 +78,7 @@ pub fn with_avx2() -> PathBuf {
 /// Every run beside the reference: its name and what to start.
 fn runs(folder: &Path) -> Vec<(String, Command)> {
     // With assertions on one machine in the usual run, on all of them in the full one.
-    let checked = if ballrace_tests::runs_all() { &MACHINES[..] } else { &MACHINES[..1] };
+    let checked = if ballrace_tests::runs_all() { &MICROCONTROLLERS[..] } else { &MICROCONTROLLERS[..1] };
     let targets: Vec<&str> = checked.iter().map(|machine| machine.target).chain([HOST]).collect();
     build("images", "dev", &["bits"], &targets, &[]);
     let image = |target: &str, profile: &str| folder.join(target).join(profile).join("bits");
@@ -101,13 +88,13 @@ fn runs(folder: &Path) -> Vec<(String, Command)> {
     } else {
         println!("no AVX2 here: not compared");
     }
-    for machine in &MACHINES {
+    for machine in &MICROCONTROLLERS {
         let image = image(machine.target, "release");
-        runs.push((format!("{}, release", machine.target), on_board(machine, machine.release_board, &image)));
+        runs.push((format!("{}, release", machine.target), machine.release_board.command(&image)));
     }
     for machine in checked {
         let image = image(machine.target, "debug");
-        runs.push((format!("{}, dev", machine.target), on_board(machine, machine.debug_board, &image)));
+        runs.push((format!("{}, dev", machine.target), machine.debug_board.command(&image)));
     }
     runs
 }
@@ -115,7 +102,7 @@ fn runs(folder: &Path) -> Vec<(String, Command)> {
 #[test]
 #[ignore = "needs qemu-system-arm, qemu-system-misc and six targets; tests/run runs it"]
 fn every_machine_gives_the_same_bits() {
-    let targets: Vec<&str> = MACHINES.iter().map(|machine| machine.target).chain([HOST]).collect();
+    let targets: Vec<&str> = MICROCONTROLLERS.iter().map(|machine| machine.target).chain([HOST]).collect();
     let images = build("images", "release", &["bits"], &targets, &[]);
     let folder = tempfile::tempdir().expect("a folder");
     let mut bytes = recording();

@@ -85,18 +85,44 @@ fn emulated(image: &Path, arguments: &[&str]) -> String {
 }
 
 fn emulated_bytes(image: &Path, arguments: &[&str]) -> Vec<u8> {
-    emulated_on("mps2-an386", image, arguments)
+    printed(MPS2_M4F.command(image).args(arguments))
 }
 
-fn emulated_on(board: &str, image: &Path, arguments: &[&str]) -> Vec<u8> {
-    let output = Command::new("qemu-system-arm")
-        .args(["-M", board, "-nographic", "-monitor", "none", "-serial", "none"])
-        .args(["-semihosting-config", "enable=on,target=native"])
-        .args(arguments)
-        .arg("-kernel")
-        .arg(image)
-        .output()
-        .expect("missing: the emulator; type: apt-get install -y --no-install-recommends qemu-system-arm");
-    assert!(output.status.success(), "{}: {}", image.display(), String::from_utf8_lossy(&output.stdout));
+/// A board of an emulator.
+#[derive(Clone, Copy)]
+struct Board {
+    emulator: &'static str,
+    machine: &'static str,
+    /// Options that the machine needs.
+    options: &'static [&'static str],
+}
+
+impl Board {
+    const fn arm(machine: &'static str) -> Self {
+        Self { emulator: "qemu-system-arm", machine, options: &[] }
+    }
+
+    /// Returns the command that runs an image without a display; what it prints by semihosting is the output of the command.
+    fn command(&self, image: &Path) -> Command {
+        let mut command = Command::new(self.emulator);
+        command
+            .args(["-M", self.machine, "-nographic", "-monitor", "none", "-serial", "none"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(self.options)
+            .arg("-kernel")
+            .arg(image);
+        command
+    }
+}
+
+/// A board with a Cortex-M4F.
+const MPS2_M4F: Board = Board::arm("mps2-an386");
+/// A board with a RISC-V core of 32 bits.
+const RISC_V: Board = Board { emulator: "qemu-system-riscv32", machine: "virt", options: &["-bios", "none"] };
+
+/// Returns what a program prints.
+fn printed(program: &mut Command) -> Vec<u8> {
+    let output = program.output().expect("missing: an emulator; tests/run names the line to type");
+    assert!(output.status.success(), "{program:?}: {}", String::from_utf8_lossy(&output.stdout));
     output.stdout
 }

@@ -1,8 +1,9 @@
 //! The machine's square root against the one in integer arithmetic: correctly rounded both, so the same bits.
 
+use super::{Board, MPS2_M4F, printed};
 use std::process::Command;
 
-const BOARDS: [(&str, &str); 2] = [(super::FPU, "mps2-an386"), ("thumbv8m.main-none-eabihf", "mps2-an505")];
+const BOARDS: [(&str, Board); 2] = [(super::FPU, MPS2_M4F), ("thumbv8m.main-none-eabihf", Board::arm("mps2-an505"))];
 
 /// Builds the program for all targets once and returns its path for one of them.
 fn image(target: &str) -> std::path::PathBuf {
@@ -29,7 +30,7 @@ fn every_root_on_the_desktop() {
 #[ignore = "needs qemu-system-arm and two targets; tests/run runs it"]
 fn a_dense_set_of_roots_on_the_target() {
     for (target, board) in BOARDS {
-        let printed = String::from_utf8(super::emulated_on(board, &image(target), &[])).expect("text");
+        let printed = String::from_utf8(printed(&mut board.command(&image(target)))).expect("text");
         assert_eq!(printed.trim(), "1081089 compared, 0 differ", "{target}");
     }
 }

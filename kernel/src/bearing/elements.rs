@@ -83,7 +83,7 @@ pub trait Elements {
             }
             for Aligned((contacts, first, overlap)) in stages.iter().map_while(Option::as_ref) {
                 sum.add_each(stored.get(*first..).unwrap_or_default(), contacts, *overlap);
-                for (load, &unscaled) in loads.iter_mut().skip(*first).zip(&contacts.load.0) {
+                for (load, &unscaled) in loads.iter_mut().skip(*first).zip(&contacts.load.0).skip(*overlap) {
                     *load = *scale * unscaled;
                 }
             }

@@ -1,48 +1,38 @@
 //! Instructions of what firmware takes on other cores than the Cortex-M4F, held in `docs/src/performance.md`.
 
 use super::{CHAPTER, MARGIN, Name, Subject, chapter, compiler, table};
-use crate::{COUNTING, FPU, build};
+use crate::{Board, COUNTING, FPU, RISC_V, build, printed};
 use std::fmt::Write;
-use std::path::PathBuf;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- cores:begin -->\n";
 const END: &str = "<!-- cores:end -->";
 const HEAD: &str =
     "| f32 | N | Cortex-M4F | Cortex-M33 | Cortex-M7 | RV32IMAFC |\n| --- | --: | --: | --: | --: | --: |\n";
 const M33: &str = "thumbv8m.main-none-eabihf";
-const RISC_V: &str = "riscv32imafc-unknown-none-elf";
+const RISC_V_TARGET: &str = "riscv32imafc-unknown-none-elf";
 /// The target's code as the compiler writes it for a Cortex-M7, which predicts branches.
 const FOR_M7: [&str; 2] = ["--config", "target.thumbv7em-none-eabihf.rustflags=[\"-Ctarget-cpu=cortex-m7\"]"];
 
 /// Builds the image for each core.
 fn images() -> [PathBuf; 3] {
     let bin = ["--bin", "cores"];
-    let both = build("images", "release", &["counts"], &[M33, RISC_V], &bin);
+    let both = build("images", "release", &["counts"], &[M33, RISC_V_TARGET], &bin);
     let m7 = build("images-m7", "release", &["counts"], &[FPU], &[&bin[..], &FOR_M7].concat());
-    [(&both, M33), (&m7, FPU), (&both, RISC_V)].map(|(folder, target)| folder.join(target).join("release/cores"))
+    [(&both, M33), (&m7, FPU), (&both, RISC_V_TARGET)].map(|(folder, target)| folder.join(target).join("release/cores"))
 }
 
-fn subjects(emulator: &str, board: &[&str], image: &PathBuf) -> Vec<Subject> {
-    let output = Command::new(emulator)
-        .args(board)
-        .args(["-nographic", "-monitor", "none", "-serial", "none"])
-        .args(["-semihosting-config", "enable=on,target=native"])
-        .args(COUNTING)
-        .arg("-kernel")
-        .arg(image)
-        .output()
-        .expect("missing: an emulator; tests/run names the line to type");
-    assert!(output.status.success(), "{}: {}", image.display(), String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stdout).expect("text").lines().map(Subject::parse).collect()
+fn subjects(board: Board, image: &Path) -> Vec<Subject> {
+    let text = String::from_utf8(printed(board.command(image).args(COUNTING))).expect("text");
+    text.lines().map(Subject::parse).collect()
 }
 
 /// Returns the name of each row and its cells.
 fn rows(m4f: &[table::Row]) -> Vec<(Name, [String; 4])> {
     let [m33, m7, risc_v] = images();
-    let m33 = subjects("qemu-system-arm", &["-M", "mps2-an505"], &m33);
-    let m7 = subjects("qemu-system-arm", &["-M", "mps2-an500"], &m7);
-    let risc_v = subjects("qemu-system-riscv32", &["-M", "virt", "-bios", "none"], &risc_v);
+    let m33 = subjects(Board::arm("mps2-an505"), &m33);
+    let m7 = subjects(Board::arm("mps2-an500"), &m7);
+    let risc_v = subjects(RISC_V, &risc_v);
     let wanted = m33.iter().zip(&m7).zip(&risc_v).filter(|((subject, _), _)| ![4, 16].contains(&subject.name.elements));
     wanted
         .map(|((m33, m7), risc_v)| {

@@ -285,7 +285,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         for (part, contact) in parts.iter().zip(&contacts) {
             let (Some(part), Some(contact)) = (part, contact) else { break };
             sum.add_each(part.positions, &contact.0, part.overlap);
-            for (load, &found) in loads.iter_mut().skip(part.first).zip(&contact.0.load.0) {
+            for (load, &found) in loads.iter_mut().skip(part.first).zip(&contact.0.load.0).skip(part.overlap) {
                 *load = found;
             }
         }

@@ -42,6 +42,7 @@ fn bearing<T: Scalar, B: Bearing<T>>() {
     black_box(bearing.reaction_and_stiffness(&u, &at));
     black_box(bearing.sample(&mut held, &u, &at));
     bearing.element_loads(&u, &at, given::<&mut [T]>());
+    black_box(bearing.reaction_and_loads(&u, &at, given::<&mut [T]>()));
     black_box(held.held_count());
 }
 
@@ -50,6 +51,7 @@ fn in_cage<T: Scalar, B: CageFrame<T> + Bearing<T>>() {
     black_box(bearing.reaction_in_cage_frame(&u, &cage.into()));
     black_box(bearing.reaction_and_stiffness_in_cage_frame(&u, &cage.into(), given()));
     bearing.element_loads_in_cage_frame(&u, &given(), given::<&mut [T]>());
+    black_box(bearing.reaction_and_loads_in_cage_frame(&u, &given(), given::<&mut [T]>()));
     self::bearing::<T, B>();
     self::bearing::<T, Mirrored<B>>();
 }
