@@ -116,7 +116,8 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Axi
     }
 }
 
-/// Number of elements evaluated per iteration on a microcontroller; four independent powers hide the latency of the square root.
+/// Number of elements evaluated per iteration where they are not evaluated in stages; four independent powers hide the latency of the square
+/// root.
 const GROUP_SIZE: usize = 4;
 
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>, S: Surface<T>> Radial<T, M, L, P, S> {
