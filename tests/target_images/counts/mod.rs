@@ -13,6 +13,9 @@ use table::Row;
 
 /// A figure may rise by this share before the test fails, and fall by it before it asks for a new table.
 const MARGIN: f64 = 0.02;
+/// Bytes by which the flash of a function differs beside that: the constants at its end begin at a multiple of four bytes, and where the
+/// function begins depends on the functions before it.
+const PADDING: f64 = 4.0;
 
 /// Identity of a subject.
 #[derive(Clone, PartialEq)]
@@ -142,9 +145,11 @@ fn figures_do_not_depend_on_the_input_and_match_the_documented_tables() {
 fn compare(stated: &Row, found: &Row) {
     assert!(stated.name == found.name, "BALLRACE_WRITE=1 rewrites the table of {CHAPTER}");
     for ((what, stated), (_, found_figure)) in stated.figures().into_iter().zip(found.figures()) {
-        let change = f64::from(found_figure) / f64::from(stated.max(1)) - 1.0;
+        let padding = if what == table::FLASH { PADDING } else { 0.0 };
+        let (change, allowed) =
+            (f64::from(found_figure) - f64::from(stated), MARGIN * f64::from(stated.max(1)) + padding);
         let says = format!("{}: {found_figure} {what}, {CHAPTER} has {stated}", found.name);
-        assert!(change <= MARGIN, "{says}");
-        assert!(change >= -MARGIN, "{says}, more than it takes now: BALLRACE_WRITE=1 rewrites it");
+        assert!(change <= allowed, "{says}");
+        assert!(change >= -allowed, "{says}, more than it takes now: BALLRACE_WRITE=1 rewrites it");
     }
 }

@@ -20,14 +20,12 @@ pub struct Row {
     pub flash: u32,
 }
 
+/// Name of the size of a function.
+pub const FLASH: &str = "bytes of flash";
+
 impl Row {
     pub fn figures(&self) -> [(&'static str, u32); 4] {
-        [
-            ("instructions", self.most),
-            ("cycles", self.cycles),
-            ("bytes of stack", self.stack),
-            ("bytes of flash", self.flash),
-        ]
+        [("instructions", self.most), ("cycles", self.cycles), ("bytes of stack", self.stack), (FLASH, self.flash)]
     }
 
     fn instructions(&self) -> String {
