@@ -134,10 +134,14 @@ fn paced_keeps_to_the_time_of_the_recording() {
     assert_eq!(outcome["timing"]["paced"], true);
     let late = |quantile: &str| number(&outcome, &format!("/timing/lateness/{quantile}"));
     assert!(late("p50_ns") > 0.0 && late("p50_ns") <= late("p99_ns") && late("p99_ns") <= late("max_ns"));
+    for stage in ["twin", "observer", "forces", "comparison"] {
+        let mean = number(&outcome, &format!("/timing/stages/{stage}_ns"));
+        assert!(mean > 0.0, "{stage}: {mean} ns");
+    }
     let misses = outcome["timing"]["deadline_misses"].as_u64().unwrap();
     assert!(misses <= samples as u64);
     let text = desk.done(&["replay", "scene.toml", "--paced"]).out;
-    assert!(text.contains("lateness") && text.contains("missed"), "{text}");
+    assert!(text.contains("lateness") && text.contains("missed") && text.contains("Mean of a sample: twin"), "{text}");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Models with balls in equilibrium: solved ball by ball, and tabulated.
 
 use super::service_load::approach_in_service;
-use super::{BuildError, Shared, contact_geometry, facing, features, named, outer_ratio, places, uneven};
+use super::{
+    BuildError, Shared, blocked_places, contact_geometry, facing, features, named, outer_ratio, places, uneven,
+};
 use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use crate::simd::OnWideRegisters;
@@ -11,7 +13,7 @@ use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, Inertia
 use ballrace::bearing::quasi_static::{BallPosition, BallState, DEFAULT_NEWTON_STEPS, QuasiStatic, TableConstants};
 use ballrace::bearing::surface::{Surface, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Grid, Table, TableDomain, Tabulated, fill_table};
-use ballrace::bearing::{Bearing, BlockedPositions, ElementLayout, ElementPosition, Mirrored, Reaction};
+use ballrace::bearing::{Bearing, ElementLayout, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar};
 use std::sync::Arc;
@@ -364,8 +366,7 @@ fn looked_up<T: Scalar, M: Math<T>, H: BearingHandle<T>, const F: usize>(
     let round = |node: &[f64; 3]| std::array::from_fn(|i| T::from_f64(node.get(i).copied().unwrap_or_default()));
     let nodes: Vec<[T; F]> = made.nodes.iter().map(round).collect();
     let table = Table::new(made.grid.rounded::<T>(), nodes);
-    let places = BlockedPositions::<_, Vec<_>>::new(places(of));
-    let bearing = Tabulated::<T, M, _, _, F>::new(places, made.constants.rounded(), table, made.by_outer);
+    let bearing = Tabulated::<T, M, _, _, F>::new(blocked_places(of), made.constants.rounded(), table, made.by_outer);
     Ok(match uneven::<T, M>(of) {
         None => facing(of, H::dispatched(bearing)),
         Some(surface) => facing(of, H::dispatched(bearing.with_surface(surface))),
