@@ -6,7 +6,7 @@ use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::{ElementPositions, evenly_spaced};
 use ballrace::rotor::{
-    BearingAtStation, Integrator, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
+    BearingAtStation, Integrator, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKuttaNystrom,
     ShaftMotion, SpeedRatios, Unbalance, Verlet,
 };
 use ballrace::{Displacement, Exact, Math, Phase, Scalar};
@@ -46,11 +46,11 @@ where
     Exact: Math<T>,
 {
     let step = T::from_f64(STEP);
-    let explicit = stepping(machine::<T, BALLS, 2>()?, RungeKutta4 { step });
+    let explicit = stepping(machine::<T, BALLS, 2>()?, RungeKuttaNystrom { step });
     let implicit = stepping(machine::<T, BALLS, 2>()?, Newmark { step, newton_steps: 3 });
     let subject = |row: &str, run| Subject { row: row.into(), column, calls: INPUTS, run };
     Ok([
-        subject("rotor step, two angular bearings, N = 9: RungeKutta4", explicit),
+        subject("rotor step, two angular bearings, N = 9: RungeKuttaNystrom", explicit),
         subject("rotor step, two angular bearings, N = 9: Newmark, 3 Newton steps", implicit),
     ])
 }

@@ -175,7 +175,7 @@ fn the_observer_is_baked() {
          let speed_ratios = SpeedRatios::new(bearing_de::CAGE_RATIO);\n\
          let bearings = [BearingAtStation {{ bearing: bearing_de::bearing(), station: bearing_de::STATION, speed_ratios }}, BearingAtStation {{ bearing: bearing_nde::bearing(), station: bearing_nde::STATION, speed_ratios }}];\n\
          let step = PERIOD / SUBSTEPS as f32;\n\
-         let observer = Observer {{ system: RotorBearingSystem {{ rotor, bearings }}, integrator: RungeKutta4 {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, load_retention: MEMORY, gate: GATE }};\n\
+         let observer = Observer {{ system: RotorBearingSystem {{ rotor, bearings }}, integrator: RungeKuttaNystrom {{ step }}, step, substeps: SUBSTEPS, probes: PROBES, gains: &GAINS, speeds: SPEEDS, load_retention: MEMORY, gate: GATE }};\n\
          let first = READINGS[0]; let _ = first;\n\
          let start = Displacement {{ u: 0.5 * (first[0] + first[2]), v: 0.5 * (first[1] + first[3]), w: first[4], thu: 0.0, thv: 0.0 }};\n\
          let mut state = ObserverState::new(RotorState::stationary(start, Phase::ZERO, [Phase::ZERO; 2]));\n\

@@ -6,7 +6,7 @@ use ballrace::bearing::{Bearing, ElementPositions, evenly_spaced};
 use ballrace::contact::law::PointContactLaw;
 use ballrace::rotor::{
     AttachedBearing, Attachment, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls,
-    MovingBallsParams, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4,
+    MovingBallsParams, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKuttaNystrom,
     SecondOrderSystem, ShaftMotion, SpeedRatios, SteadyVerlet, Support, SystemMatrices, Unbalance, Verlet, equilibrium,
     supported_rotor,
 };
@@ -91,8 +91,8 @@ fn a_general_system_without_supports_is_the_rigid_rotor() {
     let h = 1e-5;
     let ends = [
         (
-            run(&rigid, &RungeKutta4 { step: h }, a, up, (h, 5000)).q,
-            run(&general, &RungeKutta4 { step: h }, b, up, (h, 5000)).q,
+            run(&rigid, &RungeKuttaNystrom { step: h }, a, up, (h, 5000)).q,
+            run(&general, &RungeKuttaNystrom { step: h }, b, up, (h, 5000)).q,
         ),
         (run(&rigid, &Verlet { step: h }, a, up, (h, 5000)).q, run(&general, &Verlet { step: h }, b, up, (h, 5000)).q),
         (
@@ -239,7 +239,7 @@ fn energy_over_a_million_steps() {
     let drift = energy(&matrices, &k, &end) / first - 1.0;
     println!("Newmark: energy {drift:.1e} off after {} steps", steps / 10);
     assert!(drift.abs() < 1e-8, "{drift:e}");
-    let end = run(&machine, &RungeKutta4 { step: h }, plucked(), drive(300.0), (h, steps / 10));
+    let end = run(&machine, &RungeKuttaNystrom { step: h }, plucked(), drive(300.0), (h, steps / 10));
     let fallen = energy(&matrices, &k, &end) / first - 1.0;
     println!("Runge-Kutta: energy {fallen:.1e} off after {} steps", steps / 10);
     assert!(fallen < -1e-3, "{fallen:e}");
@@ -265,13 +265,13 @@ fn observed_orders() {
     let mut start = plucked();
     start.acceleration = accelerated(&machine, &start);
     let time = 2e-3;
-    let fine = run(&machine, &RungeKutta4 { step: time / 8000.0 }, start, drive(300.0), (time / 8000.0, 8000)).q;
+    let fine = run(&machine, &RungeKuttaNystrom { step: time / 8000.0 }, start, drive(300.0), (time / 8000.0, 8000)).q;
     let order = |count: usize, step: &dyn Fn(usize) -> [f64; 9]| {
         let error = |n| step(n).iter().zip(fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         (error(count) / error(2 * count)).log2()
     };
     let h = |n: usize| time / n as f64;
-    let rk = order(150, &|n| run(&machine, &RungeKutta4 { step: h(n) }, start, drive(300.0), (h(n), n)).q);
+    let rk = order(1000, &|n| run(&machine, &RungeKuttaNystrom { step: h(n) }, start, drive(300.0), (h(n), n)).q);
     let newmark =
         order(800, &|n| run(&machine, &Newmark { step: h(n), newton_steps: 1 }, start, drive(300.0), (h(n), n)).q);
     let verlet = order(800, &|n| run(&machine, &Verlet { step: h(n) }, start, drive(300.0), (h(n), n)).q);
@@ -279,9 +279,11 @@ fn observed_orders() {
     assert!((rk - 4.0).abs() < 0.1 && (newmark - 2.0).abs() < 0.05 && (verlet - 2.0).abs() < 0.05);
 }
 
-/// The largest stable step is w h = 2 for Verlet and 2 sqrt(2) for Runge-Kutta; Newmark has none.
+/// The largest stable step is w h = 2 for Verlet and 2.5865 for Runge-Kutta-Nystrom; Newmark has none.
 #[test]
 fn largest_stable_steps() {
+    // Where an eigenvalue of the step's matrix reaches -1.
+    const RUNGE_KUTTA_NYSTROM: f64 = 2.5865;
     let (machine, matrices) = elastic();
     let w = highest(&matrices, &whole_stiffness(&machine));
     let stays = |step: &dyn Fn(&mut RotorState<f64, 9, 2>) -> Status| {
@@ -293,7 +295,7 @@ fn largest_stable_steps() {
     };
     let still = drive(0.0);
     let verlet = |phase: f64| stays(&|s| Verlet { step: phase / w }.step(&machine, s, &still));
-    let rk = |phase: f64| stays(&|s| RungeKutta4 { step: phase / w }.step(&machine, s, &still));
+    let rk = |phase: f64| stays(&|s| RungeKuttaNystrom { step: phase / w }.step(&machine, s, &still));
     let newmark = |phase: f64| stays(&|s| Newmark { step: phase / w, newton_steps: 1 }.step(&machine, s, &still));
     let limit = |stays: &dyn Fn(f64) -> bool| {
         let (mut low, mut high) = (0.5, 4.0);
@@ -304,8 +306,8 @@ fn largest_stable_steps() {
         low
     };
     let (v, r) = (limit(&verlet), limit(&rk));
-    println!("largest stable w h: Verlet {v:.3} (theory 2), Runge-Kutta {r:.3} (theory {:.3})", 8_f64.sqrt());
-    assert!((v - 2.0).abs() < 0.01 && (r - 8_f64.sqrt()).abs() < 0.02);
+    println!("largest stable w h: Verlet {v:.3} (theory 2), Runge-Kutta-Nystrom {r:.3} (theory {RUNGE_KUTTA_NYSTROM})");
+    assert!((v - 2.0).abs() < 0.01 && (r - RUNGE_KUTTA_NYSTROM).abs() < 0.02);
     assert!(newmark(1.0) && newmark(100.0));
 }
 
@@ -371,9 +373,9 @@ fn attached_to_any_coordinates() {
     let h = 1e-5;
     let ends = |a: [f64; 5], b: [f64; 5]| {
         let start = RotorState::stationary(a, Phase::ZERO, [Phase::ZERO; 2]);
-        let mine = run(&machine, &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q;
+        let mine = run(&machine, &RungeKuttaNystrom { step: h }, start, drive(300.0), (h, 3000)).q;
         let start = RotorState::stationary(b, Phase::ZERO, [Phase::ZERO; 2]);
-        (mine, run(&rigid(), &RungeKutta4 { step: h }, start, drive(300.0), (h, 3000)).q)
+        (mine, run(&rigid(), &RungeKuttaNystrom { step: h }, start, drive(300.0), (h, 3000)).q)
     };
     let (mine, other) = ends([0.0; 5], [0.0; 5]);
     for i in 0..5 {

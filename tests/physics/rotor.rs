@@ -5,7 +5,7 @@ use ballrace::bearing::linear::Linear;
 use ballrace::bearing::{Bearing, ElementPositions, Mirrored};
 use ballrace::rotor::{
     BearingAtStation, ForceElement, Integrator, Newmark, RigidRotor, RotorBearingSystem, RotorParams, RotorState,
-    RungeKutta4, SecondOrderSystem, ShaftMotion, SpeedRatios, Unbalance, equilibrium,
+    RungeKuttaNystrom, SecondOrderSystem, ShaftMotion, SpeedRatios, Unbalance, equilibrium,
 };
 use ballrace::{Displacement, Exact, Phase, Status, Stiffness};
 use ballrace_tests::bearings::{angular_contact, deep_groove};
@@ -85,7 +85,7 @@ fn order_of_the_integrators() {
         let end = if newmark {
             run(&machine, &Newmark { step: h, newton_steps: 2 }, begin, drive(0.0), (h, count))
         } else {
-            run(&machine, &RungeKutta4 { step: h }, begin, drive(0.0), (h, count))
+            run(&machine, &RungeKuttaNystrom { step: h }, begin, drive(0.0), (h, count))
         };
         (end.q[0] - exact).abs()
     };
@@ -127,7 +127,7 @@ fn both_integrators_agree_on_the_rig() {
         if newmark {
             run(&machine, &Newmark { step: h, newton_steps: 3 }, start, drive(speed), (h, count)).q
         } else {
-            run(&machine, &RungeKutta4 { step: h }, start, drive(speed), (h, count)).q
+            run(&machine, &RungeKuttaNystrom { step: h }, start, drive(speed), (h, count)).q
         }
     };
     let (a, b) = (end(1e-5, false), end(2e-6, true));
@@ -180,7 +180,7 @@ fn gyroscopic_moment_has_the_right_sign() {
         RotorState::stationary(Displacement { thv: a, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
     state.velocity[3] = -forward * a;
     let count = 5_000;
-    let end = run(&machine, &RungeKutta4 { step: h }, state, drive(speed), (h, count));
+    let end = run(&machine, &RungeKuttaNystrom { step: h }, state, drive(speed), (h, count));
     let angle = forward * h * count as f64;
     assert!((end.q[4] - a * angle.cos()).abs() < 1e-4 * a, "{} {}", end.q[4], a * angle.cos());
     assert!((end.q[3] + a * angle.sin()).abs() < 1e-4 * a);
@@ -195,7 +195,7 @@ fn unbalance_and_its_couple() {
     let h = 1e-5;
     let count = 200_000;
     let start = RotorState::stationary(Displacement::default(), Phase::ZERO, [Phase::ZERO; 2]);
-    let end = run(&machine, &RungeKutta4 { step: h }, start, drive(speed), (h, count));
+    let end = run(&machine, &RungeKuttaNystrom { step: h }, start, drive(speed), (h, count));
     let angle = drive(speed).speed * h * count as f64;
     // (k - m w^2 + i c w) r = m e w^2 e^(i (angle + phase)), forward circular motion.
     let (re, im) = (2e7 - 6.0 * speed * speed, 400.0 * speed);
@@ -242,14 +242,14 @@ fn invalid_shaft_motion_holds_the_state() {
     for bad in [f64::NAN, f64::INFINITY] {
         let (mut a, mut b) = (start, start);
         let broken = ShaftMotion { speed: bad, ..drive(0.0) };
-        assert!(RungeKutta4 { step: 1e-5 }.step(&machine, &mut a, &broken).contains(Status::INPUT_NOT_FINITE));
+        assert!(RungeKuttaNystrom { step: 1e-5 }.step(&machine, &mut a, &broken).contains(Status::INPUT_NOT_FINITE));
         assert!(Newmark { step: 1e-5, newton_steps: 3 }.step(&machine, &mut b, &broken).is_held());
         assert_eq!((a.q, a.held_steps), (start.q, 1));
         assert_eq!((b.q, b.held_steps), (start.q, 1));
     }
     let mut state = start;
     state.q[0] = 1e300;
-    let status = RungeKutta4 { step: 1e-5 }.step(&machine, &mut state, &drive(1.0));
+    let status = RungeKuttaNystrom { step: 1e-5 }.step(&machine, &mut state, &drive(1.0));
     assert!(status.contains(Status::RESULT_NOT_FINITE));
 }
 

@@ -5,8 +5,8 @@
 
 use ballrace::bearing::linear::Linear;
 use ballrace::rotor::{
-    BearingAtStation, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKutta4, ShaftMotion,
-    SpeedRatios, Unbalance,
+    BearingAtStation, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState, RungeKuttaNystrom,
+    ShaftMotion, SpeedRatios, Unbalance,
 };
 use ballrace::{Displacement, Exact, Phase, Stiffness};
 use std::f64::consts::TAU;
@@ -46,7 +46,7 @@ fn response(
 ) -> (f64, f64) {
     let per_turn = 400;
     let step = TAU / speed / f64::from(per_turn);
-    let integrator = RungeKutta4 { step };
+    let integrator = RungeKuttaNystrom { step };
     let mut state = RotorState::stationary(Displacement::default(), Phase::ZERO, [Phase::ZERO; 2]);
     let turns = (12.0 / (DAMPING_RATIO * NATURAL) * speed / TAU).ceil() as i32;
     let (mut cos, mut sin) = (0.0, 0.0);

@@ -13,7 +13,7 @@ mod linear_system;
 mod moving_balls;
 mod newmark;
 mod rigid;
-mod runge_kutta;
+mod runge_kutta_nystrom;
 mod second_order;
 mod shaft_motion;
 mod solve;
@@ -28,7 +28,7 @@ pub use linear_system::{InvalidMatrix, LinearSystem, SystemMatrices};
 pub use moving_balls::{MovingBalls, MovingBallsParams};
 pub use newmark::Newmark;
 pub use rigid::{RigidRotor, RotorParams, Unbalance};
-pub use runge_kutta::RungeKutta4;
+pub use runge_kutta_nystrom::RungeKuttaNystrom;
 pub use second_order::SecondOrderSystem;
 pub use shaft_motion::ShaftMotion;
 pub use solve::solve;
@@ -48,7 +48,7 @@ use nalgebra::SMatrix;
 ///
 /// ```
 /// use ballrace::bearing::linear::Linear;
-/// use ballrace::rotor::{ShaftMotion, SpeedRatios, Integrator, RotorBearingSystem, BearingAtStation, RigidRotor, RotorParams, RotorState, RungeKutta4};
+/// use ballrace::rotor::{ShaftMotion, SpeedRatios, Integrator, RotorBearingSystem, BearingAtStation, RigidRotor, RotorParams, RotorState, RungeKuttaNystrom};
 /// use ballrace::{Displacement, Exact, Stiffness, Phase};
 ///
 /// let params = RotorParams {
@@ -71,7 +71,7 @@ use nalgebra::SMatrix;
 /// let half_period = std::f64::consts::PI / 2e6_f64.sqrt();
 /// let standing = ShaftMotion { angle: Phase::ZERO, speed: 0.0, acceleration: 0.0 };
 /// for _ in 0..100 {
-///     let status = RungeKutta4 { step: half_period / 100.0 }.step(&system, &mut state, &standing);
+///     let status = RungeKuttaNystrom { step: half_period / 100.0 }.step(&system, &mut state, &standing);
 ///     assert!(!status.is_held());
 /// }
 /// assert!((state.displacement().u + 1e-6).abs() < 1e-13);

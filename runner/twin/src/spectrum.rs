@@ -2,6 +2,7 @@
 //! by Welch's method with 50 % overlap.
 
 use crate::outcome::SpectraSettings;
+use crate::probes::Plane;
 use ballrace::math::Math;
 use ballrace::twin::{OrderSums, OrderVector, RevolutionBlock};
 use ballrace::{Exact, Phase};
@@ -77,30 +78,39 @@ pub(crate) fn line(samples: &[f64], phases: impl Iterator<Item = Phase>) -> Orde
     sums.close(block.close())
 }
 
-/// Averaged one-sided amplitude spectrum (peak amplitude of a sine) of several signals sampled together.
+/// Adds the power of a transform: the square of the amplitude at each bin.
+fn add_power(power: &mut [f64], bins: impl Iterator<Item = Complex<f64>>) {
+    for (sum, bin) in power.iter_mut().zip(bins) {
+        *sum += 4.0 * bin.norm_sqr();
+    }
+}
+
+/// Averaged one-sided amplitude spectra (peak amplitude of a sine) of measured and computed readings sampled together, of their difference,
+/// and full spectra of the motions in planes.
+///
+/// Only the readings are transformed: the transform of a difference, or of X and Y, is the same combination of their transforms.
 pub struct Welch {
     transform: WindowedTransform,
-    /// The last `LONGEST` samples of each signal.
+    planes: Vec<Plane>,
+    /// The last `LONGEST` samples of each signal: the measured readings, then the computed ones.
     pending: Vec<Vec<f64>>,
+    /// Power of the measured readings, of the computed ones and of their differences.
     power: Vec<Vec<f64>>,
-    /// Cross terms of pairs (x, y) for the full spectrum: power of the forward and of the reverse part.
-    pairs: Vec<(usize, usize)>,
-    forward: Vec<Vec<f64>>,
-    reverse: Vec<Vec<f64>>,
+    /// Power of the forward and of the reverse part of each plane, measured, then computed.
+    full: Vec<[Vec<f64>; 2]>,
     segments: f64,
 }
 
 impl Welch {
-    /// Creates the spectra of `signals` signals, of which `pairs` are X and Y of planes.
+    /// Creates the spectra of `probes` probes, of which some form `planes`.
     #[must_use]
-    pub fn new(signals: usize, pairs: Vec<(usize, usize)>) -> Self {
+    pub fn new(probes: usize, planes: Vec<Plane>) -> Self {
         let mut welch = Self {
             transform: WindowedTransform::new(LONGEST),
-            pending: vec![Vec::with_capacity(LONGEST); signals],
+            planes,
+            pending: vec![Vec::with_capacity(LONGEST); 2 * probes],
             power: vec![],
-            forward: vec![],
-            reverse: vec![],
-            pairs,
+            full: vec![],
             segments: 0.0,
         };
         welch.clear();
@@ -113,15 +123,14 @@ impl Welch {
 
     fn clear(&mut self) {
         let bins = self.length() / 2 + 1;
-        self.power = vec![vec![0.0; bins]; self.pending.len()];
-        self.forward = vec![vec![0.0; bins]; self.pairs.len()];
-        self.reverse = vec![vec![0.0; bins]; self.pairs.len()];
+        self.power = vec![vec![0.0; bins]; self.pending.len() / 2 * 3];
+        self.full = vec![[vec![0.0; bins], vec![0.0; bins]]; 2 * self.planes.len()];
     }
 
-    /// Adds one sample of all signals.
-    pub fn add(&mut self, values: impl Iterator<Item = f64>) {
-        for (pending, value) in self.pending.iter_mut().zip(values) {
-            pending.push(value);
+    /// Adds one sample: the measured readings, then the computed ones.
+    pub fn add(&mut self, signals: &[f64]) {
+        for (pending, value) in self.pending.iter_mut().zip(signals) {
+            pending.push(*value);
         }
         if self.pending.first().is_some_and(|p| p.len() >= self.length()) {
             self.segment();
@@ -141,14 +150,20 @@ impl Welch {
 
     fn segment(&mut self) {
         let spectra: Vec<Vec<Complex<f64>>> = self.pending.iter().map(|p| self.transform.bins(p)).collect();
+        let (measured, computed) = spectra.split_at(spectra.len() / 2);
         for (power, spectrum) in self.power.iter_mut().zip(&spectra) {
-            for (sum, bin) in power.iter_mut().zip(spectrum) {
-                *sum += 4.0 * bin.norm_sqr();
-            }
+            add_power(power, spectrum.iter().copied());
         }
-        for (&(x, y), (forward, reverse)) in self.pairs.iter().zip(self.forward.iter_mut().zip(&mut self.reverse)) {
-            let (Some(x), Some(y)) = (spectra.get(x), spectra.get(y)) else { continue };
-            for ((forward, reverse), power) in forward.iter_mut().zip(reverse).zip(circular_power(x, y)) {
+        let differences = measured.iter().zip(computed).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b));
+        for (power, difference) in self.power.iter_mut().skip(spectra.len()).zip(differences) {
+            add_power(power, difference);
+        }
+        let planes =
+            [measured, computed].into_iter().flat_map(|readings| self.planes.iter().map(move |p| (p, readings)));
+        for ((plane, readings), [forward, reverse]) in planes.zip(&mut self.full) {
+            let [Some(a), Some(b)] = plane.probes.map(|probe| readings.get(probe)) else { continue };
+            let (x, y): (Vec<_>, Vec<_>) = a.iter().zip(b).map(|(&a, &b)| plane.xy_from(a, b)).unzip();
+            for ((forward, reverse), power) in forward.iter_mut().zip(reverse).zip(circular_power(&x, &y)) {
                 *forward += power[0];
                 *reverse += power[1];
             }
@@ -183,16 +198,17 @@ impl Welch {
         power.iter().map(|p| (p / n).sqrt()).collect()
     }
 
-    /// Returns the amplitude spectrum of a signal.
+    /// Returns the amplitude spectrum of a signal: of the measured readings, then of the computed ones, then of their differences.
     #[must_use]
     pub fn half(&self, signal: usize) -> Vec<f64> {
         self.power.get(signal).map(|p| self.amplitudes(p)).unwrap_or_default()
     }
 
-    /// Returns the full spectrum of a pair, from the highest reverse to the highest forward frequency.
+    /// Returns the full spectrum of a plane, from the highest reverse to the highest forward frequency; measured planes come first, then
+    /// computed ones.
     #[must_use]
-    pub fn full(&self, pair: usize) -> Vec<f64> {
-        let (Some(forward), Some(reverse)) = (self.forward.get(pair), self.reverse.get(pair)) else { return vec![] };
+    pub fn full(&self, plane: usize) -> Vec<f64> {
+        let Some([forward, reverse]) = self.full.get(plane) else { return vec![] };
         let reverse = self.amplitudes(reverse).into_iter().skip(1).rev();
         reverse.chain(self.amplitudes(forward)).collect()
     }

@@ -5,8 +5,8 @@ use super::system::{OnHeap, array};
 use crate::scene::Method;
 use crate::simd::SimdDispatch;
 use ballrace::rotor::{
-    ComponentAngles, ForceElement, Integrator, Newmark, RotorBearingSystem, RotorState, RungeKutta4, SecondOrderSystem,
-    ShaftMotion, SteadyVerlet, Verlet,
+    ComponentAngles, ForceElement, Integrator, Newmark, RotorBearingSystem, RotorState, RungeKuttaNystrom,
+    SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
 };
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 
@@ -55,7 +55,7 @@ impl Integrator<f64> for Step {
     ) -> Status {
         let step = self.length;
         match self.method {
-            Method::RungeKutta => RungeKutta4 { step }.step(machine, state, drive),
+            Method::RungeKutta => RungeKuttaNystrom { step }.step(machine, state, drive),
             Method::Newmark { newton_steps } => Newmark { step, newton_steps }.step(machine, state, drive),
             Method::Verlet => Verlet { step }.step(machine, state, drive),
         }

@@ -1,6 +1,7 @@
 //! Planes of two radial probes: readings to X and Y.
 
 use crate::scene::{Direction, Probe};
+use std::ops::{Add, Mul};
 
 /// Two radial probes that are not parallel, at one station or at the same coordinates of a `[system]`, with the matrix from their
 /// readings to X and Y.
@@ -49,8 +50,8 @@ impl Plane {
 
     /// Returns X and Y from the readings of the two probes of the plane.
     #[must_use]
-    pub fn xy_from(&self, a: f64, b: f64) -> (f64, f64) {
-        let row = |r: [f64; 2]| r[0] * a + r[1] * b;
+    pub fn xy_from<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, a: T, b: T) -> (T, T) {
+        let row = |r: [f64; 2]| a * r[0] + b * r[1];
         (row(self.inverse[0]), row(self.inverse[1]))
     }
 }

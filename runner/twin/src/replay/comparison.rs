@@ -22,19 +22,11 @@ pub struct SampleReadings {
     pub twin: Vec<f64>,
     /// At the position of the twin on linear springs.
     pub linear: Vec<f64>,
-    /// X and Y of each plane, measured, then those of the twin, in the order of the spectra.
-    planes: Vec<f64>,
 }
 
 impl SampleReadings {
     /// Computes the readings of a sample from the coordinates of the twins. `measured` is absent where the sample is not compared.
-    pub fn evaluate(
-        &mut self,
-        measured: Option<&[f64]>,
-        [twin, linear]: [&[f64]; 2],
-        rows: &[Vec<f64>],
-        planes: &[Plane],
-    ) {
+    pub fn evaluate(&mut self, measured: Option<&[f64]>, [twin, linear]: [&[f64]; 2], rows: &[Vec<f64>]) {
         self.measured.clear();
         match measured {
             Some(measured) => self.measured.extend_from_slice(measured),
@@ -43,10 +35,6 @@ impl SampleReadings {
         for (readings, position) in [(&mut self.twin, twin), (&mut self.linear, linear)] {
             readings.clear();
             readings.extend(rows.iter().map(|row| reading(row, position)));
-        }
-        self.planes.clear();
-        for values in [&self.measured, &self.twin] {
-            self.planes.extend(planes.iter().flat_map(|p| <[f64; 2]>::from(p.xy(values))));
         }
     }
 
@@ -74,25 +62,24 @@ pub struct Comparison {
     probes: Vec<OneProbe>,
     /// Order tracking of measured, twin and residual of each probe.
     pub lines: Demodulator,
-    /// Spectra of the same signals, then of the planes.
+    /// Spectra of the same signals, and full spectra of the planes.
     pub spectra: Welch,
     /// Number of samples with a reading of every probe.
     pub compared: u64,
+    /// Measured readings of the current sample, then those of the twin.
     signals: Vec<f64>,
 }
 
 impl Comparison {
-    /// Creates the comparison of `probes` probes in `planes` planes.
+    /// Creates the comparison of `probes` probes, of which some form `planes`.
     #[must_use]
-    pub fn new(probes: usize, bearings: &[MountedBearing], planes: usize) -> Self {
-        let first_plane = 3 * probes;
-        let pairs = (0..2 * planes).map(|i| (first_plane + 2 * i, first_plane + 2 * i + 1)).collect();
+    pub fn new(probes: usize, bearings: &[MountedBearing], planes: Vec<Plane>) -> Self {
         Self {
             probes: vec![OneProbe::default(); probes],
-            lines: Demodulator::new(followed(bearings), 3 * probes),
-            spectra: Welch::new(first_plane + 4 * planes, pairs),
+            lines: Demodulator::with_differences(followed(bearings), probes),
+            spectra: Welch::new(probes, planes),
             compared: 0,
-            signals: Vec::with_capacity(3 * probes),
+            signals: Vec::with_capacity(2 * probes),
         }
     }
 
@@ -110,8 +97,7 @@ impl Comparison {
         self.signals.clear();
         self.signals.extend_from_slice(&readings.measured);
         self.signals.extend_from_slice(&readings.twin);
-        self.signals.extend(readings.measured.iter().zip(&readings.twin).map(|(y, x)| y - x));
-        self.spectra.add(self.signals.iter().chain(&readings.planes).copied());
+        self.spectra.add(&self.signals);
         self.lines.add(&self.signals, angles)
     }
 

@@ -1,6 +1,6 @@
 //! Force stage: the forces of the bearings at the measured displacement, at the observer's and at the twin's.
 
-use super::statistics::Running;
+use super::statistics::{Running, RunningTogether};
 use crate::outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
@@ -142,9 +142,9 @@ impl ForceStage {
 /// Forces of one bearing over the recording.
 pub struct BearingForces {
     held: LastValidWrench<f64>,
-    measured: [Running; 5],
-    twin: [Running; 5],
-    estimated: [Running; 5],
+    measured: RunningTogether<5>,
+    twin: RunningTogether<5>,
+    estimated: RunningTogether<5>,
     sigma: [Running; 5],
     contact_lost: u64,
     /// Number of samples with a force at the measured displacement.
@@ -208,14 +208,12 @@ impl BearingForces {
         self.evaluated += u64::from(!sample.status.is_held());
         self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
         self.held_samples += u64::from(sample.status.is_held());
-        for i in 0..5 {
-            self.twin[i].add(sample.twin[i]);
-            self.estimated[i].add(sample.estimated[i]);
-            if !sample.status.is_held() {
-                self.measured[i].add(sample.measured[i]);
-                if sample.sigma[i].is_finite() {
-                    self.sigma[i].add(sample.sigma[i]);
-                }
+        self.twin.add(&sample.twin);
+        self.estimated.add(&sample.estimated);
+        if !sample.status.is_held() {
+            self.measured.add(&sample.measured);
+            for (sum, sigma) in self.sigma.iter_mut().zip(sample.sigma).filter(|(_, sigma)| sigma.is_finite()) {
+                sum.add(sigma);
             }
         }
         self.add_element_loads(bearing, sample, cage);
@@ -226,7 +224,7 @@ impl BearingForces {
     /// Returns the shares of samples in which no element carries load, at the measured displacement and in the twin.
     #[must_use]
     pub fn unloaded_shares(&self) -> [f64; 2] {
-        let twin = self.twin.first().map_or(0.0, Running::count);
+        let twin = self.twin.of(0).count();
         [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }
 
@@ -235,7 +233,7 @@ impl BearingForces {
     fn add_element_loads(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) {
         let [loads, twin_loads] = &self.loads;
         for ((&load, &twin_load), azimuth) in loads.iter().zip(twin_loads).zip(bearing.azimuths(cage)) {
-            let bin = (azimuth.revolutions() * AZIMUTH_BINS as f64) as usize % AZIMUTH_BINS;
+            let bin = ((u128::from(azimuth.0) * AZIMUTH_BINS as u128) >> 64) as usize;
             let [measured, twin] = &mut self.around[bin];
             twin.add(twin_load);
             if !sample.status.is_held() {
@@ -247,7 +245,7 @@ impl BearingForces {
 
     /// Returns the outcome of the bearing.
     fn outcome(&self, bearing: &MountedBearing) -> BearingOutcome {
-        let figures = |running: &Running, sigma: Option<&Running>| ForceFigures {
+        let figures = |running: Running, sigma: Option<&Running>| ForceFigures {
             mean: running.mean(),
             min: running.extremes().0,
             max: running.extremes().1,
@@ -264,9 +262,9 @@ impl BearingForces {
                 inner_race: orders.inner_race,
                 ball_spin: bearing.kinematics.spin_known.then_some(orders.ball_spin),
             },
-            force_measured: std::array::from_fn(|i| figures(&self.measured[i], Some(&self.sigma[i]))),
-            force_estimated: std::array::from_fn(|i| figures(&self.estimated[i], None)),
-            force_twin: std::array::from_fn(|i| figures(&self.twin[i], None)),
+            force_measured: std::array::from_fn(|i| figures(self.measured.of(i), Some(&self.sigma[i]))),
+            force_estimated: std::array::from_fn(|i| figures(self.estimated.of(i), None)),
+            force_twin: std::array::from_fn(|i| figures(self.twin.of(i), None)),
             largest_element_load_n: self.largest,
             contact_lost_samples: self.contact_lost,
             held_samples: self.held_samples,

@@ -120,14 +120,17 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
 pub struct Demodulator<T: Scalar = f64, S: Accumulator<T> = f64> {
     lines: Vec<Line>,
     signals: usize,
+    /// Number of signals of the first half less those of the second, which are demodulated too: from the amplitudes, which are linear in
+    /// the signals.
+    differences: usize,
     block: RevolutionBlock<T, S>,
     /// Sums over the current block, line-major.
     sums: Vec<OrderSums<T, S>>,
     /// Signals of the current sample about their means, times the window.
     windowed: Vec<T>,
-    /// Amplitudes of cosine and sine in the last finished block.
+    /// Amplitudes of cosine and sine in the last finished block, line-major: of the signals, then of the differences.
     last: Vec<OrderVector<T>>,
-    /// Squared amplitudes summed over finished blocks.
+    /// Squared amplitudes of the same, summed over finished blocks.
     power: Vec<f64>,
     blocks: f64,
     /// Running means, subtracted before demodulation so that a large mean does not leak.
@@ -142,19 +145,35 @@ where
     /// Creates a demodulator of `signals` signals.
     #[must_use]
     pub fn new(lines: Vec<Line>, signals: usize) -> Self {
-        let cells = lines.len() * signals;
+        Self::of(lines, signals, 0)
+    }
+
+    /// Creates a demodulator of `pairs` signals, of as many others, and of the first less the others.
+    #[must_use]
+    pub fn with_differences(lines: Vec<Line>, pairs: usize) -> Self {
+        Self::of(lines, 2 * pairs, pairs)
+    }
+
+    fn of(lines: Vec<Line>, signals: usize, differences: usize) -> Self {
+        let results = lines.len() * (signals + differences);
         Self {
-            lines,
-            signals,
             block: RevolutionBlock::new(),
-            sums: vec![OrderSums::new(); cells],
+            sums: vec![OrderSums::new(); lines.len() * signals],
             windowed: vec![T::ZERO; signals],
-            last: vec![[T::ZERO; 2]; cells],
-            power: vec![0.0; cells],
+            last: vec![[T::ZERO; 2]; results],
+            power: vec![0.0; results],
             blocks: 0.0,
             means: vec![0.0; signals],
             samples: 0.0,
+            lines,
+            signals,
+            differences,
         }
+    }
+
+    /// Returns the number of results of a line.
+    const fn results(&self) -> usize {
+        self.signals + self.differences
     }
 
     /// Adds one sample of all signals; returns true where a block ends before it.
@@ -192,15 +211,27 @@ where
     fn close(&mut self) {
         let scale = self.block.close();
         let is_weighted = scale > T::ZERO;
-        for ((power, last), sums) in self.power.iter_mut().zip(&mut self.last).zip(&mut self.sums) {
-            let vector = sums.close(scale);
-            if is_weighted {
-                *last = vector;
+        let sums = self.sums.chunks_exact_mut(self.signals.max(1));
+        for (last, sums) in self.last.chunks_exact_mut(self.signals.max(1) + self.differences).zip(sums) {
+            let vectors = sums.iter_mut().map(|sums| sums.close(scale));
+            if !is_weighted {
+                vectors.for_each(drop);
+                continue;
+            }
+            let (signals, differences) = last.split_at_mut(self.signals);
+            signals.iter_mut().zip(vectors).for_each(|(last, vector)| *last = vector);
+            let (first, second) = signals.split_at(self.differences);
+            for (difference, ([c, s], [other_c, other_s])) in differences.iter_mut().zip(first.iter().zip(second)) {
+                *difference = [*c - *other_c, *s - *other_s];
+            }
+        }
+        if is_weighted {
+            for (power, vector) in self.power.iter_mut().zip(&self.last) {
                 let [cosine, sine] = vector.map(T::to_f64);
                 *power += cosine * cosine + sine * sine;
             }
+            self.blocks += 1.0;
         }
-        self.blocks += f64::from(u8::from(is_weighted));
     }
 
     /// Drops the unfinished block, because the shaft angle is interrupted.
@@ -216,16 +247,16 @@ where
         }
     }
 
-    /// Returns the amplitudes of cosine and sine of a line in every signal of the last finished block.
+    /// Returns the amplitudes of cosine and sine of a line in every signal, then in every difference, of the last finished block.
     #[must_use]
     pub fn block(&self, line: usize) -> &[[T; 2]] {
-        self.last.get(line * self.signals..(line + 1) * self.signals).unwrap_or_default()
+        self.last.get(line * self.results()..(line + 1) * self.results()).unwrap_or_default()
     }
 
-    /// Returns the amplitude (zero to peak) of a line in a signal.
+    /// Returns the amplitude (zero to peak) of a line in a signal; differences follow the signals.
     #[must_use]
     pub fn amplitude(&self, line: usize, signal: usize) -> f64 {
-        let power = self.power.get(line * self.signals + signal).copied().unwrap_or(0.0);
+        let power = self.power.get(line * self.results() + signal).copied().unwrap_or(0.0);
         if self.blocks > 0.0 { (power / self.blocks).sqrt() } else { 0.0 }
     }
 

@@ -172,7 +172,7 @@ impl<'a> Pipeline<'a> {
             cages: CageTracker::new(&plant),
             last_turns: None,
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
-            comparison: Comparison::new(probes.len(), bearings, planes.len()),
+            comparison: Comparison::new(probes.len(), bearings, planes.clone()),
             block: Block::default(),
             diagnosed: None,
             running_diagnosis: options.live.then(|| {
@@ -418,7 +418,7 @@ impl<'a> Pipeline<'a> {
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
         let twins = [self.twin.coordinates(), self.twin.linear_coordinates()];
-        self.sample_readings.evaluate(readings, twins, &self.rows, &self.planes);
+        self.sample_readings.evaluate(readings, twins, &self.rows);
         let processed = ProcessedSample { sample, status, revolutions: interval.revolutions, displacements };
         self.compare(&processed);
         self.timing.passed(Stage::Comparison, &mut clock);

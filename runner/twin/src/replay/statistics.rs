@@ -118,7 +118,7 @@ impl MotionSums {
 }
 
 /// Mean, extremes and mean square of a quantity.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Running {
     n: f64,
     sum: f64,
@@ -127,17 +127,20 @@ pub struct Running {
     square: f64,
 }
 
+impl Default for Running {
+    fn default() -> Self {
+        RunningTogether::<1>::default().of(0)
+    }
+}
+
 impl Running {
     /// Adds a value.
     pub fn add(&mut self, x: f64) {
-        if self.n == 0.0 {
-            (self.min, self.max) = (x, x);
-        }
         self.n += 1.0;
         self.sum += x;
         self.square += x * x;
-        self.min = self.min.min(x);
-        self.max = self.max.max(x);
+        self.min = smaller(x, self.min);
+        self.max = larger(x, self.max);
     }
 
     /// Returns the number of values.
@@ -158,9 +161,55 @@ impl Running {
         (self.square / self.n.max(1.0)).sqrt()
     }
 
-    /// Returns the smallest and the largest value.
+    /// Returns the smallest and the largest value; 0 without values.
     #[must_use]
     pub fn extremes(&self) -> (f64, f64) {
-        (self.min, self.max)
+        if self.n > 0.0 { (self.min, self.max) } else { (0.0, 0.0) }
+    }
+}
+
+/// Returns the smaller of two numbers, the second where either is NaN: one instruction, unlike `f64::min`.
+const fn smaller(x: f64, than: f64) -> f64 {
+    if x < than { x } else { than }
+}
+
+/// Returns the larger of two numbers, the second where either is NaN.
+const fn larger(x: f64, than: f64) -> f64 {
+    if x > than { x } else { than }
+}
+
+/// [`Running`] of `K` quantities with a value in the same samples, side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct RunningTogether<const K: usize> {
+    n: f64,
+    sum: [f64; K],
+    min: [f64; K],
+    max: [f64; K],
+    square: [f64; K],
+}
+
+impl<const K: usize> Default for RunningTogether<K> {
+    fn default() -> Self {
+        let zero = [0.0; K];
+        Self { n: 0.0, sum: zero, min: [f64::INFINITY; K], max: [f64::NEG_INFINITY; K], square: zero }
+    }
+}
+
+impl<const K: usize> RunningTogether<K> {
+    /// Adds a value of each.
+    pub fn add(&mut self, x: &[f64; K]) {
+        self.n += 1.0;
+        for i in 0..K {
+            self.sum[i] += x[i];
+            self.square[i] += x[i] * x[i];
+            self.min[i] = smaller(x[i], self.min[i]);
+            self.max[i] = larger(x[i], self.max[i]);
+        }
+    }
+
+    /// Returns the quantity `i`, below `K`.
+    #[must_use]
+    pub const fn of(&self, i: usize) -> Running {
+        Running { n: self.n, sum: self.sum[i], min: self.min[i], max: self.max[i], square: self.square[i] }
     }
 }

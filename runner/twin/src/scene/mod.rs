@@ -149,7 +149,7 @@ pub struct Integration {
 /// `method`
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// `"runge-kutta"`: order 4, four evaluations a step
+    /// `"runge-kutta"`: the method of Nystrom, order 4, three evaluations a step
     RungeKutta,
     /// `"newmark"`: implicit, stable at any step
     Newmark {

@@ -15,7 +15,7 @@ use ballrace::bearing::{
 };
 use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::phase::SpeedRatio;
-use ballrace::rotor::{Integrator, Newmark, RotorState, RungeKutta4, ShaftMotion};
+use ballrace::rotor::{Integrator, Newmark, RotorState, RungeKuttaNystrom, ShaftMotion};
 use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Math, Phase, Stiffness};
 use rig::{Ball, CAGE_RATIO, Rig, machine};
 
@@ -238,7 +238,7 @@ impl Subjects {
     fn take_steps(&mut self, sample: &Sample, speed: f32) {
         let drive = ShaftMotion { angle: sample.shaft, speed, acceleration: 0.0 };
         let (state, sum) = &mut self.runge_kutta;
-        let status = RungeKutta4 { step: STEP }.step(&self.machine, state, &drive);
+        let status = RungeKuttaNystrom { step: STEP }.step(&self.machine, state, &drive);
         let twin = state.q;
         sum.add(twin);
         sum.add_bits(u32::from(status.bits()));

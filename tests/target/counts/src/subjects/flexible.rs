@@ -7,7 +7,7 @@ use ballrace::bearing::evenly_spaced;
 use ballrace::bearing::geometry::InvalidParameter;
 use ballrace::rotor::{
     AttachedBearing, Attachment, ForceElement, InvalidMatrix, LinearSystem, RotorBearingSystem, RotorState,
-    RungeKutta4, SecondOrderSystem, ShaftMotion, SpeedRatios, SystemMatrices, Verlet,
+    RungeKuttaNystrom, SecondOrderSystem, ShaftMotion, SpeedRatios, SystemMatrices, Verlet,
 };
 use ballrace::twin::{Estimate, Observer, ObserverState, SpeedGain};
 use ballrace::{Exact, Phase};
@@ -33,7 +33,7 @@ pub fn all(bench: &Bench) {
 #[inline(never)]
 fn integrators<const D: usize>(bench: &Bench, what: &'static str) {
     let Ok(rig) = black_box(flexible_rig::<D>()) else { return };
-    steps(bench, (what, "f32", "Runge-Kutta 4 step"), &rig, &RungeKutta4 { step: STEP });
+    steps(bench, (what, "f32", "Runge-Kutta 4 step"), &rig, &RungeKuttaNystrom { step: STEP });
     steps(bench, (what, "f32", "Verlet step"), &rig, &Verlet { step: STEP });
     steady_steps(bench, (what, "f32"), &rig, Verlet { step: STEP });
 }

@@ -19,7 +19,7 @@ use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
 use ballrace::rotor::{
     AttachedBearing, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls, Newmark, RigidRotor,
-    RotorBearingSystem, RotorState, RungeKutta4, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
+    RotorBearingSystem, RotorState, RungeKuttaNystrom, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
 };
 use ballrace::twin::{Envelope, ForceOrderTracker, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
 use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Stiffness, Wrench};
@@ -78,7 +78,7 @@ fn lumped<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>() {
 
 fn steps<T: Scalar, R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize>() {
     let (machine, mut state, drive): (RotorBearingSystem<R, C, 2>, RotorState<T, D, 2>, ShaftMotion<T>) = given();
-    black_box(given::<RungeKutta4<T>>().step(&machine, &mut state, &drive));
+    black_box(given::<RungeKuttaNystrom<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Newmark<T>>().step(&machine, &mut state, &drive));
     black_box(given::<Verlet<T>>().step(&machine, &mut state, &drive));
     black_box(given::<SteadyVerlet<T, D>>().step(&machine, &mut state, &drive));
