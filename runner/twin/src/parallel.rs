@@ -1,9 +1,8 @@
 //! Independent pieces of work on all processors.
 
 use std::cell::Cell;
-use std::sync::Mutex;
-use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread::Builder;
 
 thread_local! {
@@ -24,11 +23,15 @@ pub fn on_this_thread<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
+/// Returns the number of processors for the work of this thread.
+fn processors() -> usize {
+    if IS_ONE_OF_MANY.get() { 1 } else { std::thread::available_parallelism().map_or(1, usize::from) }
+}
+
 /// Returns `of` of each item, in their order, computed on all processors; on this thread alone within [`on_this_thread`] and within
 /// another call of this function. A panic of `of` is one of this function.
 pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = if IS_ONE_OF_MANY.get() { 1 } else { processors().min(items.len()) };
+    let threads = processors().min(items.len());
     if threads <= 1 {
         return items.iter().map(of).collect();
     }
@@ -56,6 +59,61 @@ pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R>
     let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     results.sort_by_key(|(i, _)| *i);
     results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Items that [`chain`] hands over together, so that the threads seldom wait for each other.
+const BATCH: usize = 256;
+/// Batches that wait between the two steps of [`chain`].
+const BATCHES_WAITING: usize = 2;
+
+/// Passes the items that `first` returns, until it returns none, to `second`, in their order: on another thread where there is a processor
+/// for it. `first` receives an item that `second` has had, where there is one, for its memory.
+///
+/// # Errors
+/// The first error of either step, after which both end; a thread that cannot be started.
+pub fn chain<T: Send, E: Send + From<std::io::Error>>(
+    mut first: impl FnMut(Option<T>) -> Result<Option<T>, E>,
+    mut second: impl FnMut(&T) -> Result<(), E> + Send,
+) -> Result<(), E> {
+    if processors() == 1 {
+        let mut used = None;
+        while let Some(item) = first(used.take())? {
+            second(&item)?;
+            used = Some(item);
+        }
+        return Ok(());
+    }
+    let (sender, batches) = mpsc::sync_channel::<Vec<T>>(BATCHES_WAITING);
+    let (used_sender, used_batches) = mpsc::channel::<Vec<T>>();
+    std::thread::scope(|scope| {
+        let other = Builder::new().name("chain".to_owned()).spawn_scoped(scope, move || {
+            for batch in batches {
+                batch.iter().try_for_each(&mut second)?;
+                // The other thread may have ended.
+                let _ = used_sender.send(batch);
+            }
+            Ok(())
+        })?;
+        let (mut used, mut batch, mut failed) = (Vec::new(), Vec::with_capacity(BATCH), Ok(()));
+        loop {
+            let next = first(used.pop());
+            let is_last = !matches!(next, Ok(Some(_)));
+            match next {
+                Ok(item) => batch.extend(item),
+                Err(error) => failed = Err(error),
+            }
+            if batch.len() == BATCH || is_last {
+                // Fails where the other thread has failed.
+                let sent = sender.send(std::mem::replace(&mut batch, Vec::with_capacity(BATCH)));
+                if is_last || sent.is_err() {
+                    break;
+                }
+                used.extend(used_batches.try_iter().flatten());
+            }
+        }
+        drop(sender);
+        other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)).and(failed)
+    })
 }
 
 /// Indices that a thread takes at a time in [`of_indices`]: much more work than its start.

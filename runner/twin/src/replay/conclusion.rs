@@ -6,6 +6,7 @@ use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
 use super::{list, observe, plausibility, verdict};
 use crate::campbell;
+use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, DiagnosisInput};
 use crate::error::{ReplayError, Result};
 use crate::outcome::{
@@ -37,10 +38,10 @@ impl Pipeline<'_> {
     /// Adds the slips of the cages that the observer followed; returns notes on them.
     fn follow_up(&self, outcome: &mut DiagnosisOutcome) -> Vec<String> {
         let mut notes = vec![];
-        if self.totals.speed().count() as usize <= outcome.samples {
+        if self.evaluation.totals.speed().count() as usize <= outcome.samples {
             return notes;
         }
-        let tracker = &self.cages;
+        let tracker = &self.follower.cages;
         for ((cage, slips), &is_followed) in outcome.cages.iter_mut().zip(tracker.slips()).zip(tracker.followed()) {
             let Some(slips) = slips.map(|slips| slips.map(|slip| 100.0 * slip)) else { continue };
             let (name, [low, high]) = (&cage.bearing, slips);
@@ -61,32 +62,32 @@ impl Pipeline<'_> {
     /// # Errors
     /// A recording without a sample, an output that cannot be written.
     pub(super) fn conclude(mut self, scene: &Scene, mut facts: RecordingFacts) -> Result<Outcome> {
-        facts.flaws.extend(self.range.flaws().summary());
-        if let Some(file) = self.forces_file.take()
+        facts.flaws.extend(self.follower.range.flaws().summary());
+        if let Some(file) = self.evaluation.forces_file.take()
             && let Err(error) = file.finish()
         {
-            self.drop_forces_file(error, self.totals.last_time)?;
+            self.evaluation.drop_forces_file(error, self.evaluation.totals.last_time)?;
         }
-        if self.totals.speed().count() == 0.0 {
+        if self.evaluation.totals.speed().count() == 0.0 {
             return self.conclude_at_standstill(scene, facts);
         }
         let mut vibration = self.evaluate_vibration(scene)?;
-        self.comparison.finish();
+        self.evaluation.comparison.finish();
         let bearings = self.plant.bearings.as_slice();
-        let mean_speed = self.totals.speed().mean();
+        let mean_speed = self.evaluation.totals.speed().mean();
         let speed_hz = mean_speed.abs() / TAU;
-        let mut probes = self.comparison.outcomes(self.probes, bearings, speed_hz);
-        let samples = std::mem::take(&mut self.block).into_samples();
+        let mut probes = self.evaluation.comparison.outcomes(self.probes, bearings, speed_hz);
+        let samples = self.evaluation.block.take().map(Block::into_samples).unwrap_or_default();
         let mut implausible = implausible(&Evidence {
             scene,
             rate_hz: self.rate,
             collected: &self.collected,
-            limits: Some(self.range.limits()),
+            limits: Some(self.follower.range.limits()),
             rotation: None,
             samples: &samples,
         });
         if implausible.is_empty() {
-            implausible = plausibility::unlike_twin(&probes, self.force.bearings(), bearings);
+            implausible = plausibility::unlike_twin(&probes, self.evaluation.force.bearings(), bearings);
         }
         let mut overridden = std::mem::take(&mut self.overridden);
         if self.force_diagnosis {
@@ -95,7 +96,7 @@ impl Pipeline<'_> {
             overridden.extend(new);
         }
         self.notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
-        let mut not_judged = self.counts.not_judged(self.comparison.compared);
+        let mut not_judged = self.evaluation.counts.not_judged(self.evaluation.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let material = DiagnosisInput {
             scene,
@@ -111,7 +112,7 @@ impl Pipeline<'_> {
             Some(known) => Some(known),
             None if !is_judged || undiagnosed.is_some() => None,
             // A monitor that is stopped ends with its last diagnosis.
-            None if self.startup.is_cancelled() => {
+            None if self.follower.startup.is_cancelled() => {
                 match self.running_diagnosis.as_mut().and_then(RunningDiagnosis::take) {
                     Some((diagnosis, time)) => {
                         self.notes.push(format!(
@@ -131,16 +132,16 @@ impl Pipeline<'_> {
                 made
             }
         };
-        self.timing.diagnosed(begun.elapsed());
+        self.evaluation.timing.diagnosed(begun.elapsed());
         let mut diagnosed = diagnosed.filter(|_| is_judged);
         if let Some(diagnosis) = &mut diagnosed {
             diagnosis.notes.extend(self.follow_up(&mut diagnosis.outcome));
         }
         let (mut diagnoses, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.diagnoses.clone(), d.notes.clone()));
-        let mut learned = self.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        let mut learned = self.evaluation.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
         learned.calibration.clone_from(&self.calibration);
-        learned.synchronised = self.is_synchronised();
+        learned.synchronised = self.follower.is_synchronised();
         learned.set_faults(&diagnoses);
         if let Some(baseline) = &self.baseline {
             let (known, new) = diagnoses.into_iter().partition(|diagnosis| baseline.contains_fault(diagnosis));
@@ -166,35 +167,36 @@ impl Pipeline<'_> {
                 not_judged.push(reason);
             }
         }
-        let observer = self.observer.outcome();
+        let observer = self.follower.observer.outcome();
         let twin = self.compared_twin();
         let mut notes = std::mem::take(&mut self.notes);
+        notes.append(&mut self.evaluation.notes);
         notes.extend(self.closing_notes());
         notes.extend(diagnosis_notes);
         let undiagnosed = undiagnosed.filter(|_| diagnosed.is_none() && is_judged);
         notes.extend(undiagnosed.as_ref().map(|reason| format!("The shaft motion is not diagnosed: {reason}.")));
         notes.extend(observer.as_ref().map(observe::sentence));
-        let limits = self.limits.lines();
-        notes.extend(self.limits.note());
-        let events = self.limits.finish();
+        let limits = self.evaluation.limits.lines();
+        notes.extend(self.evaluation.limits.note());
+        let events = self.evaluation.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let mut pictures = self.figures.finish(&self.comparison, self.force.bearings(), bearings, self.rate, speed_hz);
+        let mut pictures = self.evaluation.figures.finish(&self.evaluation.comparison, self.evaluation.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
         pictures.natural_frequencies = natural_frequencies(&self.plant, mean_speed);
         pictures.envelopes = vibration.envelopes;
-        let deflection = self.deflection.as_ref();
+        let deflection = self.evaluation.deflection.as_ref();
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
             samples: facts.rows,
-            compared: self.comparison.compared,
+            compared: self.evaluation.comparison.compared,
             rate_hz: self.rate,
             angle_source: facts.angle_source,
             is_run_out_subtracted: facts.is_run_out_subtracted,
             load: load(scene),
-            spectra: self.comparison.spectra.settings(self.rate),
-            ..self.totals.record()
+            spectra: self.evaluation.comparison.spectra.settings(self.rate),
+            ..self.evaluation.totals.record()
         };
         list::fill(&mut probes, &pictures.blocks, record.speed_changes());
         Ok(Outcome {
@@ -207,7 +209,7 @@ impl Pipeline<'_> {
                 &implausible,
                 &not_judged,
                 undiagnosed.as_deref(),
-                self.counts.out_of_range(),
+                self.evaluation.counts.out_of_range(),
             ),
             implausible,
             not_judged,
@@ -215,12 +217,12 @@ impl Pipeline<'_> {
             snapshot_trends: vec![],
             record,
             planes: list::planes(&self.planes, &pictures, mean_speed.signum()),
-            observation: self.location.observation().clone(),
+            observation: self.follower.location.observation().clone(),
             twin,
             probes,
             rotor: self.plant.rotor_outcome(scene),
-            bearings: self.force.outcomes(bearings),
-            timing: self.timing.finish(),
+            bearings: self.evaluation.force.outcomes(bearings),
+            timing: self.evaluation.timing.finish(),
             observer,
             diagnoses,
             diagnosis: diagnosed.map(|d| d.outcome),
@@ -235,12 +237,12 @@ impl Pipeline<'_> {
 
     /// Returns the twin that the readings are compared with.
     fn compared_twin(&self) -> ComparedTwin {
-        let spread = self.spread.map(|spread| TwinSpread {
+        let spread = self.follower.spread.map(|spread| TwinSpread {
             probe: self.probes[spread.probe].column.clone(),
             difference_um: 1e6 * spread.difference,
             time_s: spread.time,
         });
-        ComparedTwin { synchronised: self.is_synchronised(), spread }
+        ComparedTwin { synchronised: self.follower.is_synchronised(), spread }
     }
 
     /// Evaluates the signals of the vibration sensors, with a note where they have no verdict.
@@ -263,7 +265,7 @@ impl Pipeline<'_> {
                 scene,
                 rate_hz: self.rate,
                 collected: &self.collected,
-                limits: Some(self.range.limits()),
+                limits: Some(self.follower.range.limits()),
                 rotation: Some(speed),
                 samples: &[],
             })
@@ -272,20 +274,21 @@ impl Pipeline<'_> {
         let outcome = self.standstill.outcome(Measured {
             implausible,
             probes: self.probes,
-            bearings: self.force.outcomes(&self.plant.bearings),
-            observation: self.location.observation().clone(),
+            bearings: self.evaluation.force.outcomes(&self.plant.bearings),
+            observation: self.follower.location.observation().clone(),
             rows: facts.rows,
             rate: self.rate,
             angle_source: facts.angle_source,
             load: load(scene),
-            timing: self.timing.finish(),
+            timing: self.evaluation.timing.finish(),
         });
-        let limits_note = self.limits.note();
-        let events = self.limits.finish();
+        let limits_note = self.evaluation.limits.note();
+        let events = self.evaluation.limits.finish();
         let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
         let mut notes = outcome.notes;
         notes.extend(vibration.notes);
         notes.extend(self.notes);
+        notes.extend(self.evaluation.notes);
         notes.extend(limits_note);
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         Ok(Outcome {
@@ -306,23 +309,23 @@ impl Pipeline<'_> {
     /// Returns notes on the assumptions and restrictions of the outcome.
     fn closing_notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.standstill.note().into_iter().collect();
-        let speed = self.totals.speed();
+        let speed = self.evaluation.totals.speed();
         let (slow, fast) = speed.extremes();
         if (fast - slow).abs() > 0.05 * speed.mean().abs() {
             notes.push(
                 "The speed changes by more than 5 %: spectra in Hz smear; 1X and ball-pass figures follow the shaft and do not.".to_owned(),
             );
         }
-        notes.extend(self.alignment.note(self.rate));
-        notes.extend(self.location.note().map(str::to_owned));
+        notes.extend(self.follower.alignment.note(self.rate));
+        notes.extend(self.follower.location.note().map(str::to_owned));
         if self.probes.iter().any(|p| p.noise.is_none()) {
             notes.push(
                 "Not every probe has its noise in the scene (noise = \"0.03 um\"): forces come without a noise band."
                     .to_owned(),
             );
         }
-        notes.extend(self.twin.notes());
-        if self.comparison.compared == 0 {
+        notes.extend(self.follower.twin.notes());
+        if self.evaluation.comparison.compared == 0 {
             notes
                 .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }

@@ -107,20 +107,19 @@ impl ForceStage {
 
     /// Adds the forces of bearing `i` to its sums; returns the forces and the load on element 1.
     ///
-    /// The noise band is computed where `noise` contains the probes and a function that returns the change of the displacement per
-    /// metre of the reading of each.
+    /// The noise band is computed where `noise` contains the probes and the change of the displacement per metre of the reading of each.
     pub(super) fn accumulate(
         &mut self,
         i: usize,
         bearing: &MountedBearing,
         displacements: &Displacements,
         at: &BearingKinematicState<f64>,
-        noise: Option<(&[Probe], impl Fn(usize) -> Displacement<f64>)>,
+        noise: Option<(&[Probe], &[Displacement<f64>])>,
     ) -> Option<(&EvaluatedForce, f64)> {
         let (force, forces) = (self.evaluated.get_mut(i)?, self.bearings.get_mut(i)?);
-        if let Some((probes, column)) = noise
+        if let Some(noise) = noise
             && !force.status.is_held()
-            && let Some(sigma) = noise_band(bearing, probes, column, &displacements.measured, at)
+            && let Some(sigma) = noise_band(bearing, noise, &displacements.measured, at)
         {
             force.sigma = sigma;
         }
@@ -284,23 +283,22 @@ pub fn element_loads(
     bearing.azimuths(at.cage).map(Phase::radians).zip(loads).collect()
 }
 
-/// Returns the standard deviation of the force due to independent probe noise; `column` is the change of the displacement per metre of
-/// the reading of a probe. None where the noise of a probe is not given.
+/// Returns the standard deviation of the force due to independent probe noise; `columns` are the changes of the displacement per metre of
+/// the reading of each probe. None where the noise of a probe is not given.
 ///
 /// Each reading is moved by one standard deviation either way, and the larger change counts, so that the band also holds at the
 /// edge of contact, where the tangent is zero on one side.
 fn noise_band(
     bearing: &MountedBearing,
-    probes: &[Probe],
-    column: impl Fn(usize) -> Displacement<f64>,
+    (probes, columns): (&[Probe], &[Displacement<f64>]),
     displacement: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
 ) -> Option<[f64; 5]> {
     let here = force_at(bearing, displacement, at);
     let mut variance = [0.0; 5];
-    for (i, probe) in probes.iter().enumerate() {
+    for (probe, column) in probes.iter().zip(columns) {
         let noise = probe.noise?;
-        let column = column(i).to_array();
+        let column = column.to_array();
         let moved = |sign: f64| {
             let mut q = displacement.to_array();
             for (x, c) in q.iter_mut().zip(column) {

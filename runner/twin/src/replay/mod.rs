@@ -9,7 +9,9 @@ mod ahead;
 
 // A row becomes a sample with a shaft angle.
 mod session;
-// The stages, called in this order.
+// The stages, called in this order: those up to the observer, and those behind it.
+mod evaluate;
+mod follow;
 mod pipeline;
 
 // Readings before the sample waits for the twin.
@@ -80,8 +82,8 @@ use ahead::Ahead;
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of rows between two calls of the progress function.
-const PROGRESS_ROWS: u64 = 4096;
+/// Number of rows that are processed together; the progress function is called once for them.
+const WORK_ROWS: u64 = 4096;
 
 /// Opens the recording of a scene, or the recording `file` with the columns of the scene; returns its reader and its path.
 ///
@@ -165,13 +167,13 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
             None => {}
         }
         replay.push(row)?;
-        replay.work(None)?;
         row = replay.blank();
-        if replay.rows() % PROGRESS_ROWS == 0
-            && let Some(progress) = options.progress
-        {
-            let (read, total) = reader.progress();
-            progress(Progress::Read(read, total));
+        if replay.rows() % WORK_ROWS == 0 {
+            replay.work(None)?;
+            if let Some(progress) = options.progress {
+                let (read, total) = reader.progress();
+                progress(Progress::Read(read, total));
+            }
         }
     }
     replay.add_notes(reader.notes());

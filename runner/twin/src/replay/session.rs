@@ -139,13 +139,13 @@ impl<'a> Replay<'a> {
     /// Returns true once the twin has started.
     #[must_use]
     pub const fn has_started(&self) -> bool {
-        self.pipeline.startup.is_done() && self.pipeline.twin.has_run()
+        self.pipeline.follower.startup.is_done() && self.pipeline.follower.twin.has_run()
     }
 
     /// Returns true during the search for the observer and the run-in of the twin.
     #[must_use]
     pub const fn is_searching(&self) -> bool {
-        self.pipeline.startup.is_starting()
+        self.pipeline.follower.startup.is_starting()
     }
 
     /// Returns true where no sample waits for the twin.
@@ -157,12 +157,12 @@ impl<'a> Replay<'a> {
     /// Returns the number of samples that wait for the twin.
     #[must_use]
     pub fn waiting(&self) -> usize {
-        self.pipeline.startup.waiting()
+        self.pipeline.follower.startup.waiting()
     }
 
     /// Cancels the search for the observer and the run-in of the twin: it starts without an observer, at rest.
     pub fn cancel_search(&self) {
-        self.pipeline.startup.cancel();
+        self.pipeline.follower.startup.cancel();
     }
 
     /// Discards the samples that wait for the twin; their readings have been evaluated.
@@ -218,7 +218,7 @@ impl<'a> Replay<'a> {
     /// Returns the present value of every limited indicator.
     #[must_use]
     pub fn limit_status(&self) -> Vec<LimitStatus> {
-        self.pipeline.limits.status()
+        self.pipeline.evaluation.limits.status()
     }
 
     /// Returns the faults of the last diagnoses, from which another process can continue.
@@ -238,25 +238,26 @@ impl<'a> Replay<'a> {
         Update {
             seconds: self.pipeline.take_ended_seconds(),
             preliminary,
-            events: self.pipeline.limits.take_events(),
-            notices: self.pipeline.notices.take(),
+            events: self.pipeline.evaluation.limits.take_events(),
+            notices: self.pipeline.take_notices(),
         }
     }
 
     /// Continues with the limits in the state of an earlier process.
     pub fn restore_limits(&mut self, state: &LimitState) {
-        self.pipeline.limits.restore(state);
+        self.pipeline.evaluation.limits.restore(state);
     }
 
     /// Returns the state of the limits after the events that [`Replay::take_update`] returned.
     #[must_use]
     pub fn limit_state(&self) -> Option<LimitState> {
-        self.pipeline.limits.state()
+        self.pipeline.evaluation.limits.state()
     }
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: DiagnosisResult) {
         self.pipeline.diagnosed = Some(diagnosis);
+        self.pipeline.evaluation.block = None;
     }
 
     /// Follows the cages from the angles of the scene, where a diagnosis has found them: beyond the samples of that diagnosis, whose
@@ -265,13 +266,13 @@ impl<'a> Replay<'a> {
         let can_be_followed = |b: usize| self.scene.bearings.get(b).is_some_and(CageTracker::can_follow);
         let observable = cages.iter().enumerate().filter(|(_, cage)| cage.observable);
         for b in observable.map(|(b, _)| b).filter(|b| can_be_followed(*b)).collect::<Vec<_>>() {
-            self.pipeline.cages.follow(b);
+            self.pipeline.follower.cages.follow(b);
         }
     }
 
     /// Adds the time of calibration and diagnosis before the first sample.
     pub(super) fn add_diagnosis_time(&mut self, took: Duration) {
-        self.pipeline.timing.diagnosed(took);
+        self.pipeline.evaluation.timing.diagnosed(took);
     }
 
     /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.

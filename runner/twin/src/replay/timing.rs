@@ -21,8 +21,39 @@ pub enum Stage {
     Comparison,
 }
 
-/// Clock of the stages of one sample; stopped at samples that are not timed.
-pub struct StageClock(Option<Instant>);
+/// Clock of the stages of one sample, which runs at every 61st.
+#[derive(Debug, Clone, Copy)]
+pub struct StageClock(Option<RunningClock>);
+
+#[derive(Debug, Clone, Copy)]
+struct RunningClock {
+    since: Instant,
+    /// Time of each [`Stage`].
+    stages: [Duration; 4],
+}
+
+impl StageClock {
+    /// Starts the clock of the sample `index`.
+    #[must_use]
+    pub fn of(index: u64) -> Self {
+        let is_timed = index.is_multiple_of(STAGE_DECIMATION);
+        Self(is_timed.then(|| RunningClock { since: Instant::now(), stages: [Duration::ZERO; 4] }))
+    }
+
+    /// Adds the time since the last call to `stage`.
+    pub fn passed(&mut self, stage: Stage) {
+        if let Some(clock) = &mut self.0 {
+            let now = Instant::now();
+            clock.stages[stage as usize] += now.duration_since(std::mem::replace(&mut clock.since, now));
+        }
+    }
+
+    /// Returns the clock with the time so far, running from now.
+    #[must_use]
+    pub fn resumed(self) -> Self {
+        Self(self.0.map(|clock| RunningClock { since: Instant::now(), ..clock }))
+    }
+}
 
 /// Compute times of one replay.
 pub struct Ledger {
@@ -64,32 +95,26 @@ impl Ledger {
         })
     }
 
-    /// Marks the start of the work on the sample at `time` (s).
-    pub fn sample(&mut self, time: f64) {
+    /// Adds the sample at `time` (s), on which work has begun.
+    pub fn sample(&mut self, time: f64, begun: Instant) {
         if self.start.is_none() {
-            (self.start, self.first) = (Some(Instant::now()), time);
+            (self.start, self.first) = (Some(begun), time);
         }
         self.last = time;
     }
 
-    /// Starts the clock of the stages of the sample `index`.
-    pub fn stages_of(&mut self, index: u64) -> StageClock {
-        let is_timed = index.is_multiple_of(STAGE_DECIMATION);
-        self.timed += u64::from(is_timed);
-        StageClock(is_timed.then(Instant::now))
-    }
-
-    /// Adds the time since the last call to `stage`.
-    pub fn passed(&mut self, stage: Stage, clock: &mut StageClock) {
-        if let Some(since) = &mut clock.0 {
-            let now = Instant::now();
-            self.stages[stage as usize] += now.duration_since(std::mem::replace(since, now));
+    /// Adds the times of the stages of a sample.
+    pub fn add(&mut self, clock: StageClock) {
+        let Some(clock) = clock.0 else { return };
+        self.timed += 1;
+        for (sum, stage) in self.stages.iter_mut().zip(clock.stages) {
+            *sum += stage;
         }
     }
 
-    /// Records the work on a sample, from `begun` to now.
-    pub fn worked(&mut self, begun: Instant) {
-        self.compute.saturating_record(nanoseconds(begun.elapsed()));
+    /// Records the time of twin, observer and forces of a sample.
+    pub fn worked(&mut self, took: Duration) {
+        self.compute.saturating_record(nanoseconds(took));
     }
 
     /// Adds the time of a calibration or diagnosis.

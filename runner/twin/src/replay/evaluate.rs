@@ -1,0 +1,213 @@
+//! Evaluation of a followed sample: forces, comparison, indicators, limits and figures. Nothing here acts back on twin and observer.
+
+use super::comparison::{Comparison, SampleReadings};
+use super::deflection::MeanDeflection;
+use super::follow::FollowedSample;
+use super::force::ForceStage;
+use super::forces_file::ForcesFile;
+use super::limits::LimitMonitor;
+use super::lines::Angles;
+use super::locate::LocationStage;
+use super::notices::Notices;
+use super::pictures::{FigureCollector, passes_keyphasor};
+use super::plausibility::Counts;
+use super::second::{Second, SecondIndicators};
+use super::snapshot::RecentSamples;
+use super::timing::{Ledger, Stage};
+use super::totals::Totals;
+use crate::diagnosis::block::Block;
+use crate::error::Result;
+use crate::options::Options;
+use crate::output::OutputError;
+use crate::plant::Plant;
+use crate::probes::Plane;
+use crate::recording::status::SampleStatus;
+use crate::scene::{Probe, Scene};
+use ballrace::Displacement;
+use std::error::Error as _;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The stages behind twin and observer.
+pub(super) struct Evaluation<'a> {
+    plant: Arc<Plant>,
+    probes: &'a [Probe],
+    /// Reading of each probe per unit of each coordinate.
+    rows: Vec<Vec<f64>>,
+    /// Change of the displacement of each bearing per metre of the reading of each probe.
+    columns: Vec<Vec<Displacement<f64>>>,
+    live: bool,
+
+    pub(super) force: ForceStage,
+    pub(super) comparison: Comparison,
+    /// Samples for a diagnosis; none where the recording is diagnosed already.
+    pub(super) block: Option<Block>,
+    pub(super) figures: FigureCollector,
+    /// Static line of a flexible rotor.
+    pub(super) deflection: Option<MeanDeflection>,
+    pub(super) limits: LimitMonitor,
+    pub(super) seconds: Option<SecondIndicators>,
+    pub(super) recent: Option<RecentSamples>,
+    pub(super) forces_file: Option<ForcesFile>,
+    pub(super) counts: Counts,
+    pub(super) totals: Totals,
+    pub(super) timing: Ledger,
+    pub(super) notices: Notices,
+    pub(super) notes: Vec<String>,
+    pub(super) ended_seconds: Vec<Second>,
+    /// Readings of the current sample, reused.
+    readings: SampleReadings,
+}
+
+impl<'a> Evaluation<'a> {
+    pub(super) fn try_new(
+        scene: &Scene,
+        plant: Arc<Plant>,
+        (probes, planes): (&'a [Probe], &[Plane]),
+        location: &LocationStage,
+        limits: LimitMonitor,
+        rate: f64,
+        options: &Options,
+    ) -> Result<Self> {
+        let bearings = plant.bearings.as_slice();
+        let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
+        let names = || probes.iter().map(|p| p.column.clone()).collect();
+        let columns = |bearing: usize| (0..probes.len()).map(|probe| location.column(&plant, bearing, probe)).collect();
+        Ok(Self {
+            rows: probes.iter().map(|probe| plant.layout.probe_row(probe)).collect(),
+            columns: (0..bearings.len()).map(columns).collect(),
+            live: options.live,
+            force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
+            comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
+            block: Some(Block::default()),
+            deflection: MeanDeflection::new(&plant),
+            figures: FigureCollector::new(probes, planes.to_vec(), bearings, rate, scene.shaft.speed),
+            limits,
+            seconds: options
+                .live
+                .then(|| SecondIndicators::new(names(), bearings.iter().map(|b| b.name.clone()).collect())),
+            recent: options.viewed.then(RecentSamples::default),
+            forces_file,
+            counts: Counts::default(),
+            totals: Totals::default(),
+            timing: Ledger::try_new(1.0 / rate)?,
+            notices: Notices::default(),
+            notes: Vec::new(),
+            ended_seconds: Vec::new(),
+            readings: SampleReadings::default(),
+            probes,
+            plant,
+        })
+    }
+
+    /// Evaluates a sample.
+    ///
+    /// # Errors
+    /// A file of forces that cannot be written, outside live operation.
+    pub(super) fn add(&mut self, followed: &FollowedSample) -> Result<()> {
+        let FollowedSample { sample, motion, .. } = followed;
+        let (index, time) = (sample.row.index, sample.row.time);
+        self.timing.sample(time, followed.begun);
+        let (begun, mut clock) = (Instant::now(), followed.clock.resumed());
+        let shaft = sample.shaft_motion();
+        let force = self.force.evaluate(index, &self.plant.bearings, &motion.parts, &shaft, &motion.displacements);
+        self.timing.worked(followed.took + begun.elapsed());
+        clock.passed(Stage::Forces);
+        if followed.is_restart {
+            self.comparison.lines.interrupt();
+            self.limits.interrupt_residuals();
+        }
+        let status = followed.status.and(force);
+        self.counts.add(status);
+        if let (Some(seconds), Some(nis)) = (&mut self.seconds, followed.nis) {
+            seconds.add_innovation(nis);
+        }
+        // Samples with an extrapolated angle are not compared, except in live operation, where limits stay in force.
+        let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
+        let readings = is_judged.then_some(sample.row.probes.as_slice());
+        self.readings.evaluate(readings, [&motion.twin, &motion.linear], &self.rows);
+        self.compare(followed, status);
+        clock.passed(Stage::Comparison);
+        self.record(followed, status)?;
+        clock.passed(Stage::Forces);
+        self.timing.add(clock);
+        Ok(())
+    }
+
+    /// Compares a sample with the twin, and evaluates indicators and limits.
+    fn compare(&mut self, followed: &FollowedSample, status: SampleStatus) {
+        let FollowedSample { sample, motion, revolutions, .. } = followed;
+        let (revolutions, readings) = (*revolutions, &self.readings);
+        let (index, time) = (sample.row.index, sample.row.time);
+        let angles = Angles { shaft: sample.angle, parts: &motion.parts, revolutions };
+        if readings.is_complete() {
+            self.limits.add_residuals(index, time, &readings.measured, &readings.twin);
+        }
+        if let Some(seconds) = &mut self.seconds {
+            seconds.add_status(status);
+            if readings.is_complete() {
+                self.ended_seconds.extend(seconds.add(sample, &readings.twin, self.comparison.one_x()));
+            }
+        }
+        // After a restart of the process, blocks begin where those of the limits continue.
+        if self.limits.are_residuals_due(index) && self.comparison.add(readings, angles) {
+            let comparison = &self.comparison;
+            self.limits.close_residuals(index, time, |line, probe| comparison.block_line(line, probe));
+        }
+        if let Some(block) = &mut self.block {
+            block.add(sample);
+        }
+        self.figures.add(sample, &readings.twin, revolutions);
+        if let Some(deflection) = self.deflection.as_mut().filter(|_| readings.is_complete()) {
+            deflection.add(&motion.twin);
+        }
+        if let Some(recent) = &mut self.recent {
+            recent.add(&readings.measured, &readings.twin, passes_keyphasor(sample, revolutions));
+        }
+    }
+
+    /// Adds the forces of a sample to sums, figures and file.
+    fn record(&mut self, followed: &FollowedSample, status: SampleStatus) -> Result<()> {
+        let FollowedSample { sample, motion, .. } = followed;
+        let (index, time) = (sample.row.index, sample.row.time);
+        if self.force.is_reported(index) {
+            let shaft = sample.shaft_motion();
+            let with_noise = ForceStage::is_noise_band_due(index) || self.figures.shows_forces();
+            let all = self.plant.bearings.iter().zip(&motion.parts).zip(&motion.displacements).zip(&self.columns);
+            for (i, (((bearing, &parts), displacements), columns)) in all.enumerate() {
+                let at = bearing.rotation(parts, &shaft);
+                let noise = with_noise.then_some((self.probes, columns.as_slice()));
+                let Some((force, first_load)) = self.force.accumulate(i, bearing, displacements, &at, noise) else {
+                    continue;
+                };
+                self.figures.add_force(i, time, force, bearing, parts.cage, first_load);
+                if let Some(seconds) = &mut self.seconds {
+                    seconds.add_force(i, force);
+                }
+            }
+        }
+        if let Some(file) = &mut self.forces_file
+            && let Err(error) = file.add(time, self.force.evaluated(), status)
+        {
+            self.drop_forces_file(error, time)?;
+        }
+        self.totals.add(time, sample.speed, followed.revolutions);
+        Ok(())
+    }
+
+    /// Continues without the file of forces, which cannot be written, in live operation.
+    ///
+    /// # Errors
+    /// `error` outside live operation.
+    pub(super) fn drop_forces_file(&mut self, error: OutputError, time: f64) -> Result<()> {
+        if !self.live {
+            return Err(error.into());
+        }
+        self.forces_file = None;
+        let reason = error.source().map_or_else(String::new, |source| format!(" ({source})"));
+        let sentence = format!("{error}{reason}; the monitor continues without it.");
+        self.notes.push(sentence.clone());
+        self.notices.add_always("output-failing", time, sentence);
+        Ok(())
+    }
+}

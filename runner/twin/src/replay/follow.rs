@@ -1,0 +1,245 @@
+//! Twin, observer and cages follow a sample. What they need of each other from sample to sample is here.
+
+use super::align::AlignmentStage;
+use super::force::Displacements;
+use super::locate::LocationStage;
+use super::notices::Notices;
+use super::observe::ObserverStage;
+use super::range::ReadingRange;
+use super::repeat::Spread;
+use super::startup::{Queued, RunInProgress, SearchResult, Startup};
+use super::timing::{Stage, StageClock};
+use super::twin::{TwinStage, TwinStart};
+use crate::error::Result;
+use crate::observer::CageTracker;
+use crate::plant::{AXIAL, MAX_OBSERVED, Plant};
+use crate::recording::Sample;
+use crate::recording::status::SampleStatus;
+use ballrace::rotor::ComponentAngles;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Twin, observer and what starts them.
+pub(super) struct Follower {
+    plant: Arc<Plant>,
+    /// Samples per second.
+    rate: f64,
+    /// The baseline was learned with a twin that starts each sample period at the state of the observer.
+    is_baseline_synchronised: bool,
+    pub(super) range: ReadingRange,
+    pub(super) startup: Startup,
+    pub(super) alignment: AlignmentStage,
+    pub(super) twin: TwinStage,
+    /// Difference of two twins where the scene does not determine their motion.
+    pub(super) spread: Option<Spread>,
+    pub(super) location: LocationStage,
+    pub(super) observer: ObserverStage,
+    /// Angle and speed of the cages.
+    pub(super) cages: CageTracker,
+    /// Total revolutions at the last sample; none at first and after an interruption of the angle.
+    last_turns: Option<f64>,
+}
+
+/// A sample that twin and observer have followed.
+pub(super) struct FollowedSample {
+    pub(super) sample: Sample,
+    pub(super) motion: FollowedMotion,
+    /// Revolutions since the last sample.
+    pub(super) revolutions: f64,
+    /// The twin started anew at this sample.
+    pub(super) is_restart: bool,
+    /// Flags of readings, angle, twin and observer.
+    pub(super) status: SampleStatus,
+    /// Normalised innovation squared; none where a reading is missing.
+    pub(super) nis: Option<f64>,
+    /// Begin of the work on it.
+    pub(super) begun: Instant,
+    /// Time of twin and observer.
+    pub(super) took: Duration,
+    pub(super) clock: StageClock,
+}
+
+/// Motion of the twins and of the observer at a sample.
+#[derive(Default)]
+pub(super) struct FollowedMotion {
+    /// Coordinates of the twin.
+    pub(super) twin: Vec<f64>,
+    /// Coordinates of the twin on linear springs.
+    pub(super) linear: Vec<f64>,
+    /// Angles of the parts of every bearing.
+    pub(super) parts: Vec<ComponentAngles>,
+    /// Displacements of every bearing.
+    pub(super) displacements: Vec<Displacements>,
+}
+
+impl Follower {
+    pub(super) fn new(
+        plant: Arc<Plant>,
+        rate: f64,
+        is_baseline_synchronised: bool,
+        (range, startup): (ReadingRange, Startup),
+        (location, rows): (LocationStage, Vec<Vec<f64>>),
+    ) -> Self {
+        Self {
+            twin: TwinStage::new(plant.clone(), rate),
+            observer: ObserverStage::new(rows, !plant.layout.is_given()),
+            cages: CageTracker::new(&plant),
+            alignment: AlignmentStage::default(),
+            spread: None,
+            last_turns: None,
+            rate,
+            is_baseline_synchronised,
+            range,
+            startup,
+            location,
+            plant,
+        }
+    }
+
+    /// Applies the result of the search.
+    pub(super) fn start(&mut self, found: SearchResult, notes: &mut Vec<String>) {
+        if found.tuned.is_none() {
+            let order = self.plant.layout.order;
+            let note = if self.startup.is_cancelled() {
+                "Stopped before the observer was found: forces at the observer's position are those at the twin's."
+                    .to_owned()
+            } else if order > MAX_OBSERVED {
+                format!(
+                    "No observer: the system has {order} coordinates, more than {MAX_OBSERVED}. Forces come from the displacement that the probes show."
+                )
+            } else {
+                "No observer: probes and bearings do not hold every coordinate of the rotor, so there is no steady Kalman filter. Forces come from the displacement that the probes show.".to_owned()
+            };
+            notes.push(note);
+        }
+        self.alignment = AlignmentStage::new(found.lag);
+        self.spread = found.spread;
+        self.observer.set_tuned(found.tuned);
+    }
+
+    /// Returns true where the twin starts each sample period at the state of the observer.
+    pub(super) fn is_synchronised(&self) -> bool {
+        (self.spread.is_some() || self.is_baseline_synchronised) && self.observer.is_tuned()
+    }
+
+    /// Runs the twin in where the next sample starts it; returns true where that sample can be processed.
+    fn is_run_in(&mut self, deadline: Option<Instant>, notes: &mut Vec<String>) -> Result<bool> {
+        if !self.startup.next_index().is_some_and(|index| self.twin.starts_at(index)) {
+            return Ok(true);
+        }
+        let progress = self.startup.advance_run_in(&self.alignment, deadline)?;
+        if matches!(progress, RunInProgress::Cancelled) {
+            notes.push(
+                "Stopped before the twin was run in: its motion begins at rest, so residuals hold its transient."
+                    .to_owned(),
+            );
+        }
+        Ok(!matches!(progress, RunInProgress::Unfinished))
+    }
+
+    /// Follows the next sample of the queue, with `motion` as memory for its result; none where no sample waits, or where the run-in before
+    /// it is not finished at `deadline`.
+    ///
+    /// # Errors
+    /// A twin or an observer that cannot be started.
+    pub(super) fn next(
+        &mut self,
+        deadline: Option<Instant>,
+        motion: FollowedMotion,
+        (notices, notes): (&mut Notices, &mut Vec<String>),
+    ) -> Result<Option<FollowedSample>> {
+        loop {
+            if !self.is_run_in(deadline, notes)? {
+                return Ok(None);
+            }
+            match self.startup.pop() {
+                None => return Ok(None),
+                Some(Queued::Restart) => {
+                    self.twin.stop();
+                    self.cages.interrupt();
+                    self.last_turns = None;
+                }
+                Some(Queued::Sample(sample)) => {
+                    let sample = self.alignment.align(sample);
+                    return self.follow(sample, motion, notices, notes).map(Some);
+                }
+            }
+        }
+    }
+
+    /// Advances twin, observer and cages to an aligned sample.
+    fn follow(
+        &mut self,
+        sample: Sample,
+        mut motion: FollowedMotion,
+        notices: &mut Notices,
+        notes: &mut Vec<String>,
+    ) -> Result<FollowedSample> {
+        let interval = self.twin.interval(&sample, || self.startup.take_settled())?;
+        let turns = sample.total_revolutions();
+        let last_turns = self.last_turns.replace(turns);
+        if let Some(start) = interval.start {
+            self.cages.advance(turns - last_turns.unwrap_or(turns), 0.0);
+            self.twin.set_cage_offsets(self.cages.offsets());
+            self.observer.start(&self.plant, &self.twin, start, &sample, 1.0 / self.rate, &self.cages)?;
+        }
+        let mut clock = StageClock::of(sample.row.index);
+        self.location.set_sample(&self.range, &sample);
+        if self.is_synchronised()
+            && let Some((coordinates, rates)) = self.observer.state()
+        {
+            self.twin.place(coordinates, rates);
+        }
+        self.twin.advance_linear(&interval);
+        let begun = Instant::now();
+        self.twin.advance(&sample, &interval);
+        clock.passed(Stage::Twin);
+        let observed = self.observer.advance(
+            (&sample, &interval),
+            &self.twin,
+            &self.range,
+            &self.location,
+            notices,
+            &mut self.cages,
+        );
+        self.twin.set_cage_offsets(self.cages.offsets());
+        clock.passed(Stage::Observer);
+        self.store(&mut motion);
+        let took = begun.elapsed();
+        clock.passed(Stage::Forces);
+        let is_restart = interval.start == Some(TwinStart::Restart);
+        let status = sample
+            .status
+            .and(SampleStatus::RESTARTED.when(is_restart))
+            .and(SampleStatus::TWIN_HELD.when(self.twin.is_held()))
+            .and(observed.status);
+        if self.twin.stop_if_stuck(sample.row.time) {
+            notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));
+            notices.add("twin-restarted", sample.row.time, || {
+                "The motion of the twin overflowed; it restarted.".to_owned()
+            });
+        }
+        let (revolutions, nis) = (interval.revolutions, observed.nis);
+        Ok(FollowedSample { sample, motion, revolutions, is_restart, status, nis, begun, took, clock })
+    }
+
+    /// Stores the motion at the current sample.
+    fn store(&self, motion: &mut FollowedMotion) {
+        let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
+        for (to, from) in [(&mut motion.twin, twin), (&mut motion.linear, self.twin.linear_coordinates())] {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        motion.parts.clear();
+        motion.parts.extend_from_slice(self.twin.parts());
+        let axial = twin.get(AXIAL).copied().unwrap_or_default();
+        let position = self.location.position(twin, axial);
+        let of = |i: usize| Displacements {
+            measured: position.at_bearing(&self.plant, i),
+            twin: self.plant.displacement(i, twin),
+            observer: observer.map(|q| self.plant.displacement(i, q)),
+        };
+        motion.displacements.clear();
+        motion.displacements.extend((0..self.plant.bearings.len()).map(of));
+    }
+}
