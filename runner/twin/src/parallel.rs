@@ -62,7 +62,7 @@ pub fn map<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R>
 }
 
 /// Items that [`chain`] hands over together, so that the threads seldom wait for each other.
-const BATCH: usize = 256;
+const BATCH: usize = 64;
 /// Batches that wait between the two steps of [`chain`].
 const BATCHES_WAITING: usize = 2;
 
@@ -73,12 +73,12 @@ const BATCHES_WAITING: usize = 2;
 /// The first error of either step, after which both end; a thread that cannot be started.
 pub fn chain<T: Send, E: Send + From<std::io::Error>>(
     mut first: impl FnMut(Option<T>) -> Result<Option<T>, E>,
-    mut second: impl FnMut(&T) -> Result<(), E> + Send,
+    mut second: impl FnMut(&mut T) -> Result<(), E> + Send,
 ) -> Result<(), E> {
     if processors() == 1 {
         let mut used = None;
-        while let Some(item) = first(used.take())? {
-            second(&item)?;
+        while let Some(mut item) = first(used.take())? {
+            second(&mut item)?;
             used = Some(item);
         }
         return Ok(());
@@ -87,8 +87,8 @@ pub fn chain<T: Send, E: Send + From<std::io::Error>>(
     let (used_sender, used_batches) = mpsc::channel::<Vec<T>>();
     std::thread::scope(|scope| {
         let other = Builder::new().name("chain".to_owned()).spawn_scoped(scope, move || {
-            for batch in batches {
-                batch.iter().try_for_each(&mut second)?;
+            for mut batch in batches {
+                batch.iter_mut().try_for_each(&mut second)?;
                 // The other thread may have ended.
                 let _ = used_sender.send(batch);
             }

@@ -31,8 +31,8 @@ pub trait SystemTask<R> {
     /// Runs the task.
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
-        S: SecondOrderSystem<f64, D> + 'static,
-        C: ReactingElement<D> + 'static;
+        S: SecondOrderSystem<f64, D> + Send + 'static,
+        C: ReactingElement<D> + Send + 'static;
 }
 
 /// A rigid rotor on bearings.

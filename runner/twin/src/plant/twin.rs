@@ -11,7 +11,7 @@ use ballrace::rotor::{
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 
 /// A twin with any number of coordinates and bearings.
-pub trait Twin {
+pub trait Twin: Send {
     /// Advances by one sample period with the shaft motion `drive`.
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status;
     /// Returns the coordinates.
@@ -74,8 +74,8 @@ pub(super) struct StartTask {
 impl SystemTask<Box<dyn Twin>> for StartTask {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn Twin>
     where
-        S: SecondOrderSystem<f64, D> + 'static,
-        C: ReactingElement<D> + 'static,
+        S: SecondOrderSystem<f64, D> + Send + 'static,
+        C: ReactingElement<D> + Send + 'static,
     {
         let steady = SteadyVerlet::with_storage(Verlet { step: self.step.length }, &machine.rotor, 0.0);
         Box::new(Moving {
@@ -101,7 +101,9 @@ struct Moving<S, C, const D: usize, const N: usize> {
     registers: SimdDispatch,
 }
 
-impl<S: SecondOrderSystem<f64, D>, C: ReactingElement<D>, const D: usize, const N: usize> Twin for Moving<S, C, D, N> {
+impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D: usize, const N: usize> Twin
+    for Moving<S, C, D, N>
+{
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
         let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
         let (steady, state) = (&mut self.steady, &mut self.state);

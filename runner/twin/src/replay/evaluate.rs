@@ -15,11 +15,12 @@ use super::second::{Second, SecondIndicators};
 use super::snapshot::RecentSamples;
 use super::timing::{Ledger, Stage};
 use super::totals::Totals;
+use super::twin::TwinStart;
 use crate::diagnosis::block::Block;
 use crate::error::Result;
 use crate::options::Options;
 use crate::output::OutputError;
-use crate::plant::Plant;
+use crate::plant::{Plant, Twin};
 use crate::probes::Plane;
 use crate::recording::status::SampleStatus;
 use crate::scene::{Probe, Scene};
@@ -37,6 +38,8 @@ pub(super) struct Evaluation<'a> {
     /// Change of the displacement of each bearing per metre of the reading of each probe.
     columns: Vec<Vec<Displacement<f64>>>,
     live: bool,
+    /// The rotor on linear springs, which the comparison has beside the twin.
+    linear: Option<Box<dyn Twin>>,
 
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
@@ -77,6 +80,7 @@ impl<'a> Evaluation<'a> {
             rows: probes.iter().map(|probe| plant.layout.probe_row(probe)).collect(),
             columns: (0..bearings.len()).map(columns).collect(),
             live: options.live,
+            linear: None,
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
             block: Some(Block::default()),
@@ -104,7 +108,9 @@ impl<'a> Evaluation<'a> {
     ///
     /// # Errors
     /// A file of forces that cannot be written, outside live operation.
-    pub(super) fn add(&mut self, followed: &FollowedSample) -> Result<()> {
+    pub(super) fn add(&mut self, followed: &mut FollowedSample) -> Result<()> {
+        let linear_start = followed.linear_start.take();
+        let followed = &*followed;
         let FollowedSample { sample, motion, .. } = followed;
         let (index, time) = (sample.row.index, sample.row.time);
         self.timing.sample(time, followed.begun);
@@ -113,7 +119,9 @@ impl<'a> Evaluation<'a> {
         let force = self.force.evaluate(index, &self.plant.bearings, &motion.parts, &shaft, &motion.displacements);
         self.timing.worked(followed.took + begun.elapsed());
         clock.passed(Stage::Forces);
-        if followed.is_restart {
+        self.advance_linear(followed, linear_start);
+        clock.passed(Stage::Twin);
+        if followed.interval.start == Some(TwinStart::Restart) {
             self.comparison.lines.interrupt();
             self.limits.interrupt_residuals();
         }
@@ -125,7 +133,8 @@ impl<'a> Evaluation<'a> {
         // Samples with an extrapolated angle are not compared, except in live operation, where limits stay in force.
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
-        self.readings.evaluate(readings, [&motion.twin, &motion.linear], &self.rows);
+        let linear = self.linear.as_ref().map_or(&[][..], |linear| linear.coordinates());
+        self.readings.evaluate(readings, [&motion.twin, linear], &self.rows);
         self.compare(followed, status);
         clock.passed(Stage::Comparison);
         self.record(followed, status)?;
@@ -134,10 +143,23 @@ impl<'a> Evaluation<'a> {
         Ok(())
     }
 
+    /// Advances the twin on linear springs to the sample, where it starts with `start`.
+    fn advance_linear(&mut self, followed: &FollowedSample, start: Option<Box<dyn Twin>>) {
+        if start.is_some() {
+            self.linear = start;
+        }
+        let Some(linear) = &mut self.linear else { return };
+        let [coordinates, rates] = &followed.motion.placed;
+        linear.place(coordinates, rates);
+        for shaft in followed.interval.motion() {
+            linear.step(&shaft);
+        }
+    }
+
     /// Compares a sample with the twin, and evaluates indicators and limits.
     fn compare(&mut self, followed: &FollowedSample, status: SampleStatus) {
-        let FollowedSample { sample, motion, revolutions, .. } = followed;
-        let (revolutions, readings) = (*revolutions, &self.readings);
+        let FollowedSample { sample, motion, interval, .. } = followed;
+        let (revolutions, readings) = (interval.revolutions, &self.readings);
         let (index, time) = (sample.row.index, sample.row.time);
         let angles = Angles { shaft: sample.angle, parts: &motion.parts, revolutions };
         if readings.is_complete() {
@@ -191,7 +213,7 @@ impl<'a> Evaluation<'a> {
         {
             self.drop_forces_file(error, time)?;
         }
-        self.totals.add(time, sample.speed, followed.revolutions);
+        self.totals.add(time, sample.speed, followed.interval.revolutions);
         Ok(())
     }
 

@@ -9,10 +9,10 @@ use super::range::ReadingRange;
 use super::repeat::Spread;
 use super::startup::{Queued, RunInProgress, SearchResult, Startup};
 use super::timing::{Stage, StageClock};
-use super::twin::{TwinStage, TwinStart};
+use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::CageTracker;
-use crate::plant::{AXIAL, MAX_OBSERVED, Plant};
+use crate::plant::{AXIAL, MAX_OBSERVED, Plant, Twin};
 use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
 use ballrace::rotor::ComponentAngles;
@@ -44,10 +44,10 @@ pub(super) struct Follower {
 pub(super) struct FollowedSample {
     pub(super) sample: Sample,
     pub(super) motion: FollowedMotion,
-    /// Revolutions since the last sample.
-    pub(super) revolutions: f64,
-    /// The twin started anew at this sample.
-    pub(super) is_restart: bool,
+    /// Interval since the last sample.
+    pub(super) interval: SampleInterval,
+    /// The twin on linear springs, where both twins start at this sample.
+    pub(super) linear_start: Option<Box<dyn Twin>>,
     /// Flags of readings, angle, twin and observer.
     pub(super) status: SampleStatus,
     /// Normalised innovation squared; none where a reading is missing.
@@ -59,13 +59,13 @@ pub(super) struct FollowedSample {
     pub(super) clock: StageClock,
 }
 
-/// Motion of the twins and of the observer at a sample.
+/// Motion of the twin and of the observer at a sample.
 #[derive(Default)]
 pub(super) struct FollowedMotion {
     /// Coordinates of the twin.
     pub(super) twin: Vec<f64>,
-    /// Coordinates of the twin on linear springs.
-    pub(super) linear: Vec<f64>,
+    /// Coordinates and rates at the start of the interval where both twins were placed there, else empty.
+    pub(super) placed: [Vec<f64>; 2],
     /// Angles of the parts of every bearing.
     pub(super) parts: Vec<ComponentAngles>,
     /// Displacements of every bearing.
@@ -175,7 +175,12 @@ impl Follower {
         notices: &mut Notices,
         notes: &mut Vec<String>,
     ) -> Result<FollowedSample> {
-        let interval = self.twin.interval(&sample, || self.startup.take_settled())?;
+        let mut linear_start = None;
+        let interval = self.twin.interval(&sample, || {
+            let [twin, linear] = self.startup.take_settled()?;
+            linear_start = Some(linear);
+            Ok(twin)
+        })?;
         let turns = sample.total_revolutions();
         let last_turns = self.last_turns.replace(turns);
         if let Some(start) = interval.start {
@@ -185,12 +190,14 @@ impl Follower {
         }
         let mut clock = StageClock::of(sample.row.index);
         self.location.set_sample(&self.range, &sample);
+        motion.placed.iter_mut().for_each(Vec::clear);
         if self.is_synchronised()
             && let Some((coordinates, rates)) = self.observer.state()
         {
             self.twin.place(coordinates, rates);
+            motion.placed[0].extend_from_slice(coordinates);
+            motion.placed[1].extend_from_slice(rates);
         }
-        self.twin.advance_linear(&interval);
         let begun = Instant::now();
         self.twin.advance(&sample, &interval);
         clock.passed(Stage::Twin);
@@ -219,17 +226,15 @@ impl Follower {
                 "The motion of the twin overflowed; it restarted.".to_owned()
             });
         }
-        let (revolutions, nis) = (interval.revolutions, observed.nis);
-        Ok(FollowedSample { sample, motion, revolutions, is_restart, status, nis, begun, took, clock })
+        let nis = observed.nis;
+        Ok(FollowedSample { sample, motion, interval, linear_start, status, nis, begun, took, clock })
     }
 
     /// Stores the motion at the current sample.
     fn store(&self, motion: &mut FollowedMotion) {
         let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
-        for (to, from) in [(&mut motion.twin, twin), (&mut motion.linear, self.twin.linear_coordinates())] {
-            to.clear();
-            to.extend_from_slice(from);
-        }
+        motion.twin.clear();
+        motion.twin.extend_from_slice(twin);
         motion.parts.clear();
         motion.parts.extend_from_slice(self.twin.parts());
         let axial = twin.get(AXIAL).copied().unwrap_or_default();

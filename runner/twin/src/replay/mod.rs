@@ -83,7 +83,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Number of rows that are processed together; the progress function is called once for them.
-const WORK_ROWS: u64 = 4096;
+const WORK_ROWS: u64 = 32_768;
 
 /// Opens the recording of a scene, or the recording `file` with the columns of the scene; returns its reader and its path.
 ///

@@ -234,12 +234,12 @@ impl<'a> Pipeline<'a> {
         if !self.live {
             return self.work_in_chain(recycle);
         }
-        while let Some(followed) = self.follower.next(
+        while let Some(mut followed) = self.follower.next(
             deadline,
             std::mem::take(&mut self.spare),
             (&mut self.notices, &mut self.notes),
         )? {
-            self.evaluation.add(&followed)?;
+            self.evaluation.add(&mut followed)?;
             if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &self.evaluation.block) {
                 let now = (followed.sample.row.time, followed.sample.total_revolutions());
                 running.poll(block, now, &mut self.follower.cages, &mut self.notices);

@@ -1,4 +1,4 @@
-//! Twin stage: the digital twin and its linear reference follow the shaft angle from sample to sample.
+//! Twin stage: the digital twin follows the shaft angle from sample to sample.
 
 use crate::error::{ReplayError, Result};
 use crate::plant::{MountedBearing, Plant, Twin};
@@ -76,11 +76,9 @@ pub(super) struct TwinStage {
     last_hold_restart: f64,
 }
 
-/// Twins and bearing parts at the last sample.
+/// Twin and bearing parts at the last sample.
 struct TwinState {
     twin: Box<dyn Twin>,
-    /// The same rotor on linear springs.
-    linear: Box<dyn Twin>,
     /// Number of consecutive samples in which the twin was held.
     held: u32,
     parts: Vec<ComponentAngles>,
@@ -113,16 +111,15 @@ impl TwinStage {
         coasted.abs() > LONGEST_COAST_TURNS || steps > longest
     }
 
-    /// Returns the interval from the last sample to this one. Where the twin starts here, `twins` returns the twin and the
-    /// linear one.
+    /// Returns the interval from the last sample to this one. Where the twin starts here, `start` returns it.
     pub(super) fn interval(
         &mut self,
         sample: &Sample,
-        twins: impl FnOnce() -> Result<[Box<dyn Twin>; 2]>,
+        start: impl FnOnce() -> Result<Box<dyn Twin>>,
     ) -> Result<SampleInterval> {
         let (shaft, period) = (sample.shaft_motion(), 1.0 / self.rate);
         if self.starts_at(sample.row.index) {
-            let [twin, linear] = twins()?;
+            let twin = start()?;
             if self.state.is_some() {
                 let (count, line) = self.gap_restarts;
                 self.gap_restarts = (count + 1, if count == 0 { sample.row.line } else { line });
@@ -132,7 +129,7 @@ impl TwinStage {
                 self.plant.bearings.iter().map(|b| b.kinematics.parts_at(revolutions)).collect();
             let cage_offsets = vec![0.0; parts.len()];
             let index = sample.row.index;
-            self.state = Some(TwinState { twin, linear, held: 0, parts, cage_offsets, shaft, index });
+            self.state = Some(TwinState { twin, held: 0, parts, cage_offsets, shaft, index });
             let start = if self.has_run { TwinStart::Restart } else { TwinStart::First };
             return Ok(SampleInterval { from: shaft, steps: 0, period, revolutions: 0.0, start: Some(start) });
         }
@@ -170,18 +167,10 @@ impl TwinStage {
         }
     }
 
-    /// Places both twins at a state.
+    /// Places the twin at a state.
     pub(super) fn place(&mut self, coordinates: &[f64], rates: &[f64]) {
-        let Some(state) = &mut self.state else { return };
-        state.twin.place(coordinates, rates);
-        state.linear.place(coordinates, rates);
-    }
-
-    /// Advances the twin on linear springs.
-    pub(super) fn advance_linear(&mut self, interval: &SampleInterval) {
-        let Some(state) = &mut self.state else { return };
-        for shaft in interval.motion() {
-            state.linear.step(&shaft);
+        if let Some(state) = &mut self.state {
+            state.twin.place(coordinates, rates);
         }
     }
 
@@ -193,11 +182,6 @@ impl TwinStage {
     /// Returns the rates of the coordinates; empty before it starts.
     pub(super) fn rates(&self) -> &[f64] {
         self.state.as_ref().map_or(&[], |state| state.twin.rates())
-    }
-
-    /// Returns the coordinates of the twin on linear springs; empty before it starts.
-    pub(super) fn linear_coordinates(&self) -> &[f64] {
-        self.state.as_ref().map_or(&[], |state| state.linear.coordinates())
     }
 
     /// Returns the angles of the parts of every bearing; empty before the twin starts.
