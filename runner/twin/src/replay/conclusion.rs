@@ -222,7 +222,7 @@ impl Pipeline<'_> {
             probes,
             rotor: self.plant.rotor_outcome(scene),
             bearings: self.evaluation.force.outcomes(bearings),
-            timing: self.evaluation.timing.finish(),
+            timing: self.evaluation.timing.finish(self.follower.startup.took()),
             observer,
             diagnoses,
             diagnosis: diagnosed.map(|d| d.outcome),
@@ -280,7 +280,7 @@ impl Pipeline<'_> {
             rate: self.rate,
             angle_source: facts.angle_source,
             load: load(scene),
-            timing: self.evaluation.timing.finish(),
+            timing: self.evaluation.timing.finish(self.follower.startup.took()),
         });
         let limits_note = self.evaluation.limits.note();
         let events = self.evaluation.limits.finish();

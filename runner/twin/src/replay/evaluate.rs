@@ -113,7 +113,7 @@ impl<'a> Evaluation<'a> {
         let followed = &*followed;
         let FollowedSample { sample, motion, .. } = followed;
         let (index, time) = (sample.row.index, sample.row.time);
-        self.timing.sample(time, followed.begun);
+        self.timing.sample(time);
         let (begun, mut clock) = (Instant::now(), followed.clock.resumed());
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, &motion.parts, &shaft, &motion.displacements);

@@ -52,8 +52,6 @@ pub(super) struct FollowedSample {
     pub(super) status: SampleStatus,
     /// Normalised innovation squared; none where a reading is missing.
     pub(super) nis: Option<f64>,
-    /// Begin of the work on it.
-    pub(super) begun: Instant,
     /// Time of twin and observer.
     pub(super) took: Duration,
     pub(super) clock: StageClock,
@@ -227,7 +225,7 @@ impl Follower {
             });
         }
         let nis = observed.nis;
-        Ok(FollowedSample { sample, motion, interval, linear_start, status, nis, begun, took, clock })
+        Ok(FollowedSample { sample, motion, interval, linear_start, status, nis, took, clock })
     }
 
     /// Stores the motion at the current sample.

@@ -71,6 +71,18 @@ impl Line {
         f64::from(self.shaft) + self.bearing.map_or(0.0, of)
     }
 
+    /// Returns the line whose phase is that of this one and that of `other` together; none for lines of two bearings.
+    fn plus(self, other: Self) -> Option<Self> {
+        let bearing = match (self.bearing, other.bearing) {
+            (Some(a), Some(b)) if a.index != b.index => return None,
+            (Some(a), Some(b)) => {
+                Some(BearingMultiples { index: a.index, cage: a.cage + b.cage, outer: a.outer + b.outer })
+            }
+            (a, b) => a.or(b),
+        };
+        Some(Self { shaft: self.shaft + other.shaft, bearing })
+    }
+
     fn phase(&self, angles: &Angles) -> Phase {
         let times = |angle: Phase, n: i32| angle.wrapping_mul(i64::from(n) as u64);
         let bearing = self.bearing.map_or(Phase::ZERO, |m| {
@@ -111,6 +123,13 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
     outer_line(bearing, OUTER_HARMONICS + k)
 }
 
+/// Returns the last two of the lines before `line` whose phases add up to that of `line`.
+fn summands(lines: &[Line], line: usize) -> Option<[usize; 2]> {
+    let earlier = || (0..line).rev();
+    let pairs = earlier().flat_map(|a| earlier().filter(move |b| *b <= a).map(move |b| [a, b]));
+    pairs.into_iter().find(|&[a, b]| lines[a].plus(lines[b]) == Some(lines[line]))
+}
+
 /// Demodulator of several signals at several lines: the kernel's [`OrderTracker`](ballrace::twin::OrderTracker) for any number
 /// of both.
 ///
@@ -119,6 +138,10 @@ pub fn inner_line(bearing: usize, k: i32) -> usize {
 #[derive(Debug, Clone)]
 pub struct Demodulator<T: Scalar = f64, S: Accumulator<T> = f64> {
     lines: Vec<Line>,
+    /// Two earlier lines whose phases add up to that of each line, where there are such.
+    summands: Vec<Option<[usize; 2]>>,
+    /// Sine and cosine of each line at the current sample.
+    basis: Vec<(T, T)>,
     signals: usize,
     /// Number of signals of the first half less those of the second, which are demodulated too: from the amplitudes, which are linear in
     /// the signals.
@@ -157,6 +180,8 @@ where
     fn of(lines: Vec<Line>, signals: usize, differences: usize) -> Self {
         let results = lines.len() * (signals + differences);
         Self {
+            summands: (0..lines.len()).map(|line| summands(&lines, line)).collect(),
+            basis: vec![(T::ZERO, T::ONE); lines.len()],
             block: RevolutionBlock::new(),
             sums: vec![OrderSums::new(); lines.len() * signals],
             windowed: vec![T::ZERO; signals],
@@ -199,8 +224,17 @@ where
         }
         let window = self.block.window::<Exact>();
         self.windowed.iter_mut().for_each(|signal| *signal = window * *signal);
-        for (line, sums) in self.lines.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
-            let basis = Exact::sin_cos(line.phase(&angles));
+        for (i, summands) in self.summands.iter().enumerate() {
+            // A harmonic costs four multiplications instead of a sine and cosine.
+            self.basis[i] = match *summands {
+                Some([a, b]) => {
+                    let ((sin_a, cos_a), (sin_b, cos_b)) = (self.basis[a], self.basis[b]);
+                    (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
+                }
+                None => Exact::sin_cos(self.lines[i].phase(&angles)),
+            };
+        }
+        for (&basis, sums) in self.basis.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
             for (sums, &y) in sums.iter_mut().zip(&self.windowed) {
                 sums.add(y, basis);
             }

@@ -94,6 +94,7 @@ impl<'a> Replay<'a> {
     /// A search that cannot be started.
     pub fn push(&mut self, row: Row) -> Result<()> {
         self.rows += 1;
+        self.pipeline.evaluation.timing.begin();
         let time = row.time;
         self.pipeline.push_sensors(&row);
         if let Some(temperatures) = &mut self.temperatures {

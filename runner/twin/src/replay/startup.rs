@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Samples that wait for the twin, and the state of its start.
 pub(super) struct Startup {
@@ -33,6 +33,8 @@ pub(super) struct Startup {
     /// Set to end the search without an observer and the run-in at rest.
     cancelled: Arc<AtomicBool>,
     live: bool,
+    /// Time of search and run-in on this thread.
+    took: Duration,
 }
 
 enum State {
@@ -73,6 +75,7 @@ impl Startup {
             run_in: None,
             settled: None,
             live,
+            took: Duration::ZERO,
         }
     }
 
@@ -108,7 +111,12 @@ impl Startup {
                 self.state = State::Searching(search.spawn(samples)?);
                 Ok(None)
             }
-            State::Collecting(search) => search.run(&samples).map(Some),
+            State::Collecting(search) => {
+                let begun = Instant::now();
+                let found = search.run(&samples);
+                self.took += begun.elapsed();
+                found.map(Some)
+            }
             other => {
                 self.state = other;
                 Ok(None)
@@ -145,6 +153,7 @@ impl Startup {
         if self.settled.is_some() {
             return Ok(RunInProgress::Ready);
         }
+        let begun = Instant::now();
         let mut run_in = match self.run_in.take() {
             Some(run_in) => run_in,
             None => RunInPair::try_new(self.plants.clone(), self.period, &alignment.align(next.clone()))?,
@@ -153,7 +162,9 @@ impl Startup {
             self.settled = Some(run_in.at_rest()?);
             return Ok(RunInProgress::Cancelled);
         }
-        if !run_in.advance(deadline) {
+        let is_complete = run_in.advance(deadline);
+        self.took += begun.elapsed();
+        if !is_complete {
             self.run_in = Some(run_in);
             return Ok(RunInProgress::Unfinished);
         }
@@ -190,6 +201,11 @@ impl Startup {
     /// Returns the number of items in the queue.
     pub(super) fn waiting(&self) -> usize {
         self.queue.len()
+    }
+
+    /// Returns the time of search and run-in on this thread.
+    pub(super) const fn took(&self) -> Duration {
+        self.took
     }
 
     /// Returns true where the search is finished.

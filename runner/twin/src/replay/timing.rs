@@ -95,10 +95,15 @@ impl Ledger {
         })
     }
 
-    /// Adds the sample at `time` (s), on which work has begun.
-    pub fn sample(&mut self, time: f64, begun: Instant) {
-        if self.start.is_none() {
-            (self.start, self.first) = (Some(begun), time);
+    /// Marks the first row.
+    pub fn begin(&mut self) {
+        self.start.get_or_insert_with(Instant::now);
+    }
+
+    /// Adds the sample at `time`, s.
+    pub fn sample(&mut self, time: f64) {
+        if self.compute.is_empty() {
+            self.first = time;
         }
         self.last = time;
     }
@@ -122,10 +127,11 @@ impl Ledger {
         self.diagnosis += took;
     }
 
-    /// Returns the timing for the outcome.
+    /// Returns the timing for the outcome; `startup` is the time of the search for the observer and of the run-in of the twin, which does
+    /// not count.
     #[must_use]
-    pub fn finish(&self) -> Timing {
-        let wall = self.start.map_or(0.0, |start| start.elapsed().as_secs_f64());
+    pub fn finish(&self, startup: Duration) -> Timing {
+        let wall = self.start.map_or(Duration::ZERO, |start| start.elapsed().saturating_sub(startup)).as_secs_f64();
         let span = self.last - self.first + self.period;
         Timing {
             samples: self.compute.len(),
