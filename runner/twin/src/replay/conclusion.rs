@@ -1,9 +1,11 @@
 //! Conclusion of a replay: the outcome from the sums of the stages.
 
+use super::evaluate::Evaluator;
 use super::pipeline::Pipeline;
 use super::running_diagnosis::RunningDiagnosis;
 use super::running_vibration::RunningVibration;
 use super::standstill::Measured;
+use super::totals::Totals;
 use super::{list, observe, plausibility, verdict};
 use crate::campbell;
 use crate::diagnosis::block::Block;
@@ -36,9 +38,9 @@ pub(super) struct RecordingFacts<'a> {
 
 impl Pipeline<'_> {
     /// Adds the slips of the cages that the observer followed; returns notes on them.
-    fn follow_up(&self, outcome: &mut DiagnosisOutcome) -> Vec<String> {
+    fn follow_up(&self, totals: &Totals, outcome: &mut DiagnosisOutcome) -> Vec<String> {
         let mut notes = vec![];
-        if self.evaluation.totals.speed().count() as usize <= outcome.samples {
+        if totals.speed().count() as usize <= outcome.samples {
             return notes;
         }
         let tracker = &self.follower.cages;
@@ -61,23 +63,28 @@ impl Pipeline<'_> {
     ///
     /// # Errors
     /// A recording without a sample, an output that cannot be written.
-    pub(super) fn conclude(mut self, scene: &Scene, mut facts: RecordingFacts) -> Result<Outcome> {
+    pub(super) fn conclude(
+        mut self,
+        mut evaluator: Evaluator,
+        scene: &Scene,
+        mut facts: RecordingFacts,
+    ) -> Result<Outcome> {
         facts.flaws.extend(self.follower.range.flaws().summary());
-        if let Some(file) = self.evaluation.forces_file.take()
+        if let Some(file) = evaluator.forces_file.take()
             && let Err(error) = file.finish()
         {
-            self.evaluation.drop_forces_file(error, self.evaluation.totals.last_time)?;
+            evaluator.drop_forces_file(error, evaluator.totals.last_time)?;
         }
-        if self.evaluation.totals.speed().count() == 0.0 {
-            return self.conclude_at_standstill(scene, facts);
+        if evaluator.totals.speed().count() == 0.0 {
+            return self.conclude_at_standstill(evaluator, scene, facts);
         }
         let mut vibration = self.evaluate_vibration(scene)?;
-        self.evaluation.comparison.finish();
+        evaluator.comparison.finish();
         let bearings = self.plant.bearings.as_slice();
-        let mean_speed = self.evaluation.totals.speed().mean();
+        let mean_speed = evaluator.totals.speed().mean();
         let speed_hz = mean_speed.abs() / TAU;
-        let mut probes = self.evaluation.comparison.outcomes(self.probes, bearings, speed_hz);
-        let samples = self.evaluation.block.take().map(Block::into_samples).unwrap_or_default();
+        let mut probes = evaluator.comparison.outcomes(self.probes, bearings, speed_hz);
+        let samples = evaluator.block.take().map(Block::into_samples).unwrap_or_default();
         let mut implausible = implausible(&Evidence {
             scene,
             rate_hz: self.rate,
@@ -87,7 +94,7 @@ impl Pipeline<'_> {
             samples: &samples,
         });
         if implausible.is_empty() {
-            implausible = plausibility::unlike_twin(&probes, self.evaluation.force.bearings(), bearings);
+            implausible = plausibility::unlike_twin(&probes, evaluator.force.bearings(), bearings);
         }
         let mut overridden = std::mem::take(&mut self.overridden);
         if self.force_diagnosis {
@@ -96,7 +103,7 @@ impl Pipeline<'_> {
             overridden.extend(new);
         }
         self.notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
-        let mut not_judged = self.evaluation.counts.not_judged(self.evaluation.comparison.compared);
+        let mut not_judged = evaluator.counts.not_judged(evaluator.comparison.compared);
         let is_judged = implausible.is_empty() && not_judged.is_empty();
         let material = DiagnosisInput {
             scene,
@@ -132,14 +139,14 @@ impl Pipeline<'_> {
                 made
             }
         };
-        self.evaluation.timing.diagnosed(begun.elapsed());
+        evaluator.timing.diagnosed(begun.elapsed());
         let mut diagnosed = diagnosed.filter(|_| is_judged);
         if let Some(diagnosis) = &mut diagnosed {
-            diagnosis.notes.extend(self.follow_up(&mut diagnosis.outcome));
+            diagnosis.notes.extend(self.follow_up(&evaluator.totals, &mut diagnosis.outcome));
         }
         let (mut diagnoses, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.diagnoses.clone(), d.notes.clone()));
-        let mut learned = self.evaluation.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
+        let mut learned = evaluator.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
         learned.calibration.clone_from(&self.calibration);
         learned.synchronised = self.follower.is_synchronised();
         learned.set_faults(&diagnoses);
@@ -170,33 +177,33 @@ impl Pipeline<'_> {
         let observer = self.follower.observer.outcome();
         let twin = self.compared_twin();
         let mut notes = std::mem::take(&mut self.notes);
-        notes.append(&mut self.evaluation.notes);
-        notes.extend(self.closing_notes());
+        notes.append(&mut evaluator.notes);
+        notes.extend(self.closing_notes(&evaluator));
         notes.extend(diagnosis_notes);
         let undiagnosed = undiagnosed.filter(|_| diagnosed.is_none() && is_judged);
         notes.extend(undiagnosed.as_ref().map(|reason| format!("The shaft motion is not diagnosed: {reason}.")));
         notes.extend(observer.as_ref().map(observe::sentence));
-        let limits = self.evaluation.limits.lines();
-        notes.extend(self.evaluation.limits.note());
-        let events = self.evaluation.limits.finish();
+        let limits = evaluator.limits.lines();
+        notes.extend(evaluator.limits.note());
+        let events = evaluator.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let mut pictures = self.evaluation.figures.finish(&self.evaluation.comparison, self.evaluation.force.bearings(), bearings, self.rate, speed_hz);
+        let mut pictures = evaluator.figures.finish(&evaluator.comparison, evaluator.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
         pictures.natural_frequencies = natural_frequencies(&self.plant, mean_speed);
         pictures.envelopes = vibration.envelopes;
-        let deflection = self.evaluation.deflection.as_ref();
+        let deflection = evaluator.deflection.as_ref();
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
             samples: facts.rows,
-            compared: self.evaluation.comparison.compared,
+            compared: evaluator.comparison.compared,
             rate_hz: self.rate,
             angle_source: facts.angle_source,
             is_run_out_subtracted: facts.is_run_out_subtracted,
             load: load(scene),
-            spectra: self.evaluation.comparison.spectra.settings(self.rate),
-            ..self.evaluation.totals.record()
+            spectra: evaluator.comparison.spectra.settings(self.rate),
+            ..evaluator.totals.record()
         };
         list::fill(&mut probes, &pictures.blocks, record.speed_changes());
         Ok(Outcome {
@@ -209,7 +216,7 @@ impl Pipeline<'_> {
                 &implausible,
                 &not_judged,
                 undiagnosed.as_deref(),
-                self.evaluation.counts.out_of_range(),
+                evaluator.counts.out_of_range(),
             ),
             implausible,
             not_judged,
@@ -221,8 +228,8 @@ impl Pipeline<'_> {
             twin,
             probes,
             rotor: self.plant.rotor_outcome(scene),
-            bearings: self.evaluation.force.outcomes(bearings),
-            timing: self.evaluation.timing.finish(self.follower.startup.took()),
+            bearings: evaluator.force.outcomes(bearings),
+            timing: evaluator.timing.finish(self.follower.startup.took()),
             observer,
             diagnoses,
             diagnosis: diagnosed.map(|d| d.outcome),
@@ -256,7 +263,12 @@ impl Pipeline<'_> {
     }
 
     /// Returns the outcome of a recording in which no sample has a shaft angle.
-    fn conclude_at_standstill(mut self, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
+    fn conclude_at_standstill(
+        mut self,
+        evaluator: Evaluator,
+        scene: &Scene,
+        facts: RecordingFacts,
+    ) -> Result<Outcome> {
         if self.standstill.samples() == 0 {
             return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }
@@ -274,21 +286,21 @@ impl Pipeline<'_> {
         let outcome = self.standstill.outcome(Measured {
             implausible,
             probes: self.probes,
-            bearings: self.evaluation.force.outcomes(&self.plant.bearings),
+            bearings: evaluator.force.outcomes(&self.plant.bearings),
             observation: self.follower.location.observation().clone(),
             rows: facts.rows,
             rate: self.rate,
             angle_source: facts.angle_source,
             load: load(scene),
-            timing: self.evaluation.timing.finish(self.follower.startup.took()),
+            timing: evaluator.timing.finish(self.follower.startup.took()),
         });
-        let limits_note = self.evaluation.limits.note();
-        let events = self.evaluation.limits.finish();
+        let limits_note = evaluator.limits.note();
+        let events = evaluator.limits.finish();
         let (implausible, not_judged) = (&outcome.implausible, &outcome.not_judged);
         let mut notes = outcome.notes;
         notes.extend(vibration.notes);
         notes.extend(self.notes);
-        notes.extend(self.evaluation.notes);
+        notes.extend(evaluator.notes);
         notes.extend(limits_note);
         notes.extend(events.iter().map(|event| event.sentence.clone()));
         Ok(Outcome {
@@ -307,9 +319,9 @@ impl Pipeline<'_> {
     }
 
     /// Returns notes on the assumptions and restrictions of the outcome.
-    fn closing_notes(&self) -> Vec<String> {
+    fn closing_notes(&self, evaluator: &Evaluator) -> Vec<String> {
         let mut notes: Vec<String> = self.standstill.note().into_iter().collect();
-        let speed = self.evaluation.totals.speed();
+        let speed = evaluator.totals.speed();
         let (slow, fast) = speed.extremes();
         if (fast - slow).abs() > 0.05 * speed.mean().abs() {
             notes.push(
@@ -325,7 +337,7 @@ impl Pipeline<'_> {
             );
         }
         notes.extend(self.follower.twin.notes());
-        if self.evaluation.comparison.compared == 0 {
+        if evaluator.comparison.compared == 0 {
             notes
                 .push("No sample has a reading of every probe: no force and no spectrum could be computed.".to_owned());
         }

@@ -1,4 +1,4 @@
-//! Evaluation of a followed sample: forces, comparison, indicators, limits and figures. Nothing here acts back on twin and observer.
+//! Evaluator of a followed sample: forces, comparison, indicators, limits and figures. Nothing here acts back on twin and observer.
 
 use super::comparison::{Comparison, SampleReadings};
 use super::deflection::MeanDeflection;
@@ -11,6 +11,7 @@ use super::locate::LocationStage;
 use super::notices::Notices;
 use super::pictures::{FigureCollector, passes_keyphasor};
 use super::plausibility::Counts;
+use super::readings::{Reading, ReadingsStage};
 use super::second::{Second, SecondIndicators};
 use super::snapshot::RecentSamples;
 use super::timing::{Ledger, Stage};
@@ -30,7 +31,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// The stages behind twin and observer.
-pub(super) struct Evaluation<'a> {
+pub(super) struct Evaluator<'a> {
     plant: Arc<Plant>,
     probes: &'a [Probe],
     /// Reading of each probe per unit of each coordinate.
@@ -41,6 +42,8 @@ pub(super) struct Evaluation<'a> {
     /// The rotor on linear springs, which the comparison has beside the twin.
     linear: Option<Box<dyn Twin>>,
 
+    /// Limits and indicators of readings, before a sample waits for the twin.
+    pub(super) readings: ReadingsStage,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
     /// Samples for a diagnosis; none where the recording is diagnosed already.
@@ -59,10 +62,10 @@ pub(super) struct Evaluation<'a> {
     pub(super) notes: Vec<String>,
     pub(super) ended_seconds: Vec<Second>,
     /// Readings of the current sample, reused.
-    readings: SampleReadings,
+    sample_readings: SampleReadings,
 }
 
-impl<'a> Evaluation<'a> {
+impl<'a> Evaluator<'a> {
     pub(super) fn try_new(
         scene: &Scene,
         plant: Arc<Plant>,
@@ -81,6 +84,7 @@ impl<'a> Evaluation<'a> {
             columns: (0..bearings.len()).map(columns).collect(),
             live: options.live,
             linear: None,
+            readings: ReadingsStage::new(names(), options.live),
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
             block: Some(Block::default()),
@@ -98,13 +102,22 @@ impl<'a> Evaluation<'a> {
             notices: Notices::default(),
             notes: Vec::new(),
             ended_seconds: Vec::new(),
-            readings: SampleReadings::default(),
+            sample_readings: SampleReadings::default(),
             probes,
             plant,
         })
     }
 
-    /// Evaluates a sample.
+    /// Takes what the recording has at this point, before it waits for the twin.
+    pub(super) fn read(&mut self, reading: &Reading) {
+        match reading {
+            Reading::Sample(sample) => self.readings.add(sample, &mut self.limits),
+            Reading::Restart => self.readings.restart(&mut self.limits),
+            Reading::WithoutAngle => self.counts.add_without_angle(),
+        }
+    }
+
+    /// Evaluates a sample that twin and observer have followed.
     ///
     /// # Errors
     /// A file of forces that cannot be written, outside live operation.
@@ -134,7 +147,7 @@ impl<'a> Evaluation<'a> {
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
         let linear = self.linear.as_ref().map_or(&[][..], |linear| linear.coordinates());
-        self.readings.evaluate(readings, [&motion.twin, linear], &self.rows);
+        self.sample_readings.evaluate(readings, [&motion.twin, linear], &self.rows);
         self.compare(followed, status);
         clock.passed(Stage::Comparison);
         self.record(followed, status)?;
@@ -159,7 +172,7 @@ impl<'a> Evaluation<'a> {
     /// Compares a sample with the twin, and evaluates indicators and limits.
     fn compare(&mut self, followed: &FollowedSample, status: SampleStatus) {
         let FollowedSample { sample, motion, interval, .. } = followed;
-        let (revolutions, readings) = (interval.revolutions, &self.readings);
+        let (revolutions, readings) = (interval.revolutions, &self.sample_readings);
         let (index, time) = (sample.row.index, sample.row.time);
         let angles = Angles { shaft: sample.angle, parts: &motion.parts, revolutions };
         if readings.is_complete() {

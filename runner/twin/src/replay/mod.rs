@@ -82,8 +82,8 @@ use ahead::Ahead;
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of rows that are processed together; the progress function is called once for them.
-const WORK_ROWS: u64 = 32_768;
+/// Number of rows between two calls of the progress function.
+const PROGRESS_ROWS: u64 = 4096;
 
 /// Opens the recording of a scene, or the recording `file` with the columns of the scene; returns its reader and its path.
 ///
@@ -159,23 +159,21 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
             replay.set_diagnosis(diagnosis);
         }
     }
-    let mut row = replay.blank();
-    loop {
+    let mut rows = 0;
+    replay.run(|row| {
+        if rows % PROGRESS_ROWS == 0
+            && let Some(progress) = options.progress
+        {
+            let (read, total) = reader.progress();
+            progress(Progress::Read(read, total));
+        }
+        rows += 1;
         match ahead.rows.pop_front() {
-            Some(first) => row = first,
-            None if !reader.next_row(&mut row)? => break,
-            None => {}
+            Some(first) => *row = first,
+            None => return Ok(reader.next_row(row)?),
         }
-        replay.push(row)?;
-        row = replay.blank();
-        if replay.rows() % WORK_ROWS == 0 {
-            replay.work(None)?;
-            if let Some(progress) = options.progress {
-                let (read, total) = reader.progress();
-                progress(Progress::Read(read, total));
-            }
-        }
-    }
+        Ok(true)
+    })?;
     replay.add_notes(reader.notes());
     if options.force_diagnosis {
         replay.override_checks(implausible);

@@ -1,6 +1,6 @@
 //! The stages of a replay in the order in which a sample passes through them.
 
-use super::evaluate::Evaluation;
+use super::evaluate::Evaluator;
 use super::follow::{FollowedMotion, FollowedSample, Follower};
 use super::force::element_loads;
 use super::limits::LimitMonitor;
@@ -9,7 +9,7 @@ use super::locate::LocationStage;
 use super::notices::{Notice, Notices};
 use super::pictures::marked_lines;
 use super::range::ReadingRange;
-use super::readings::ReadingsStage;
+use super::readings::Reading;
 use super::running_diagnosis::{DiagnosisState, FaultState, RunningDiagnosis};
 use super::running_vibration::RunningVibration;
 use super::second::Second;
@@ -22,7 +22,6 @@ use crate::error::Result;
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Diagnosis, Implausibility};
-use crate::parallel;
 use crate::plant::{Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
@@ -30,12 +29,13 @@ use crate::recording::{Row, Sample};
 use crate::scene::{Probe, Recording, RotationSource, Scene};
 use crate::vibration::join::join;
 use crate::vibration::signals::Signals;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// The stages of a replay.
+/// The stages of a replay up to the observer.
 pub(super) struct Pipeline<'a> {
     pub(super) plant: Arc<Plant>,
     pub(super) probes: &'a [Probe],
@@ -44,12 +44,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) rate: f64,
     pub(super) live: bool,
 
-    pub(super) readings: ReadingsStage,
     /// Twin and observer.
     pub(super) follower: Follower,
-    /// Everything behind them.
-    pub(super) evaluation: Evaluation<'a>,
-
     /// Diagnosis of the whole recording, where it was made before.
     pub(super) diagnosed: Option<DiagnosisResult>,
     /// Diagnosis in live operation.
@@ -72,12 +68,10 @@ pub(super) struct Pipeline<'a> {
     pub(super) overridden: Vec<Implausibility>,
     pub(super) notices: Notices,
     pub(super) notes: Vec<String>,
-    /// Memory for the motion of the next sample.
-    spare: FollowedMotion,
 }
 
 impl<'a> Pipeline<'a> {
-    pub(super) fn try_new(scene: &Scene, recording: &'a Recording, rate: f64, options: &Options) -> Result<Self> {
+    pub(super) fn try_new(scene: &Scene, recording: &'a Recording, rate: f64, options: &Options) -> Result<(Self, Evaluator<'a>)> {
         let probes = recording.probes.as_slice();
         only_observable(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
@@ -102,7 +96,6 @@ impl<'a> Pipeline<'a> {
             is_synchronous: recording.rotation == RotationSource::Synchronous,
             cancelled: Arc::new(AtomicBool::new(false)),
         };
-        let names: Vec<String> = probes.iter().map(|p| p.column.clone()).collect();
         let planes = probes::planes(probes);
         let baseline = options
             .baseline
@@ -112,11 +105,9 @@ impl<'a> Pipeline<'a> {
         let location = LocationStage::try_new(scene, &plant, probes, rows.clone())?;
         let range = ReadingRange::try_new(scene, &plant, probes)?;
         let is_baseline_synchronised = baseline.as_ref().is_some_and(|baseline| baseline.synchronised);
-        let evaluation =
-            Evaluation::try_new(scene, plant.clone(), (probes, &planes), &location, limits, rate, options)?;
-        Ok(Self {
-            readings: ReadingsStage::new(names, options.live),
-            evaluation,
+        let evaluator =
+            Evaluator::try_new(scene, plant.clone(), (probes, &planes), &location, limits, rate, options)?;
+        let pipeline = Self {
             diagnosed: None,
             running_diagnosis: options.live.then(|| {
                 let (plant, force) = (plant.clone(), options.force_diagnosis);
@@ -137,7 +128,6 @@ impl<'a> Pipeline<'a> {
             overridden: vec![],
             notices: Notices::default(),
             notes,
-            spare: FollowedMotion::default(),
             follower: Follower::new(
                 plant.clone(),
                 rate,
@@ -150,7 +140,8 @@ impl<'a> Pipeline<'a> {
             rate,
             live: options.live,
             plant,
-        })
+        };
+        Ok((pipeline, evaluator))
     }
 
     /// Adds the readings of the vibration sensors.
@@ -163,8 +154,8 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Checks a sample, evaluates its readings, and queues it for the twin.
-    pub(super) fn push(&mut self, mut sample: Sample) -> Result<()> {
+    /// Checks a sample, passes it to `read`, and queues it for the twin.
+    pub(super) fn push(&mut self, mut sample: Sample, read: &mut dyn FnMut(Reading)) -> Result<()> {
         self.collected.add_row(&sample.row);
         if let Some(signals) = &mut self.signals {
             signals.add_angle(&sample);
@@ -174,7 +165,7 @@ impl<'a> Pipeline<'a> {
         }
         self.follower.range.check_sample(&mut sample, &mut self.notices);
         self.collected.add_sample(&sample);
-        self.readings.add(&sample, &mut self.evaluation.limits);
+        read(Reading::Sample(Cow::Borrowed(&sample)));
         if let Some(found) = self.follower.startup.push(sample, &self.follower.range)? {
             self.follower.start(found, &mut self.notes);
         }
@@ -182,25 +173,25 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Adds a sample that has no shaft angle.
-    pub(super) fn push_without_angle(&mut self, row: &mut Row) {
+    pub(super) fn push_without_angle(&mut self, row: &mut Row, read: &mut dyn FnMut(Reading)) {
         self.collected.add_row(row);
         self.follower.range.check(row);
         self.standstill.add(row);
         if !self.live {
             // A monitored shaft may stand still for hours; in a file, the keyphasor may have failed instead.
-            self.evaluation.counts.add_without_angle();
+            read(Reading::WithoutAngle);
         }
     }
 
     /// Restarts the twin with the next sample, because the shaft angle is interrupted.
-    pub(super) fn restart(&mut self) {
+    pub(super) fn restart(&mut self, read: &mut dyn FnMut(Reading)) {
         if let Some(signals) = &mut self.signals {
             signals.interrupt();
         }
         if let Some(vibration) = &mut self.vibration {
             vibration.interrupt();
         }
-        self.readings.restart(&mut self.evaluation.limits);
+        read(Reading::Restart);
         self.follower.startup.restart();
     }
 
@@ -223,62 +214,53 @@ impl<'a> Pipeline<'a> {
         }
     }
 
+    /// Follows the next sample of the queue as [`Follower::next`]; none before the search for the observer has ended.
+    pub(super) fn next(&mut self, deadline: Option<Instant>, motion: FollowedMotion) -> Result<Option<FollowedSample>> {
+        if !self.follower.startup.is_done() {
+            return Ok(None);
+        }
+        self.follower.next(deadline, motion, (&mut self.notices, &mut self.notes))
+    }
+
     /// Processes queued samples until `deadline`, or all of them; `recycle` takes back their rows.
-    pub(super) fn work(&mut self, deadline: Option<Instant>, mut recycle: impl FnMut(Row)) -> Result<()> {
+    pub(super) fn work(
+        &mut self,
+        evaluator: &mut Evaluator,
+        deadline: Option<Instant>,
+        mut recycle: impl FnMut(Row),
+    ) -> Result<()> {
         if let Some(found) = self.follower.startup.poll(deadline)? {
             self.follower.start(found, &mut self.notes);
         }
-        if !self.follower.startup.is_done() {
-            return Ok(());
-        }
-        if !self.live {
-            return self.work_in_chain(recycle);
-        }
-        while let Some(mut followed) = self.follower.next(
-            deadline,
-            std::mem::take(&mut self.spare),
-            (&mut self.notices, &mut self.notes),
-        )? {
-            self.evaluation.add(&mut followed)?;
-            if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &self.evaluation.block) {
+        let mut spare = FollowedMotion::default();
+        while let Some(mut followed) = self.next(deadline, std::mem::take(&mut spare))? {
+            evaluator.add(&mut followed)?;
+            if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &evaluator.block) {
                 let now = (followed.sample.row.time, followed.sample.total_revolutions());
                 running.poll(block, now, &mut self.follower.cages, &mut self.notices);
             }
             recycle(followed.sample.row);
-            self.spare = followed.motion;
+            spare = followed.motion;
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 return Ok(());
             }
         }
-        if !self.follower.startup.is_running_in() {
-            self.readings.stop_seconds();
+        if self.follower.startup.is_done() && !self.follower.startup.is_running_in() {
+            evaluator.readings.stop_seconds();
         }
         Ok(())
     }
 
-    /// Processes all queued samples: where there is another processor, they are evaluated there while this one follows the next ones.
-    fn work_in_chain(&mut self, mut recycle: impl FnMut(Row)) -> Result<()> {
-        let Self { follower, evaluation, notices, notes, .. } = self;
-        let follow = |used: Option<FollowedSample>| {
-            let motion = used.map_or_else(FollowedMotion::default, |used| {
-                recycle(used.sample.row);
-                used.motion
-            });
-            follower.next(None, motion, (&mut *notices, &mut *notes))
-        };
-        parallel::chain(follow, |sample| evaluation.add(sample))
-    }
-
     /// Returns the notices since the last call.
-    pub(super) fn take_notices(&mut self) -> Vec<Notice> {
+    pub(super) fn take_notices(&mut self, evaluator: &mut Evaluator) -> Vec<Notice> {
         let mut notices = self.notices.take();
-        notices.append(&mut self.evaluation.notices.take());
+        notices.append(&mut evaluator.notices.take());
         notices
     }
 
     /// Returns the seconds that ended since the last call.
-    pub(super) fn take_ended_seconds(&mut self) -> Vec<Second> {
-        let mut seconds = std::mem::take(&mut self.evaluation.ended_seconds);
+    pub(super) fn take_ended_seconds(&mut self, evaluator: &mut Evaluator) -> Vec<Second> {
+        let mut seconds = std::mem::take(&mut evaluator.ended_seconds);
         if let Some(vibration) = &mut self.vibration {
             for second in &mut seconds {
                 second.sensors = vibration.second(second.time_s);
@@ -289,8 +271,8 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Returns the seconds that ended since the last call while the twin was starting.
-    pub(super) fn take_preliminary(&mut self) -> Vec<Second> {
-        let mut seconds = self.readings.take_ended();
+    pub(super) fn take_preliminary(&mut self, evaluator: &mut Evaluator) -> Vec<Second> {
+        let mut seconds = evaluator.readings.take_ended();
         if let Some(vibration) = &self.vibration {
             seconds.iter_mut().for_each(|second| second.sensors = vibration.second(second.time_s));
         }
@@ -298,8 +280,8 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Returns the present state for a live display; none where no display is in use or the twin does not run.
-    pub(super) fn snapshot(&self) -> Option<Snapshot> {
-        let (recent, shaft) = (self.evaluation.recent.as_ref()?, self.follower.twin.shaft()?);
+    pub(super) fn snapshot(&self, evaluator: &Evaluator) -> Option<Snapshot> {
+        let (recent, shaft) = (evaluator.recent.as_ref()?, self.follower.twin.shaft()?);
         let coordinates = self.follower.observer.coordinates().unwrap_or_else(|| self.follower.twin.coordinates());
         let loads = self.plant.bearings.iter().zip(self.follower.twin.parts()).enumerate().map(|(i, (bearing, &parts))| {
             let displacement = self.plant.displacement(i, coordinates);
@@ -307,7 +289,7 @@ impl<'a> Pipeline<'a> {
         });
         let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
         Some(Snapshot {
-            time_s: self.evaluation.totals.last_time,
+            time_s: evaluator.totals.last_time,
             speed_rpm: shaft.speed * 60.0 / TAU,
             rate_hz: self.rate,
             samples: recent.samples.iter().cloned().collect(),

@@ -5,7 +5,29 @@ use super::lines::{Angles, BLOCK_TURNS, Demodulator, Line};
 use super::second::{ProbeSecond, Second, SecondIndicators};
 use crate::recording::Sample;
 use ballrace::Phase;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
+
+/// What a recording has at some point, before the sample waits for the twin.
+pub(super) enum Reading<'s> {
+    /// A sample with a shaft angle.
+    Sample(Cow<'s, Sample>),
+    /// A sample without a shaft angle.
+    WithoutAngle,
+    /// An interruption of the shaft angle.
+    Restart,
+}
+
+impl Reading<'_> {
+    /// Returns the reading with its own copy of the sample.
+    pub(super) fn into_owned(self) -> Reading<'static> {
+        match self {
+            Self::Sample(sample) => Reading::Sample(Cow::Owned(sample.into_owned())),
+            Self::WithoutAngle => Reading::WithoutAngle,
+            Self::Restart => Reading::Restart,
+        }
+    }
+}
 
 /// Monitor of readings.
 pub(super) struct ReadingsStage {

@@ -1,9 +1,12 @@
 //! A replay driven row by row: a file reader or a live source delivers the rows.
 
 use super::conclusion::RecordingFacts;
+use super::evaluate::Evaluator;
+use super::follow::{FollowedMotion, FollowedSample};
 use super::limits::{LimitState, LimitStatus};
 use super::notices::Notice;
 use super::pipeline::Pipeline;
+use super::readings::Reading;
 use super::running_diagnosis::{DiagnosisState, FaultState};
 use super::second::Second;
 use super::snapshot::Snapshot;
@@ -13,6 +16,7 @@ use crate::error::{Error, ReplayError, Result};
 use crate::observer::CageTracker;
 use crate::options::Options;
 use crate::outcome::{Calibration, Diagnosis, Event, Implausibility, Outcome};
+use crate::parallel;
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::{RotationError, Tracker};
@@ -28,14 +32,29 @@ const LONGEST_PULSE_WAIT: f64 = 10.0;
 /// A replay in progress: rows are added one by one, and the outcome is returned at the end.
 pub struct Replay<'a> {
     scene: &'a Scene,
+    input: Input<'a>,
+    pipeline: Pipeline<'a>,
+    evaluator: Evaluator<'a>,
+}
+
+/// Rows of a recording, which become samples with a shaft angle.
+struct Input<'a> {
+    scene: &'a Scene,
     tracker: Tracker,
     run_out: Option<Arc<RunOut>>,
-    pipeline: Pipeline<'a>,
     temperatures: Option<TemperatureMonitor>,
     rows: u64,
     /// Flaws of the shaft angle before its last interruption.
     flaws: Vec<FlawSummary>,
     has_ended: bool,
+}
+
+/// What one step of [`Replay::run`] passes on.
+#[derive(Default)]
+struct Step {
+    /// What was read, where there are limits on readings.
+    readings: Vec<Reading<'static>>,
+    followed: Option<FollowedSample>,
 }
 
 /// Results since the last call of [`Replay::take_update`].
@@ -74,16 +93,17 @@ impl<'a> Replay<'a> {
         vibration::check_bearings(scene, recording).map_err(Error::setup)?;
         let tracker = tracker(scene, recording, rate, options.live).with_run_out(run_out.clone());
         let rate = rate / f64::from(recording.average);
-        let mut pipeline = Pipeline::try_new(scene, recording, rate, options).map_err(Error::setup)?;
+        let (mut pipeline, evaluator) = Pipeline::try_new(scene, recording, rate, options).map_err(Error::setup)?;
         pipeline.notes.extend(run_out.as_ref().map(|run_out| run_out.note()));
         let temperatures = TemperatureMonitor::new(scene);
-        Ok(Self { scene, tracker, run_out, pipeline, temperatures, rows: 0, flaws: vec![], has_ended: false })
+        let input = Input { scene, tracker, run_out, temperatures, rows: 0, flaws: vec![], has_ended: false };
+        Ok(Self { scene, input, pipeline, evaluator })
     }
 
     /// Returns an empty row to read into.
     #[must_use]
     pub fn blank(&mut self) -> Row {
-        self.tracker.blank()
+        self.input.tracker.blank()
     }
 
     /// Adds the next row: evaluates limits and indicators of readings and queues the samples for the twin.
@@ -93,38 +113,55 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// A search that cannot be started.
     pub fn push(&mut self, row: Row) -> Result<()> {
-        self.rows += 1;
-        self.pipeline.evaluation.timing.begin();
-        let time = row.time;
-        self.pipeline.push_sensors(&row);
-        if let Some(temperatures) = &mut self.temperatures {
-            temperatures.add(self.scene, &row);
-        }
-        let pushed = self.tracker.push(row);
-        self.drain()?;
-        if let Err(error) = pushed {
-            let sentence = || format!("{error}; the twin waits until it turns.");
-            self.pipeline.notices.add("shaft-not-turning", time, sentence);
-            self.push_without_angle(error);
-            self.restart();
-        }
-        Ok(())
+        let Self { input, pipeline, evaluator, .. } = self;
+        evaluator.timing.begin();
+        input.push(row, pipeline, &mut |reading| evaluator.read(&reading))
     }
 
-    /// Adds the samples that wait for a shaft angle as samples without one.
-    fn push_without_angle(&mut self, reason: RotationError) {
-        while let Some(mut row) = self.tracker.abandon() {
-            self.pipeline.push_without_angle(&mut row);
-            self.tracker.recycle(row);
-        }
-        self.pipeline.standstill.explain(reason);
-    }
-
-    fn drain(&mut self) -> Result<()> {
-        while let Some(sample) = self.tracker.pop() {
-            self.pipeline.push(sample)?;
-        }
-        Ok(())
+    /// Replays all rows that `next_row` reads: where there is another processor, samples are evaluated there while this one reads and
+    /// follows the next ones. `next_row` returns false at the end.
+    ///
+    /// # Errors
+    /// Those of `next_row`, a twin that cannot be started, an output that cannot be written.
+    pub(super) fn run(&mut self, mut next_row: impl FnMut(&mut Row) -> Result<bool>) -> Result<()> {
+        let Self { input, pipeline, evaluator, .. } = self;
+        evaluator.timing.begin();
+        let has_limits = !evaluator.limits.is_empty();
+        let mut row = input.tracker.blank();
+        let first = |used: Option<Step>| {
+            let mut step = used.unwrap_or_default();
+            let mut motion = FollowedMotion::default();
+            if let Some(used) = step.followed.take() {
+                input.tracker.recycle(used.sample.row);
+                motion = used.motion;
+            }
+            let readings = &mut step.readings;
+            readings.clear();
+            let read = &mut |reading: Reading| {
+                if has_limits || matches!(reading, Reading::WithoutAngle) {
+                    readings.push(reading.into_owned());
+                }
+            };
+            loop {
+                step.followed = pipeline.next(None, std::mem::take(&mut motion))?;
+                if step.followed.is_some() {
+                    return Ok(Some(step));
+                }
+                if input.has_ended {
+                    return Ok((!readings.is_empty()).then_some(step));
+                }
+                if next_row(&mut row)? {
+                    let next = input.tracker.blank();
+                    input.push(std::mem::replace(&mut row, next), pipeline, read)?;
+                } else {
+                    input.end(pipeline, read)?;
+                }
+            }
+        };
+        parallel::chain(first, |step| {
+            step.readings.iter().for_each(|reading| evaluator.read(reading));
+            step.followed.as_mut().map_or(Ok(()), |followed| evaluator.add(followed))
+        })
     }
 
     /// Processes the samples that wait for the twin until `deadline`; without a deadline it waits for the start of the twin and
@@ -133,8 +170,8 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// A twin that cannot be started, an output that cannot be written.
     pub fn work(&mut self, deadline: Option<Instant>) -> Result<()> {
-        let tracker = &mut self.tracker;
-        self.pipeline.work(deadline, |row| tracker.recycle(row))
+        let tracker = &mut self.input.tracker;
+        self.pipeline.work(&mut self.evaluator, deadline, |row| tracker.recycle(row))
     }
 
     /// Returns true once the twin has started.
@@ -176,32 +213,14 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// A search that cannot be started.
     pub fn end(&mut self) -> Result<()> {
-        if std::mem::replace(&mut self.has_ended, true) {
-            return Ok(());
-        }
-        let finished = self.tracker.finish();
-        self.drain()?;
-        if let Err(error) = finished {
-            self.push_without_angle(error);
-        }
-        self.pipeline.end()
-    }
-
-    /// Restarts angle, twin and observer.
-    fn restart(&mut self) {
-        if let Some(recording) = &self.scene.recording {
-            let rate = self.pipeline.rate * f64::from(recording.average);
-            self.flaws.extend(self.tracker.flaws().summary());
-            let tracker = tracker(self.scene, recording, rate, self.pipeline.live);
-            self.tracker = tracker.with_run_out(self.run_out.clone());
-        }
-        self.pipeline.restart();
+        let Self { input, pipeline, evaluator, .. } = self;
+        input.end(pipeline, &mut |reading| evaluator.read(&reading))
     }
 
     /// Returns the present state for a live display; empty without [`Options::viewed`].
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        self.pipeline.snapshot().unwrap_or_default()
+        self.pipeline.snapshot(&self.evaluator).unwrap_or_default()
     }
 
     /// Returns the faults that the last diagnoses found, each once, strongest first.
@@ -219,7 +238,7 @@ impl<'a> Replay<'a> {
     /// Returns the present value of every limited indicator.
     #[must_use]
     pub fn limit_status(&self) -> Vec<LimitStatus> {
-        self.pipeline.evaluation.limits.status()
+        self.evaluator.limits.status()
     }
 
     /// Returns the faults of the last diagnoses, from which another process can continue.
@@ -235,30 +254,30 @@ impl<'a> Replay<'a> {
 
     /// Returns the results since the last call.
     pub fn take_update(&mut self) -> Update {
-        let preliminary = self.pipeline.take_preliminary();
+        let preliminary = self.pipeline.take_preliminary(&mut self.evaluator);
         Update {
-            seconds: self.pipeline.take_ended_seconds(),
+            seconds: self.pipeline.take_ended_seconds(&mut self.evaluator),
             preliminary,
-            events: self.pipeline.evaluation.limits.take_events(),
-            notices: self.pipeline.take_notices(),
+            events: self.evaluator.limits.take_events(),
+            notices: self.pipeline.take_notices(&mut self.evaluator),
         }
     }
 
     /// Continues with the limits in the state of an earlier process.
     pub fn restore_limits(&mut self, state: &LimitState) {
-        self.pipeline.evaluation.limits.restore(state);
+        self.evaluator.limits.restore(state);
     }
 
     /// Returns the state of the limits after the events that [`Replay::take_update`] returned.
     #[must_use]
     pub fn limit_state(&self) -> Option<LimitState> {
-        self.pipeline.evaluation.limits.state()
+        self.evaluator.limits.state()
     }
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: DiagnosisResult) {
         self.pipeline.diagnosed = Some(diagnosis);
-        self.pipeline.evaluation.block = None;
+        self.evaluator.block = None;
     }
 
     /// Follows the cages from the angles of the scene, where a diagnosis has found them: beyond the samples of that diagnosis, whose
@@ -273,7 +292,7 @@ impl<'a> Replay<'a> {
 
     /// Adds the time of calibration and diagnosis before the first sample.
     pub(super) fn add_diagnosis_time(&mut self, took: Duration) {
-        self.pipeline.evaluation.timing.diagnosed(took);
+        self.evaluator.timing.diagnosed(took);
     }
 
     /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
@@ -299,19 +318,81 @@ impl<'a> Replay<'a> {
     pub fn finish(mut self, name: &str, mut flaws: Vec<FlawSummary>) -> Result<Outcome> {
         self.end()?;
         self.work(None)?;
-        flaws.append(&mut self.flaws);
-        flaws.extend(self.tracker.flaws().summary());
-        self.pipeline.notes.extend(self.temperatures.iter().flat_map(|monitor| monitor.notes(self.scene)));
-        let angle_source = self.tracker.source();
-        let is_run_out_subtracted = self.run_out.is_some();
-        let facts = RecordingFacts { name, rows: self.rows, angle_source, is_run_out_subtracted, flaws };
-        self.pipeline.conclude(self.scene, facts)
+        let Self { scene, mut input, mut pipeline, evaluator } = self;
+        flaws.append(&mut input.flaws);
+        flaws.extend(input.tracker.flaws().summary());
+        pipeline.notes.extend(input.temperatures.iter().flat_map(|monitor| monitor.notes(scene)));
+        let angle_source = input.tracker.source();
+        let is_run_out_subtracted = input.run_out.is_some();
+        let facts = RecordingFacts { name, rows: input.rows, angle_source, is_run_out_subtracted, flaws };
+        pipeline.conclude(evaluator, scene, facts)
     }
 
     /// Returns the number of rows so far.
     #[must_use]
     pub const fn rows(&self) -> u64 {
-        self.rows
+        self.input.rows
+    }
+}
+
+impl Input<'_> {
+    /// Adds the next row, as [`Replay::push`]; what it reads is passed to `read`.
+    fn push(&mut self, row: Row, pipeline: &mut Pipeline, read: &mut dyn FnMut(Reading)) -> Result<()> {
+        self.rows += 1;
+        let time = row.time;
+        pipeline.push_sensors(&row);
+        if let Some(temperatures) = &mut self.temperatures {
+            temperatures.add(self.scene, &row);
+        }
+        let pushed = self.tracker.push(row);
+        self.drain(pipeline, read)?;
+        if let Err(error) = pushed {
+            let sentence = || format!("{error}; the twin waits until it turns.");
+            pipeline.notices.add("shaft-not-turning", time, sentence);
+            self.push_without_angle(error, pipeline, read);
+            self.restart(pipeline, read);
+        }
+        Ok(())
+    }
+
+    /// Adds the samples that wait for a shaft angle as samples without one.
+    fn push_without_angle(&mut self, reason: RotationError, pipeline: &mut Pipeline, read: &mut dyn FnMut(Reading)) {
+        while let Some(mut row) = self.tracker.abandon() {
+            pipeline.push_without_angle(&mut row, read);
+            self.tracker.recycle(row);
+        }
+        pipeline.standstill.explain(reason);
+    }
+
+    fn drain(&mut self, pipeline: &mut Pipeline, read: &mut dyn FnMut(Reading)) -> Result<()> {
+        while let Some(sample) = self.tracker.pop() {
+            pipeline.push(sample, read)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the recording, as [`Replay::end`].
+    fn end(&mut self, pipeline: &mut Pipeline, read: &mut dyn FnMut(Reading)) -> Result<()> {
+        if std::mem::replace(&mut self.has_ended, true) {
+            return Ok(());
+        }
+        let finished = self.tracker.finish();
+        self.drain(pipeline, read)?;
+        if let Err(error) = finished {
+            self.push_without_angle(error, pipeline, read);
+        }
+        pipeline.end()
+    }
+
+    /// Restarts angle, twin and observer.
+    fn restart(&mut self, pipeline: &mut Pipeline, read: &mut dyn FnMut(Reading)) {
+        if let Some(recording) = &self.scene.recording {
+            let rate = pipeline.rate * f64::from(recording.average);
+            self.flaws.extend(self.tracker.flaws().summary());
+            let tracker = tracker(self.scene, recording, rate, pipeline.live);
+            self.tracker = tracker.with_run_out(self.run_out.clone());
+        }
+        pipeline.restart(read);
     }
 }
 
