@@ -128,7 +128,8 @@ impl<'a> Replay<'a> {
         evaluator.timing.begin();
         let has_limits = !evaluator.limits.is_empty();
         let mut row = input.tracker.blank();
-        let first = |used: Option<Step>| {
+        // Boxed: an item passes through several queues.
+        let first = |used: Option<Box<Step>>| {
             let mut step = used.unwrap_or_default();
             let mut motion = FollowedMotion::default();
             if let Some(used) = step.followed.take() {
