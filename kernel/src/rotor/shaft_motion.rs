@@ -4,7 +4,7 @@ use crate::phase::{Phase, PhaseDelta};
 use crate::scalar::Scalar;
 
 /// Angle, speed and angular acceleration of the shaft at the start of a step; the acceleration is constant during it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftMotion<T> {
     /// Angle of the keyphasor mark.

@@ -187,7 +187,8 @@ impl Pipeline<'_> {
         notes.extend(evaluator.limits.note());
         let events = evaluator.limits.finish();
         notes.extend(events.iter().map(|event| event.sentence.clone()));
-        let mut pictures = evaluator.figures.finish(&evaluator.comparison, evaluator.force.bearings(), bearings, self.rate, speed_hz);
+        let mut pictures =
+            evaluator.figures.finish(&evaluator.comparison, evaluator.force.bearings(), bearings, self.rate, speed_hz);
         pictures.clearances = list::clearances(scene, &self.planes);
         pictures.limits = limits;
         pictures.rotor = RotorDrawing::new(scene);
@@ -263,12 +264,7 @@ impl Pipeline<'_> {
     }
 
     /// Returns the outcome of a recording in which no sample has a shaft angle.
-    fn conclude_at_standstill(
-        mut self,
-        evaluator: Evaluator,
-        scene: &Scene,
-        facts: RecordingFacts,
-    ) -> Result<Outcome> {
+    fn conclude_at_standstill(mut self, evaluator: Evaluator, scene: &Scene, facts: RecordingFacts) -> Result<Outcome> {
         if self.standstill.samples() == 0 {
             return Err(ReplayError::NoSample { recording: facts.name.to_owned() }.into());
         }

@@ -124,12 +124,12 @@ impl<'a> Evaluator<'a> {
     pub(super) fn add(&mut self, followed: &mut FollowedSample) -> Result<()> {
         let linear_start = followed.linear_start.take();
         let followed = &*followed;
-        let FollowedSample { sample, motion, .. } = followed;
+        let FollowedSample { sample, .. } = followed;
         let (index, time) = (sample.row.index, sample.row.time);
         self.timing.sample(time);
         let (begun, mut clock) = (Instant::now(), followed.clock.resumed());
         let shaft = sample.shaft_motion();
-        let force = self.force.evaluate(index, &self.plant.bearings, &motion.parts, &shaft, &motion.displacements);
+        let force = self.force.evaluate(index, &self.plant.bearings, &followed.parts, &shaft, &followed.displacements);
         self.timing.worked(followed.took + begun.elapsed());
         clock.passed(Stage::Forces);
         self.advance_linear(followed, linear_start);
@@ -147,7 +147,7 @@ impl<'a> Evaluator<'a> {
         let is_judged = self.seconds.is_some() || !status.has(SampleStatus::ANGLE_NOT_MEASURED);
         let readings = is_judged.then_some(sample.row.probes.as_slice());
         let linear = self.linear.as_ref().map_or(&[][..], |linear| linear.coordinates());
-        self.sample_readings.evaluate(readings, [&motion.twin, linear], &self.rows);
+        self.sample_readings.evaluate(readings, [&followed.twin, linear], &self.rows);
         self.compare(followed, status);
         clock.passed(Stage::Comparison);
         self.record(followed, status)?;
@@ -162,7 +162,7 @@ impl<'a> Evaluator<'a> {
             self.linear = start;
         }
         let Some(linear) = &mut self.linear else { return };
-        let [coordinates, rates] = &followed.motion.placed;
+        let [coordinates, rates] = &followed.placed;
         linear.place(coordinates, rates);
         for shaft in followed.interval.motion() {
             linear.step(&shaft);
@@ -171,10 +171,10 @@ impl<'a> Evaluator<'a> {
 
     /// Compares a sample with the twin, and evaluates indicators and limits.
     fn compare(&mut self, followed: &FollowedSample, status: SampleStatus) {
-        let FollowedSample { sample, motion, interval, .. } = followed;
+        let FollowedSample { sample, interval, .. } = followed;
         let (revolutions, readings) = (interval.revolutions, &self.sample_readings);
         let (index, time) = (sample.row.index, sample.row.time);
-        let angles = Angles { shaft: sample.angle, parts: &motion.parts, revolutions };
+        let angles = Angles { shaft: sample.angle, parts: &followed.parts, revolutions };
         if readings.is_complete() {
             self.limits.add_residuals(index, time, &readings.measured, &readings.twin);
         }
@@ -194,7 +194,7 @@ impl<'a> Evaluator<'a> {
         }
         self.figures.add(sample, &readings.twin, revolutions);
         if let Some(deflection) = self.deflection.as_mut().filter(|_| readings.is_complete()) {
-            deflection.add(&motion.twin);
+            deflection.add(&followed.twin);
         }
         if let Some(recent) = &mut self.recent {
             recent.add(&readings.measured, &readings.twin, passes_keyphasor(sample, revolutions));
@@ -203,12 +203,12 @@ impl<'a> Evaluator<'a> {
 
     /// Adds the forces of a sample to sums, figures and file.
     fn record(&mut self, followed: &FollowedSample, status: SampleStatus) -> Result<()> {
-        let FollowedSample { sample, motion, .. } = followed;
+        let FollowedSample { sample, .. } = followed;
         let (index, time) = (sample.row.index, sample.row.time);
         if self.force.is_reported(index) {
             let shaft = sample.shaft_motion();
             let with_noise = ForceStage::is_noise_band_due(index) || self.figures.shows_forces();
-            let all = self.plant.bearings.iter().zip(&motion.parts).zip(&motion.displacements).zip(&self.columns);
+            let all = self.plant.bearings.iter().zip(&followed.parts).zip(&followed.displacements).zip(&self.columns);
             for (i, (((bearing, &parts), displacements), columns)) in all.enumerate() {
                 let at = bearing.rotation(parts, &shaft);
                 let noise = with_noise.then_some((self.probes, columns.as_slice()));

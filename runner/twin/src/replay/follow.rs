@@ -13,8 +13,8 @@ use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::CageTracker;
 use crate::plant::{AXIAL, MAX_OBSERVED, Plant, Twin};
-use crate::recording::Sample;
 use crate::recording::status::SampleStatus;
+use crate::recording::{Row, Sample};
 use ballrace::rotor::ComponentAngles;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -40,10 +40,10 @@ pub(super) struct Follower {
     last_turns: Option<f64>,
 }
 
-/// A sample that twin and observer have followed.
+/// A sample that twin and observer have followed, and their motion there. Its memory is used again for later samples.
+#[derive(Default)]
 pub(super) struct FollowedSample {
     pub(super) sample: Sample,
-    pub(super) motion: FollowedMotion,
     /// Interval since the last sample.
     pub(super) interval: SampleInterval,
     /// The twin on linear springs, where both twins start at this sample.
@@ -55,11 +55,6 @@ pub(super) struct FollowedSample {
     /// Time of twin and observer.
     pub(super) took: Duration,
     pub(super) clock: StageClock,
-}
-
-/// Motion of the twin and of the observer at a sample.
-#[derive(Default)]
-pub(super) struct FollowedMotion {
     /// Coordinates of the twin.
     pub(super) twin: Vec<f64>,
     /// Coordinates and rates at the start of the interval where both twins were placed there, else empty.
@@ -135,48 +130,42 @@ impl Follower {
         Ok(!matches!(progress, RunInProgress::Unfinished))
     }
 
-    /// Follows the next sample of the queue, with `motion` as memory for its result; none where no sample waits, or where the run-in before
-    /// it is not finished at `deadline`.
+    /// Follows the next sample of the queue; returns false where no sample waits, or where the run-in before it is not finished at
+    /// `deadline`.
     ///
     /// # Errors
     /// A twin or an observer that cannot be started.
     pub(super) fn next(
         &mut self,
         deadline: Option<Instant>,
-        motion: FollowedMotion,
+        followed: &mut FollowedSample,
         (notices, notes): (&mut Notices, &mut Vec<String>),
-    ) -> Result<Option<FollowedSample>> {
+    ) -> Result<bool> {
         loop {
             if !self.is_run_in(deadline, notes)? {
-                return Ok(None);
+                return Ok(false);
             }
             match self.startup.pop() {
-                None => return Ok(None),
+                None => return Ok(false),
                 Some(Queued::Restart) => {
                     self.twin.stop();
                     self.cages.interrupt();
                     self.last_turns = None;
                 }
                 Some(Queued::Sample(sample)) => {
-                    let sample = self.alignment.align(sample);
-                    return self.follow(sample, motion, notices, notes).map(Some);
+                    followed.sample = self.alignment.align(sample);
+                    return self.follow(followed, notices, notes).map(|()| true);
                 }
             }
         }
     }
 
     /// Advances twin, observer and cages to an aligned sample.
-    fn follow(
-        &mut self,
-        sample: Sample,
-        mut motion: FollowedMotion,
-        notices: &mut Notices,
-        notes: &mut Vec<String>,
-    ) -> Result<FollowedSample> {
-        let mut linear_start = None;
-        let interval = self.twin.interval(&sample, || {
+    fn follow(&mut self, followed: &mut FollowedSample, notices: &mut Notices, notes: &mut Vec<String>) -> Result<()> {
+        let sample = &followed.sample;
+        let interval = self.twin.interval(sample, || {
             let [twin, linear] = self.startup.take_settled()?;
-            linear_start = Some(linear);
+            followed.linear_start = Some(linear);
             Ok(twin)
         })?;
         let turns = sample.total_revolutions();
@@ -184,23 +173,23 @@ impl Follower {
         if let Some(start) = interval.start {
             self.cages.advance(turns - last_turns.unwrap_or(turns), 0.0);
             self.twin.set_cage_offsets(self.cages.offsets());
-            self.observer.start(&self.plant, &self.twin, start, &sample, 1.0 / self.rate, &self.cages)?;
+            self.observer.start(&self.plant, &self.twin, start, sample, 1.0 / self.rate, &self.cages)?;
         }
         let mut clock = StageClock::of(sample.row.index);
-        self.location.set_sample(&self.range, &sample);
-        motion.placed.iter_mut().for_each(Vec::clear);
+        self.location.set_sample(&self.range, sample);
+        followed.placed.iter_mut().for_each(Vec::clear);
         if self.is_synchronised()
             && let Some((coordinates, rates)) = self.observer.state()
         {
             self.twin.place(coordinates, rates);
-            motion.placed[0].extend_from_slice(coordinates);
-            motion.placed[1].extend_from_slice(rates);
+            followed.placed[0].extend_from_slice(coordinates);
+            followed.placed[1].extend_from_slice(rates);
         }
         let begun = Instant::now();
-        self.twin.advance(&sample, &interval);
+        self.twin.advance(sample, &interval);
         clock.passed(Stage::Twin);
         let observed = self.observer.advance(
-            (&sample, &interval),
+            (sample, &interval),
             &self.twin,
             &self.range,
             &self.location,
@@ -209,32 +198,32 @@ impl Follower {
         );
         self.twin.set_cage_offsets(self.cages.offsets());
         clock.passed(Stage::Observer);
-        self.store(&mut motion);
-        let took = begun.elapsed();
-        clock.passed(Stage::Forces);
         let is_restart = interval.start == Some(TwinStart::Restart);
-        let status = sample
+        followed.status = sample
             .status
             .and(SampleStatus::RESTARTED.when(is_restart))
             .and(SampleStatus::TWIN_HELD.when(self.twin.is_held()))
             .and(observed.status);
-        if self.twin.stop_if_stuck(sample.row.time) {
-            notes.push(format!("The twin's motion overflowed; it restarted after line {}.", sample.row.line));
-            notices.add("twin-restarted", sample.row.time, || {
-                "The motion of the twin overflowed; it restarted.".to_owned()
-            });
+        (followed.interval, followed.nis) = (interval, observed.nis);
+        self.store(followed);
+        followed.took = begun.elapsed();
+        clock.passed(Stage::Forces);
+        followed.clock = clock;
+        let Row { time, line, .. } = followed.sample.row;
+        if self.twin.stop_if_stuck(time) {
+            notes.push(format!("The twin's motion overflowed; it restarted after line {line}."));
+            notices.add("twin-restarted", time, || "The motion of the twin overflowed; it restarted.".to_owned());
         }
-        let nis = observed.nis;
-        Ok(FollowedSample { sample, motion, interval, linear_start, status, nis, took, clock })
+        Ok(())
     }
 
     /// Stores the motion at the current sample.
-    fn store(&self, motion: &mut FollowedMotion) {
+    fn store(&self, followed: &mut FollowedSample) {
         let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
-        motion.twin.clear();
-        motion.twin.extend_from_slice(twin);
-        motion.parts.clear();
-        motion.parts.extend_from_slice(self.twin.parts());
+        followed.twin.clear();
+        followed.twin.extend_from_slice(twin);
+        followed.parts.clear();
+        followed.parts.extend_from_slice(self.twin.parts());
         let axial = twin.get(AXIAL).copied().unwrap_or_default();
         let position = self.location.position(twin, axial);
         let of = |i: usize| Displacements {
@@ -242,7 +231,7 @@ impl Follower {
             twin: self.plant.displacement(i, twin),
             observer: observer.map(|q| self.plant.displacement(i, q)),
         };
-        motion.displacements.clear();
-        motion.displacements.extend((0..self.plant.bearings.len()).map(of));
+        followed.displacements.clear();
+        followed.displacements.extend((0..self.plant.bearings.len()).map(of));
     }
 }

@@ -1,7 +1,7 @@
 //! The stages of a replay in the order in which a sample passes through them.
 
 use super::evaluate::Evaluator;
-use super::follow::{FollowedMotion, FollowedSample, Follower};
+use super::follow::{FollowedSample, Follower};
 use super::force::element_loads;
 use super::limits::LimitMonitor;
 use super::lines::followed_orders;
@@ -71,7 +71,12 @@ pub(super) struct Pipeline<'a> {
 }
 
 impl<'a> Pipeline<'a> {
-    pub(super) fn try_new(scene: &Scene, recording: &'a Recording, rate: f64, options: &Options) -> Result<(Self, Evaluator<'a>)> {
+    pub(super) fn try_new(
+        scene: &Scene,
+        recording: &'a Recording,
+        rate: f64,
+        options: &Options,
+    ) -> Result<(Self, Evaluator<'a>)> {
         let probes = recording.probes.as_slice();
         only_observable(scene, "replay")?;
         let plant = Plant::try_new(scene)?;
@@ -105,8 +110,7 @@ impl<'a> Pipeline<'a> {
         let location = LocationStage::try_new(scene, &plant, probes, rows.clone())?;
         let range = ReadingRange::try_new(scene, &plant, probes)?;
         let is_baseline_synchronised = baseline.as_ref().is_some_and(|baseline| baseline.synchronised);
-        let evaluator =
-            Evaluator::try_new(scene, plant.clone(), (probes, &planes), &location, limits, rate, options)?;
+        let evaluator = Evaluator::try_new(scene, plant.clone(), (probes, &planes), &location, limits, rate, options)?;
         let pipeline = Self {
             diagnosed: None,
             running_diagnosis: options.live.then(|| {
@@ -214,12 +218,12 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Follows the next sample of the queue as [`Follower::next`]; none before the search for the observer has ended.
-    pub(super) fn next(&mut self, deadline: Option<Instant>, motion: FollowedMotion) -> Result<Option<FollowedSample>> {
+    /// Follows the next sample of the queue as [`Follower::next`]; returns false before the search for the observer has ended.
+    pub(super) fn next(&mut self, deadline: Option<Instant>, followed: &mut FollowedSample) -> Result<bool> {
         if !self.follower.startup.is_done() {
-            return Ok(None);
+            return Ok(false);
         }
-        self.follower.next(deadline, motion, (&mut self.notices, &mut self.notes))
+        self.follower.next(deadline, followed, (&mut self.notices, &mut self.notes))
     }
 
     /// Processes queued samples until `deadline`, or all of them; `recycle` takes back their rows.
@@ -232,15 +236,14 @@ impl<'a> Pipeline<'a> {
         if let Some(found) = self.follower.startup.poll(deadline)? {
             self.follower.start(found, &mut self.notes);
         }
-        let mut spare = FollowedMotion::default();
-        while let Some(mut followed) = self.next(deadline, std::mem::take(&mut spare))? {
+        let mut followed = FollowedSample::default();
+        while self.next(deadline, &mut followed)? {
             evaluator.add(&mut followed)?;
             if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &evaluator.block) {
                 let now = (followed.sample.row.time, followed.sample.total_revolutions());
                 running.poll(block, now, &mut self.follower.cages, &mut self.notices);
             }
-            recycle(followed.sample.row);
-            spare = followed.motion;
+            recycle(std::mem::take(&mut followed.sample.row));
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 return Ok(());
             }
@@ -283,10 +286,11 @@ impl<'a> Pipeline<'a> {
     pub(super) fn snapshot(&self, evaluator: &Evaluator) -> Option<Snapshot> {
         let (recent, shaft) = (evaluator.recent.as_ref()?, self.follower.twin.shaft()?);
         let coordinates = self.follower.observer.coordinates().unwrap_or_else(|| self.follower.twin.coordinates());
-        let loads = self.plant.bearings.iter().zip(self.follower.twin.parts()).enumerate().map(|(i, (bearing, &parts))| {
-            let displacement = self.plant.displacement(i, coordinates);
-            (bearing.name.clone(), element_loads(bearing, &displacement, &bearing.rotation(parts, &shaft)))
-        });
+        let loads =
+            self.plant.bearings.iter().zip(self.follower.twin.parts()).enumerate().map(|(i, (bearing, &parts))| {
+                let displacement = self.plant.displacement(i, coordinates);
+                (bearing.name.clone(), element_loads(bearing, &displacement, &bearing.rotation(parts, &shaft)))
+            });
         let name = |plane: &Plane| plane.probes.map(|i| self.probes[i].column.as_str()).join(" / ");
         Some(Snapshot {
             time_s: evaluator.totals.last_time,

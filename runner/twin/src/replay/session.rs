@@ -2,7 +2,7 @@
 
 use super::conclusion::RecordingFacts;
 use super::evaluate::Evaluator;
-use super::follow::{FollowedMotion, FollowedSample};
+use super::follow::FollowedSample;
 use super::limits::{LimitState, LimitStatus};
 use super::notices::Notice;
 use super::pipeline::Pipeline;
@@ -54,7 +54,9 @@ struct Input<'a> {
 struct Step {
     /// What was read, where there are limits on readings.
     readings: Vec<Reading<'static>>,
-    followed: Option<FollowedSample>,
+    followed: FollowedSample,
+    /// False at the end of a recording.
+    is_followed: bool,
 }
 
 /// Results since the last call of [`Replay::take_update`].
@@ -131,10 +133,8 @@ impl<'a> Replay<'a> {
         // Boxed: an item passes through several queues.
         let first = |used: Option<Box<Step>>| {
             let mut step = used.unwrap_or_default();
-            let mut motion = FollowedMotion::default();
-            if let Some(used) = step.followed.take() {
-                input.tracker.recycle(used.sample.row);
-                motion = used.motion;
+            if step.is_followed {
+                input.tracker.recycle(std::mem::take(&mut step.followed.sample.row));
             }
             let readings = &mut step.readings;
             readings.clear();
@@ -144,8 +144,8 @@ impl<'a> Replay<'a> {
                 }
             };
             loop {
-                step.followed = pipeline.next(None, std::mem::take(&mut motion))?;
-                if step.followed.is_some() {
+                step.is_followed = pipeline.next(None, &mut step.followed)?;
+                if step.is_followed {
                     return Ok(Some(step));
                 }
                 if input.has_ended {
@@ -161,7 +161,7 @@ impl<'a> Replay<'a> {
         };
         parallel::chain(first, |step| {
             step.readings.iter().for_each(|reading| evaluator.read(reading));
-            step.followed.as_mut().map_or(Ok(()), |followed| evaluator.add(followed))
+            if step.is_followed { evaluator.add(&mut step.followed) } else { Ok(()) }
         })
     }
 

@@ -22,7 +22,7 @@ pub enum Stage {
 }
 
 /// Clock of the stages of one sample, which runs at every 61st.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct StageClock(Option<RunningClock>);
 
 #[derive(Debug, Clone, Copy)]

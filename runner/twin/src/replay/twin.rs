@@ -25,6 +25,7 @@ pub(super) enum TwinStart {
 }
 
 /// Interval from one sample to the next.
+#[derive(Default)]
 pub(super) struct SampleInterval {
     /// Shaft at the earlier sample.
     from: ShaftMotion<f64>,
