@@ -160,8 +160,64 @@ mod tests {
         assert_eq!(threads_of(50).len() > 1, processors > 1);
     }
 
+    /// Passes the numbers up to `count` through a chain; returns those that the second step received, and the items that the first one
+    /// received back. The steps fail at the numbers `failing`.
+    fn numbers(count: usize, failing: [Option<usize>; 2]) -> (std::io::Result<()>, Vec<usize>, usize) {
+        let (mut next, mut returned, mut received) = (0, 0, vec![]);
+        let fails = |step: usize, i: usize| {
+            if failing[step] == Some(i) { Err(std::io::Error::other(format!("step {step}"))) } else { Ok(()) }
+        };
+        let first = |used: Option<Box<usize>>| {
+            returned += usize::from(used.is_some());
+            fails(0, next)?;
+            let mut item = used.unwrap_or_default();
+            *item = next;
+            next += 1;
+            Ok((next <= count).then_some(item))
+        };
+        let second = |item: &mut Box<usize>| {
+            fails(1, **item)?;
+            received.push(**item);
+            Ok(())
+        };
+        let ended = chain(first, second);
+        (ended, received, returned)
+    }
+
+    #[test]
+    fn a_chain_keeps_the_order_and_returns_the_items() {
+        for count in [0, 1, BATCH - 1, BATCH, 20 * BATCH + 7] {
+            let (on_two, alone) = (numbers(count, [None; 2]), on_this_thread(|| numbers(count, [None; 2])));
+            for (ended, received, _) in [&on_two, &alone] {
+                assert!(ended.is_ok());
+                assert_eq!(received, &(0..count).collect::<Vec<_>>());
+            }
+            assert_eq!(alone.2, count);
+            assert!(count < 10 * BATCH || on_two.2 > 0, "no item of {count} came back");
+        }
+    }
+
+    #[test]
+    fn either_step_of_a_chain_ends_it_with_its_error() {
+        let run = |failing| {
+            let (ended, received, _) = numbers(20 * BATCH, failing);
+            (ended.map_err(|error| error.to_string()), received.len())
+        };
+        for failing in [3, BATCH, 5 * BATCH + 1] {
+            for ended in [run([Some(failing), None]), on_this_thread(|| run([Some(failing), None]))] {
+                assert_eq!(ended, (Err("step 0".to_owned()), failing), "what was made before the error is used");
+            }
+            for ended in [run([None, Some(failing)]), on_this_thread(|| run([None, Some(failing)]))] {
+                assert_eq!(ended, (Err("step 1".to_owned()), failing));
+            }
+        }
+    }
+
     #[test]
     fn a_panic_is_passed_on() {
+        let failed =
+            std::panic::catch_unwind(|| chain(|_| Ok::<_, std::io::Error>(Some(1)), |_| panic!("second step")));
+        assert!(failed.is_err());
         let failed = std::panic::catch_unwind(|| map(&[1, 2, 3, 4], |i| assert!(*i != 3, "third")));
         assert!(failed.is_err());
         assert!(!IS_ONE_OF_MANY.get());

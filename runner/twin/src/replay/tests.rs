@@ -144,3 +144,35 @@ fn probes_in_volts_and_run_out() {
     let error = replay(&scene, reader, "healthy.csv", &Options::default()).unwrap_err();
     assert!(error.is_usage_error() && error.to_string().contains("shaft too fast: 300"), "{error}");
 }
+
+/// Limits on readings and on residuals, missing readings, and a shaft that stops and starts: all that the two steps of a replay share.
+#[test]
+fn one_processor_and_several_give_the_same_outcome() {
+    const STARTS_AGAIN: usize = ROWS + 64_000;
+    let folder = tempfile::tempdir().unwrap();
+    let changed = |sample: usize, column: usize, value: f64| match (sample, column) {
+        (900..920, 2) => f64::NAN,
+        // Five seconds without a pulse.
+        (ROWS..STARTS_AGAIN, 5) => 0.0,
+        _ => value,
+    };
+    let still = demonstration().last().into_iter().cycle().take(STARTS_AGAIN - ROWS);
+    let rows = demonstration().chain(still).chain(demonstration());
+    write(&folder.path().join("healthy.csv"), rows, changed);
+    let scene = format!(
+        "{SCENE}\n[[limit]]\nindicator = \"peak-to-peak\"\nmax = \"0.1 um\"\n\n[[limit]]\nindicator = \"residual\"\nmax = \"1 nm\"\n"
+    );
+    let outcome = || {
+        let (_, outcome) = replayed(&folder, &scene);
+        let mut json = serde_json::to_value(&outcome).unwrap();
+        json["timing"] = serde_json::Value::Null;
+        (json, outcome)
+    };
+    let (several, found) = outcome();
+    let (one, _) = crate::parallel::on_this_thread(outcome);
+    assert_eq!(several, one);
+    for indicator in ["peak-to-peak", "residual"] {
+        assert!(found.events.iter().any(|event| event.sentence.contains(indicator)), "{indicator}: {:?}", found.events);
+    }
+    assert!(found.record.compared < found.record.samples, "{} of {}", found.record.compared, found.record.samples);
+}
