@@ -31,8 +31,9 @@ fn main() -> Result<()> {
     fs::write(folder.path().join("rig.toml"), full_rate)?;
     let simulated = ["simulate", "rig.toml", "--duration", DURATION, "--as-recording", "-o", "rig.npy"];
     run(&program, folder.path(), &simulated)?;
+    let processors = std::thread::available_parallelism()?;
     let mut lines = vec![
-        "| us of a sample | twin | observer | forces | comparison | all, with reading |".to_owned(),
+        format!("| us of a sample | twin | observer | forces | comparison | all, {processors} processors |"),
         "| --- | --: | --: | --: | --: | --: |".to_owned(),
     ];
     let recordings: [(&str, &[&str]); 2] = [

@@ -105,6 +105,7 @@ pub fn run<E: From<Error>>(
     mut visit: impl FnMut(&ResponseSample<'_>) -> Result<(), E>,
 ) -> Result<(u64, Box<dyn Twin>), E> {
     let period = 1.0 / span.rate;
+    let plant = &plant.for_simulation();
     let mut twin = plant.start(period, 0.0).map_err(Error::setup)?;
     start(twin.as_mut());
     let mut held = 0;

@@ -31,7 +31,7 @@ pub struct Timing {
     pub stages: Option<StageTimes>,
     /// The time from one sample to the next.
     pub sample_period_ns: u64,
-    /// Wall time from the first processed sample to the outcome.
+    /// Wall time from the first row to the outcome, without the search for the observer and the run-in of the twin.
     pub wall_s: f64,
     /// Wall time of calibration and diagnosis; 0 without either, and for diagnoses beside the samples of a monitor.
     pub diagnosis_s: f64,

@@ -389,6 +389,15 @@ impl Plant {
         plant
     }
 
+    /// Returns the plant for a simulation, which has no noise of probes that would hide the error of the default step.
+    #[must_use]
+    pub fn for_simulation(&self) -> Self {
+        match self.integration {
+            Integration { method: method @ Method::RungeKutta, step: None } => self.with_step(method, 0.5),
+            _ => self.clone(),
+        }
+    }
+
     /// Returns the default step of the integrator, s.
     #[must_use]
     fn own_step(&self) -> f64 {

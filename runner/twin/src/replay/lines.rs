@@ -134,7 +134,7 @@ fn summands(lines: &[Line], line: usize) -> Option<[usize; 2]> {
 /// of both.
 ///
 /// `T` is the precision and `S` the accumulator of the sums. In `f32` with compensated sums the amplitudes are those of firmware to
-/// the bit; in `f64` a plain sum has digits to spare.
+/// the bit, except of harmonics of other lines; in `f64` a plain sum has digits to spare.
 #[derive(Debug, Clone)]
 pub struct Demodulator<T: Scalar = f64, S: Accumulator<T> = f64> {
     lines: Vec<Line>,

@@ -262,7 +262,7 @@ impl Subjects {
         line("quasi-static, gyroscopic, film", self.solved.0);
         line("tabulated", self.looked_up.0);
         line("sine and cosine", self.cage_angle.0);
-        line("Runge-Kutta 4", self.runge_kutta.1.0);
+        line("Runge-Kutta-Nystrom", self.runge_kutta.1.0);
         line("Newmark", self.newmark.1.0);
         line("twin's residual", self.residual.0);
     }

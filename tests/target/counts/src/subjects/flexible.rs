@@ -33,7 +33,7 @@ pub fn all(bench: &Bench) {
 #[inline(never)]
 fn integrators<const D: usize>(bench: &Bench, what: &'static str) {
     let Ok(rig) = black_box(flexible_rig::<D>()) else { return };
-    steps(bench, (what, "f32", "Runge-Kutta 4 step"), &rig, &RungeKuttaNystrom { step: STEP });
+    steps(bench, (what, "f32", "Runge-Kutta-Nystrom step"), &rig, &RungeKuttaNystrom { step: STEP });
     steps(bench, (what, "f32", "Verlet step"), &rig, &Verlet { step: STEP });
     steady_steps(bench, (what, "f32"), &rig, Verlet { step: STEP });
 }

@@ -21,7 +21,7 @@ where
     let Ok(rig) = black_box(rig::<T>()) else { return };
     let dt = T::from_f64(2e-5);
     let (rigid, newmark) = ("rotor on two angular bearings", Newmark { step: dt, newton_steps: 3 });
-    steps(bench, (rigid, precision, "Runge-Kutta 4 step"), &rig, &RungeKuttaNystrom { step: dt });
+    steps(bench, (rigid, precision, "Runge-Kutta-Nystrom step"), &rig, &RungeKuttaNystrom { step: dt });
     steps(bench, (rigid, precision, "Verlet step"), &rig, &Verlet { step: dt });
     steady_steps(bench, (rigid, precision), &rig, Verlet { step: dt });
     steps(bench, (rigid, precision, "Newmark step, 3 Newton steps"), &rig, &newmark);
