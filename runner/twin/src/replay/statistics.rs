@@ -199,11 +199,11 @@ impl<const K: usize> RunningTogether<K> {
     /// Adds a value of each.
     pub fn add(&mut self, x: &[f64; K]) {
         self.n += 1.0;
-        for i in 0..K {
-            self.sum[i] += x[i];
-            self.square[i] += x[i] * x[i];
-            self.min[i] = smaller(x[i], self.min[i]);
-            self.max[i] = larger(x[i], self.max[i]);
+        for (i, &x) in x.iter().enumerate() {
+            self.sum[i] += x;
+            self.square[i] += x * x;
+            self.min[i] = smaller(x, self.min[i]);
+            self.max[i] = larger(x, self.max[i]);
         }
     }
 
