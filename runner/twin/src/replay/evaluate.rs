@@ -108,7 +108,7 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// Takes what the recording has at this point, before it waits for the twin.
+    /// Adds the next event of the recording, before a sample waits for the twin.
     pub(super) fn read(&mut self, reading: &Reading) {
         match reading {
             Reading::Sample(sample) => self.readings.add(sample, &mut self.limits),

@@ -8,7 +8,7 @@ use ballrace::Phase;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// What a recording has at some point, before the sample waits for the twin.
+/// Next event of a recording, before the sample waits for the twin.
 pub(super) enum Reading<'s> {
     /// A sample with a shaft angle.
     Sample(Cow<'s, Sample>),

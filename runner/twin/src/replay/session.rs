@@ -49,10 +49,10 @@ struct Input<'a> {
     has_ended: bool,
 }
 
-/// What one step of [`Replay::run`] passes on.
+/// Readings and followed sample that [`Replay::run`] passes on together.
 #[derive(Default)]
 struct Step {
-    /// What was read, where there are limits on readings.
+    /// Readings since the last sample, where there are limits.
     readings: Vec<Reading<'static>>,
     followed: FollowedSample,
     /// False at the end of a recording.
