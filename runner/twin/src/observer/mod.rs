@@ -388,6 +388,9 @@ where
     fn set_cage_offsets(&mut self, offsets: &[f64]) {
         for (b, (offset, before)) in offsets.iter().zip(&mut self.cage_offsets).enumerate() {
             let by = offset - std::mem::replace(before, *offset);
+            if by == 0.0 {
+                continue;
+            }
             turn(&mut self.state, b, by);
             for state in self.displaced.iter_mut().flatten() {
                 turn(state, b, by);

@@ -9,7 +9,7 @@ mod ahead;
 
 // A row becomes a sample with a shaft angle.
 mod session;
-// The stages, called in this order: those up to the observer, and those behind it.
+// The stages: those up to the observer (`pipeline`, `follow`), and those behind it (`evaluate`).
 mod evaluate;
 mod follow;
 mod pipeline;

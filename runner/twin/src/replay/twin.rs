@@ -162,7 +162,11 @@ impl TwinStage {
     pub(super) fn set_cage_offsets(&mut self, offsets: &[f64]) {
         let Some(TwinState { twin, parts, cage_offsets, .. }) = &mut self.state else { return };
         for (i, ((offset, before), parts)) in offsets.iter().zip(cage_offsets).zip(parts).enumerate() {
-            let by = Phase::from_revolutions(offset - std::mem::replace(before, *offset));
+            let by = offset - std::mem::replace(before, *offset);
+            if by == 0.0 {
+                continue;
+            }
+            let by = Phase::from_revolutions(by);
             parts.cage = parts.cage.wrapping_add(by);
             twin.turn_cage(i, by);
         }
