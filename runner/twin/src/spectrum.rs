@@ -213,3 +213,47 @@ impl Welch {
         reverse.chain(self.amplitudes(forward)).collect()
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::probes::planes;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    /// Spectra of differences and of planes are those of the differences and of X and Y themselves.
+    #[test]
+    fn combinations_of_transforms_are_transforms_of_combinations() {
+        let scene = read_str(include_str!("../../demo/healthy.toml"), Path::new("scene.toml")).unwrap();
+        let planes = planes(&scene.recording.as_ref().unwrap().probes);
+        let mut welch = Welch::new(5, planes.clone());
+        let value = |i: usize, signal: usize| {
+            (0.3 * i as f64 + signal as f64).sin() + 0.1 * ((i * i + 7 * signal) as f64).cos()
+        };
+        let signals: Vec<Vec<f64>> = (0..10).map(|s| (0..LONGEST).map(|i| value(i, s)).collect()).collect();
+        for i in 0..LONGEST {
+            welch.add(&signals.iter().map(|signal| signal[i]).collect::<Vec<_>>());
+        }
+        let near = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{off:e}");
+        };
+        for probe in 0..5 {
+            let difference: Vec<f64> = signals[probe].iter().zip(&signals[5 + probe]).map(|(a, b)| a - b).collect();
+            near(&welch.half(10 + probe), &amplitudes(&difference));
+        }
+        assert_eq!(planes.len(), 2);
+        for (k, (plane, first)) in
+            [0, 5].into_iter().flat_map(|first| planes.iter().map(move |p| (p, first))).enumerate()
+        {
+            let xy = |i: usize| plane.xy(&signals[first..first + 5].iter().map(|signal| signal[i]).collect::<Vec<_>>());
+            let (x, y): (Vec<f64>, Vec<f64>) = (0..LONGEST).map(xy).unzip();
+            let [x, y] = [x, y].map(|samples| WindowedTransform::new(LONGEST).bins(&samples));
+            let parts: Vec<[f64; 2]> = circular_power(&x, &y).map(|part| part.map(f64::sqrt)).collect();
+            let reverse = parts.iter().skip(1).rev().map(|part| part[1]);
+            near(&welch.full(k), &reverse.chain(parts.iter().map(|part| part[0])).collect::<Vec<_>>());
+        }
+    }
+}

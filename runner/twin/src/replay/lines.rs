@@ -372,4 +372,38 @@ mod tests {
             assert_eq!(of_kernel.map(f32::to_bits), of_desktop.map(f32::to_bits), "{of_kernel:?} {of_desktop:?}");
         });
     }
+
+    /// Harmonics and differences are those that a demodulator of each line and of the difference itself would find.
+    #[test]
+    fn harmonics_and_differences_are_those_of_their_own_demodulators() {
+        let lines: Vec<Line> =
+            (1..=5).map(|k| Line::outer_race(0, 9, k)).chain([Line::shaft(1), Line::shaft(2)]).collect();
+        let speed_ratios = SpeedRatios::<f64>::new(0.398_31);
+        let arc = PhaseDelta((0.004 * COUNTS) as i64);
+        let (mut shaft, mut parts) = (Phase::from_revolutions(0.3), ComponentAngles::default());
+        let mut together = Demodulator::<f64>::with_differences(lines.clone(), 2);
+        let mut alone: Vec<_> = lines.iter().map(|line| Demodulator::<f64>::new(vec![*line], 6)).collect();
+        for _ in 0..9000 {
+            let angles = Angles { shaft, parts: &[parts], revolutions: 0.004 };
+            let value = |k: f64| {
+                let each = lines.iter().enumerate();
+                each.map(|(i, line)| (1.0 + i as f64) * (k * line.phase(&angles).radians()).sin()).sum::<f64>()
+            };
+            let signals = [value(1.0), 3.0 + value(2.0), 0.7 * value(1.0), 1.0 - value(1.0)];
+            let all = [signals.as_slice(), &[signals[0] - signals[2], signals[1] - signals[3]]].concat();
+            together.add(&signals, angles);
+            alone.iter_mut().for_each(|one| {
+                one.add(&all, angles);
+            });
+            (shaft, parts) = (shaft.advanced(arc), speed_ratios.advance(parts, arc));
+        }
+        for (line, one) in alone.iter().enumerate() {
+            for signal in 0..6 {
+                let (found, expected) = (together.amplitude(line, signal), one.amplitude(0, signal));
+                assert!((found - expected).abs() < 1e-12, "line {line}, signal {signal}: {found}, {expected}");
+            }
+            assert_eq!(together.block(line).len(), 6);
+        }
+        assert!(together.amplitude(2, 4) > 0.5);
+    }
 }
