@@ -94,6 +94,25 @@ fn order_of_the_integrators() {
     assert!((order(true) - 2.0).abs() < 0.1, "Newmark {}", order(true));
 }
 
+/// With `x` the product of step and frequency, Runge-Kutta-Nystrom lowers the frequency by `x^4 / 320` of it and damps by `x^6 / 576` a step.
+#[test]
+fn frequency_and_damping_of_runge_kutta_nystrom() {
+    let machine = on_springs(PARAMS, &[]);
+    let omega = (2e7_f64 / 6.0).sqrt();
+    let start =
+        RotorState::stationary(Displacement { u: 1e-5, ..Displacement::default() }, Phase::ZERO, [Phase::ZERO; 2]);
+    for (x, count) in [(0.2_f64, 8000_usize), (0.3, 4000)] {
+        let h = x / omega;
+        let end = run(&machine, &RungeKuttaNystrom { step: h }, start, drive(0.0), (h, count));
+        let (cos, sin) = (end.q[0], -end.velocity[0] / omega);
+        let steps = count as f64;
+        let behind = (x * steps - sin.atan2(cos)).rem_euclid(TAU);
+        let lost = -(cos.hypot(sin) / 1e-5).ln();
+        assert!(relative(behind, steps * x.powi(5) / 320.0) < 0.03, "phase at {x}: {behind}");
+        assert!(relative(lost, steps * x.powi(6) / 576.0) < 0.03, "amplitude at {x}: {lost}");
+    }
+}
+
 /// Newmark's trapezium rule neither feeds nor damps an undamped linear rotor: energy after 1e5 steps.
 #[test]
 fn newmark_keeps_the_energy_of_springs() {
