@@ -124,3 +124,40 @@ pub fn run<E: From<Error>>(
     }
     Ok((held, twin))
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::scene::Method;
+    use crate::scene::read::read_str;
+    use std::path::Path;
+
+    /// `docs/src/models.md#integrators`: forces of the demonstration's twin against a fine step, in a replay and in a simulation.
+    #[test]
+    fn error_of_the_default_steps() {
+        let scene = read_str(include_str!("../../demo/healthy.toml"), Path::new("scene.toml")).unwrap();
+        let plant = Plant::try_new(&scene).unwrap();
+        let span = Span::try_new(0.5, 12_800.0, 0.0).unwrap();
+        let forces = |plant: &Plant| {
+            let mut all: Vec<f64> = vec![];
+            let add = |now: &ResponseSample<'_>| {
+                all.push(now.wrench(0).fx);
+                Ok::<_, Error>(())
+            };
+            run(&scene, plant, span, |_| {}, add).unwrap();
+            all
+        };
+        let fine = forces(&plant.with_step(Method::RungeKutta, 0.02));
+        let off = |plant: &Plant| {
+            let squares = forces(plant).iter().zip(&fine).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+            (squares / fine.len() as f64).sqrt()
+        };
+        let (replay, simulation) = (off(&plant.with_step(Method::RungeKutta, 1.0)), off(&plant));
+        println!("error of FX: {replay:.4} N rms in a replay, {simulation:.4} N in a simulation");
+        assert_eq!(plant.substeps(1.0 / span.rate).unwrap(), 1);
+        assert_eq!(plant.for_simulation().substeps(1.0 / span.rate).unwrap(), 2);
+        assert!(replay < 0.045, "{replay} N");
+        assert!(simulation < 0.004, "{simulation} N");
+    }
+}

@@ -328,12 +328,6 @@ impl<'a> Replay<'a> {
         let facts = RecordingFacts { name, rows: input.rows, angle_source, is_run_out_subtracted, flaws };
         pipeline.conclude(evaluator, scene, facts)
     }
-
-    /// Returns the number of rows so far.
-    #[must_use]
-    pub const fn rows(&self) -> u64 {
-        self.input.rows
-    }
 }
 
 impl Input<'_> {
