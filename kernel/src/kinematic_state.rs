@@ -44,6 +44,14 @@ impl<T: Scalar> From<Phase> for BearingKinematicState<T> {
 }
 
 impl<T: Scalar> BearingKinematicState<T> {
+    /// Returns the state with speeds rounded to `f32`.
+    #[inline(always)]
+    pub(crate) fn single(self) -> BearingKinematicState<f32> {
+        let (inner_speed, outer_speed) = (self.inner_speed.to_f32(), self.outer_speed.to_f32());
+        let Self { cage, inner, outer, ball, .. } = self;
+        BearingKinematicState { cage, inner, outer, ball, inner_speed, outer_speed }
+    }
+
     /// Returns the state in the frame rotated by pi about X, in which all rotations reverse.
     #[must_use]
     #[inline(always)]

@@ -45,6 +45,10 @@ pub trait Scalar:
     fn from_u32(count: u32) -> Self;
     /// Converts to `f64`, exactly.
     fn to_f64(self) -> f64;
+    /// Rounds to `f32`.
+    fn to_f32(self) -> f32;
+    /// Converts from `f32`, exactly.
+    fn from_f32(x: f32) -> Self;
     /// Returns the magnitude; clears the sign bit.
     fn abs(self) -> Self;
     /// Returns the number with its sign inverted where `sign` has its sign bit set.
@@ -160,6 +164,14 @@ impl Scalar for f32 {
         f64::from(self)
     }
     #[inline]
+    fn to_f32(self) -> f32 {
+        self
+    }
+    #[inline]
+    fn from_f32(x: f32) -> Self {
+        x
+    }
+    #[inline]
     fn abs(self) -> Self {
         Self::from_bits(self.to_bits() & 0x7fff_ffff)
     }
@@ -230,6 +242,14 @@ impl Scalar for f64 {
     #[inline]
     fn to_f64(self) -> f64 {
         self
+    }
+    #[inline]
+    fn to_f32(self) -> f32 {
+        self as f32
+    }
+    #[inline]
+    fn from_f32(x: f32) -> Self {
+        Self::from(x)
     }
     #[inline]
     fn abs(self) -> Self {

@@ -231,11 +231,16 @@ impl<T, const K: usize> PaddedGroup<T, K> {
 }
 
 /// Returns the positions in groups of `K`.
-pub(super) fn padded_groups<T: Scalar, const K: usize>(
-    positions: &impl ElementLayout<T>,
+pub(super) fn padded_groups<T: Scalar, P: ElementLayout<T>, const K: usize>(
+    layout: &P,
 ) -> impl Iterator<Item = PaddedGroup<T, K>> {
-    let mut each = positions.all();
+    let (mut complete, mut each) = (layout.stored().chunks_exact(K), layout.all());
+    let is_copied = K > 1 && !P::IS_PAIRED;
     core::iter::from_fn(move || {
+        if is_copied && let Some(group) = complete.next() {
+            each.nth(K - 1)?;
+            return Some(PaddedGroup { positions: *group.first_chunk()?, count: K });
+        }
         let first = each.next()?;
         let mut group = PaddedGroup { positions: [first; K], count: 1 };
         let mut last = first;

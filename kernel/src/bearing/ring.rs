@@ -8,7 +8,7 @@
 
 use super::Reaction;
 use super::element_position::{ElementBlock, ElementLayout, ElementPosition};
-use super::surface::{ElementDeviation, Surface};
+use super::surface::{ElementDeviation, Smooth, Surface};
 use crate::frame::{Displacement, Stiffness, Wrench};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::lanes::Lanes;
@@ -142,7 +142,12 @@ impl<T: Scalar, const K: usize> Motion<Lanes<T, K>> {
         surface: &S,
     ) -> Self {
         let all = Lanes::<T, K>::splat;
-        let deviations = azimuths.map(|azimuth| surface.deviation(azimuth.wrapping_add(at.cage), at));
+        let mut deviations = [Smooth.deviation(at.cage, at); K];
+        let mut i = 0;
+        while i < K {
+            deviations[i] = surface.deviation(azimuths[i].wrapping_add(at.cage), at);
+            i += 1;
+        }
         Self {
             radial: all(rim.u) * cos + all(rim.v) * sin,
             axial: all(rim.thu) * sin - all(rim.thv) * cos + all(rim.w),

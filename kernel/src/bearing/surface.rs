@@ -26,6 +26,11 @@ pub trait Surface<T: Scalar>: Send + Sync {
     /// True for surfaces without any deviation, which a model may then leave out.
     const IS_SMOOTH: bool = false;
 
+    /// Returns true if no ball has a deviation.
+    #[inline(always)]
+    fn is_smooth(&self) -> bool {
+        Self::IS_SMOOTH
+    }
     /// Returns the deviations at the ball at `azimuth` in the fixed frame.
     fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T>;
 }
@@ -226,6 +231,10 @@ impl<T: Scalar> Spall<T> {
 }
 
 impl<T: Scalar, M: Math<T>, A: AsRef<[Feature<T>]> + Send + Sync> Surface<T> for SurfaceDeviation<M, A> {
+    #[inline(always)]
+    fn is_smooth(&self) -> bool {
+        self.features.as_ref().is_empty()
+    }
     fn deviation(&self, azimuth: Phase, kinematics: &BearingKinematicState<T>) -> ElementDeviation<T> {
         let mut deviation = Smooth.deviation(azimuth, kinematics);
         for feature in self.features.as_ref() {

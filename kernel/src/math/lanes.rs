@@ -92,6 +92,28 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         }
         Mask(mask)
     }
+    /// Rounds each lane to `f32`.
+    #[inline(always)]
+    pub fn single(self) -> Lanes<f32, K> {
+        let mut single = Lanes([0.0; K]);
+        let mut i = 0;
+        while i < K {
+            single.0[i] = self.0[i].to_f32();
+            i += 1;
+        }
+        single
+    }
+    /// Converts each lane from `f32`, exactly.
+    #[inline(always)]
+    pub fn from_single(single: Lanes<f32, K>) -> Self {
+        let mut lanes = Self([T::ZERO; K]);
+        let mut i = 0;
+        while i < K {
+            lanes.0[i] = T::from_f32(single.0[i]);
+            i += 1;
+        }
+        lanes
+    }
     #[inline(always)]
     pub fn sqrt<M: Math<T>>(self) -> Self {
         Self(M::sqrt_each(self.0))
@@ -160,7 +182,11 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         let mut chosen = a;
         let mut i = 0;
         while i < K {
-            chosen.0[i] = T::select(first.0[i], a.0[i], b.0[i]);
+            chosen.0[i] = if K > 1 && cfg!(target_arch = "x86_64") {
+                if first.0[i] { a.0[i] } else { b.0[i] }
+            } else {
+                T::select(first.0[i], a.0[i], b.0[i])
+            };
             i += 1;
         }
         chosen
@@ -171,6 +197,10 @@ impl<const K: usize> Mask<K> {
     #[inline(always)]
     pub fn all(self) -> bool {
         self.0.into_iter().fold(true, |all, one| all & one)
+    }
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.0.into_iter().fold(false, |any, one| any | one)
     }
     #[inline(always)]
     pub fn and(mut self, other: Self) -> Self {
@@ -248,5 +278,13 @@ impl<T: Scalar, const K: usize> Plane<Lanes<T, K>> {
     #[inline(always)]
     pub fn select(first: Mask<K>, a: Self, b: Self) -> Self {
         Self { r: Lanes::select(first, a.r, b.r), z: Lanes::select(first, a.z, b.z) }
+    }
+    #[inline(always)]
+    pub fn single(self) -> Plane<Lanes<f32, K>> {
+        Plane { r: self.r.single(), z: self.z.single() }
+    }
+    #[inline(always)]
+    pub fn from_single(single: Plane<Lanes<f32, K>>) -> Self {
+        Self { r: Lanes::from_single(single.r), z: Lanes::from_single(single.z) }
     }
 }

@@ -15,6 +15,8 @@ use core::ops::{Add, Mul};
 
 /// The functions of the hot path, selected at compile time.
 pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
+    /// The same backend in `f32`, for a first solution in that precision.
+    type Single: Math<f32>;
     /// Returns the square root for `x >= 0`.
     fn sqrt(x: T) -> T;
     /// Returns the square root of each number.
@@ -55,6 +57,7 @@ pub struct Exact;
 pub struct Fast;
 
 impl Math<f32> for Exact {
+    type Single = Self;
     #[inline]
     fn sqrt(x: f32) -> f32 {
         sqrt::sqrt_f32(x)
@@ -82,6 +85,7 @@ impl Math<f32> for Exact {
 }
 
 impl Math<f64> for Exact {
+    type Single = Self;
     #[inline]
     fn sqrt(x: f64) -> f64 {
         sqrt::sqrt_f64(x)
@@ -101,6 +105,7 @@ impl Math<f64> for Exact {
 }
 
 impl Math<f32> for Fast {
+    type Single = Self;
     #[inline]
     fn sqrt(x: f32) -> f32 {
         // The estimate of 1/sqrt(x) has an error of 3.4 %; one Newton step without division reduces it to 0.18 %. The
@@ -123,6 +128,7 @@ impl Math<f32> for Fast {
 }
 
 impl Math<f64> for Fast {
+    type Single = Self;
     #[inline]
     fn sqrt(x: f64) -> f64 {
         f64::from(<Self as Math<f32>>::sqrt(x as f32))

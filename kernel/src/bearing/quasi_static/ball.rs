@@ -58,6 +58,15 @@ pub struct BallInput<T, const K: usize> {
     pub rolling: Lanes<T, K>,
 }
 
+impl<T: Scalar, const K: usize> BallInput<T, K> {
+    /// Returns the input with balls in contact with the inner race where their approach is above 0.
+    #[inline(always)]
+    pub fn with_rolling(self, approach: Lanes<T, K>) -> Self {
+        let zero = Lanes::splat(T::ZERO);
+        Self { rolling: Lanes::select(zero.less_than(approach), Lanes::splat(T::ONE), zero), ..self }
+    }
+}
+
 /// State of one contact of `K` balls.
 #[derive(Clone, Copy)]
 pub struct ContactState<L> {
@@ -103,6 +112,10 @@ pub struct Matrix<L> {
 }
 
 impl<T: Scalar, const K: usize> Matrix<Lanes<T, K>> {
+    pub fn zero() -> Self {
+        let zero = Lanes::splat(T::ZERO);
+        Self { rr: zero, rz: zero, zr: zero, zz: zero }
+    }
     /// `a b^T`
     #[inline(always)]
     pub fn outer(a: Plane<Lanes<T, K>>, b: Plane<Lanes<T, K>>) -> Self {

@@ -103,14 +103,29 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     }
 
     #[inline(always)]
-    fn ball_input<const K: usize>(
+    pub(super) fn ball_input<const K: usize>(
         &self,
         positions: &[ElementPosition<T>; K],
         rims: &Rims<T>,
         at: &BearingKinematicState<T>,
     ) -> BallInput<T, K> {
+        if K > 1 && self.surface.is_smooth() {
+            self.ball_input_on(&Smooth, positions, rims, at)
+        } else {
+            self.ball_input_on(&self.surface, positions, rims, at)
+        }
+    }
+
+    #[inline(always)]
+    fn ball_input_on<const K: usize>(
+        &self,
+        surface: &impl Surface<T>,
+        positions: &[ElementPosition<T>; K],
+        rims: &Rims<T>,
+        at: &BearingKinematicState<T>,
+    ) -> BallInput<T, K> {
         let block = ElementBlock::of(positions);
-        let motion = Motion::of_block(&block, &rims.inner, at, &self.surface).with_waviness();
+        let motion = Motion::of_block(&block, &rims.inner, at, surface).with_waviness();
         let (mut radial, mut axial) = (motion.radial, motion.axial);
         if let Some(rim) = &rims.outer {
             let other = Motion::of_block(&block, rim, at, &Smooth);
@@ -133,7 +148,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         at: &BearingKinematicState<T>,
         mut each_group: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK_SIZE>),
     ) {
-        for group in padded_groups::<T, BLOCK_SIZE>(&self.positions) {
+        for group in padded_groups::<T, P, BLOCK_SIZE>(&self.positions) {
             let mut input = self.ball_input(&group.positions, rims, at);
             let solution = self.ball.solve(&mut input, self.newton_steps);
             each_group(group.without_padding(), &solution);
@@ -148,7 +163,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         balls: &mut [BallPosition<T>],
     ) {
         let mut groups = balls.chunks_mut(BLOCK_SIZE);
-        self.solve_each(rims, at, |_, solution| scatter(solution, groups.next().unwrap_or_default()));
+        self.solve_each(rims, at, |_, solution| scatter(&solution.position(), groups.next().unwrap_or_default()));
     }
 
     /// Solves all balls from their last positions and updates these.
@@ -160,18 +175,18 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         balls: &mut [BallPosition<T>],
         mut each_group: impl FnMut(&[ElementPosition<T>], &Solution<T, BLOCK_SIZE>),
     ) {
-        let groups = padded_groups::<T, BLOCK_SIZE>(&self.positions).zip(balls.chunks_mut(BLOCK_SIZE));
+        let groups = padded_groups::<T, P, BLOCK_SIZE>(&self.positions).zip(balls.chunks_mut(BLOCK_SIZE));
         for (group, balls) in groups {
             let start = gather(balls);
             let input = M::on_registers(
                 #[inline(always)]
                 || {
                     let input = self.ball_input(&group.positions, rims, at);
-                    BallInput { rolling: self.ball.rolling(&input, &start), ..input }
+                    input.with_rolling(self.ball.inner_approach(&input, &start))
                 },
             );
             let solution = self.ball.iterate(&input, &start, self.newton_steps);
-            scatter(&solution, balls);
+            scatter(&solution.position(), balls);
             each_group(group.without_padding(), &solution);
         }
     }
@@ -230,8 +245,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     /// Computes the reaction on the inner ring in the cage frame.
     #[inline(always)]
     pub(super) fn inner_reaction(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        if self.has_two_precisions() {
+            return self.reaction_by_two_precisions(rims, at, None, &mut []);
+        }
         let mut sum = InnerSum::new();
-        self.solve_each(rims, at, |positions, solution| sum.add(&self.ball, positions, solution));
+        self.solve_each(rims, at, |positions, solution| sum.add(positions, &self.ball.inner_forces(solution)));
         sum.finish(self.inner_arm)
     }
 
@@ -243,12 +261,14 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         at: &BearingKinematicState<T>,
         loads: &mut [T],
     ) -> Reaction<T> {
+        if self.has_two_precisions() {
+            return self.reaction_by_two_precisions(rims, at, None, loads);
+        }
         let (mut sum, mut loads) = (InnerSum::new(), loads.iter_mut());
         self.solve_each(rims, at, |positions, solution| {
-            sum.add(&self.ball, positions, solution);
-            for ((_, &found), load) in positions.iter().zip(&solution.balance.inner.load.0).zip(&mut loads) {
-                *load = found;
-            }
+            let forces = self.ball.inner_forces(solution);
+            sum.add(positions, &forces);
+            forces.write_loads(positions, &mut loads);
         });
         sum.finish(self.inner_arm)
     }
@@ -261,8 +281,13 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
         at: &BearingKinematicState<T>,
         balls: &mut [BallPosition<T>],
     ) -> Reaction<T> {
+        if self.has_two_precisions() {
+            return self.reaction_by_two_precisions(rims, at, Some(balls), &mut []);
+        }
         let mut sum = InnerSum::new();
-        self.solve_each_from(rims, at, balls, |positions, solution| sum.add(&self.ball, positions, solution));
+        self.solve_each_from(rims, at, balls, |positions, solution| {
+            sum.add(positions, &self.ball.inner_forces(solution));
+        });
         sum.finish(self.inner_arm)
     }
 
@@ -271,10 +296,35 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     pub(super) fn both_reactions(&self, rims: &Rims<T>, at: &BearingKinematicState<T>) -> RingReactions<T> {
         let (mut inner, mut outer) = (InnerSum::new(), WrenchSum::new());
         self.solve_each(rims, at, |positions, solution| {
-            inner.add(&self.ball, positions, solution);
+            inner.add(positions, &self.ball.inner_forces(solution));
             outer.add_each(positions, &self.ball.outer_contacts(&solution.balance), 0);
         });
         RingReactions { inner: inner.finish(self.inner_arm), outer: outer.finish(self.outer_arm, T::ONE).wrench }
+    }
+}
+
+/// Forces of `K` balls on the inner ring, and their status.
+pub(super) struct InnerForces<T, const K: usize> {
+    pub contact: Contact<Lanes<T, K>>,
+    pub converged: Mask<K>,
+    pub slips: Mask<K>,
+}
+
+impl<T: Scalar, const K: usize> InnerForces<T, K> {
+    pub fn new() -> Self {
+        let zero = Lanes::splat(T::ZERO);
+        let no = Mask([false; K]);
+        Self { contact: Contact { radial: zero, axial: zero, tilting: zero, load: zero }, converged: no, slips: no }
+    }
+    /// Writes the loads of the balls at `positions` to the next of `loads`.
+    #[inline(always)]
+    pub fn write_loads<'a>(&self, positions: &[ElementPosition<T>], loads: &mut impl Iterator<Item = &'a mut T>)
+    where
+        T: 'a,
+    {
+        for ((_, &found), load) in positions.iter().zip(&self.contact.load.0).zip(loads) {
+            *load = found;
+        }
     }
 }
 
@@ -290,21 +340,11 @@ impl<T: Scalar> InnerSum<T> {
     }
 
     #[inline(always)]
-    pub fn add<M: Math<T>, I: Inertia<T>, F: Film<T>>(
-        &mut self,
-        ball: &Ball<T, M, I, F>,
-        positions: &[ElementPosition<T>],
-        solution: &Solution<T, BLOCK_SIZE>,
-    ) {
-        self.forces.add_each(positions, &ball.inner_contacts(&solution.balance), 0);
-        for (_, converged) in positions.iter().zip(solution.converged.0) {
-            self.status = self.status.union(Status::NOT_CONVERGED.when(!converged));
-        }
-        if ball.inertia.effects().gyroscopic {
-            for (_, slips) in positions.iter().zip(solution.balance.slips().0) {
-                self.status = self.status.union(Status::GYROSCOPIC_SLIP.when(slips));
-            }
-        }
+    pub fn add<const K: usize>(&mut self, positions: &[ElementPosition<T>], forces: &InnerForces<T, K>) {
+        self.forces.add_each(positions, &forces.contact, 0);
+        // The padding repeats the last ball.
+        let open = Status::NOT_CONVERGED.when(!forces.converged.all());
+        self.status = self.status.union(open).union(Status::GYROSCOPIC_SLIP.when(forces.slips.any()));
     }
 
     #[inline(always)]
@@ -327,6 +367,14 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             tilting = force.z + friction * Lanes::splat(self.constants.inner_couple);
         }
         Contact { radial: force.r, axial: force.z, tilting, load: contact.load }
+    }
+
+    /// Returns the forces on the inner ring with their status.
+    #[inline(always)]
+    pub(super) fn inner_forces<const K: usize>(&self, solution: &Solution<T, K>) -> InnerForces<T, K> {
+        let balance = &solution.balance;
+        let slips = if self.inertia.effects().gyroscopic { balance.slips() } else { Mask([false; K]) };
+        InnerForces { contact: self.inner_contacts(balance), converged: solution.converged, slips }
     }
 
     /// Returns the negative force of the balls on the outer ring.
@@ -356,36 +404,45 @@ impl<T: Scalar, const K: usize> Balance<Lanes<T, K>> {
     }
 }
 
-fn gather<T: Scalar, const K: usize>(balls: &[BallPosition<T>]) -> Position<Lanes<T, K>> {
-    let zero = Lanes::splat(T::ZERO);
-    let mut position = Position {
-        centre: Plane { r: zero, z: zero },
-        outer_deflection: zero,
-        inner_deflection: zero,
-        inner_closing: Lanes::splat(T::ONE),
-    };
-    let mut last = BallPosition::default();
-    let mut balls = balls.iter();
-    let lanes = position.centre.r.0.iter_mut().zip(&mut position.centre.z.0);
-    let lanes = lanes.zip(&mut position.outer_deflection.0).zip(&mut position.inner_deflection.0);
-    for (((r, z), outer), inner) in lanes {
-        last = balls.next().copied().unwrap_or(last);
-        [*r, *z] = last.centre;
-        [*outer, *inner] = last.deflections;
+/// Returns the positions of up to `K` balls side by side, padded with the last one.
+#[inline(always)]
+pub(super) fn gather<T: Scalar, const K: usize>(balls: &[BallPosition<T>]) -> Position<Lanes<T, K>> {
+    let mut padded = [BallPosition::default(); K];
+    if let Some(all) = balls.first_chunk() {
+        padded = *all;
+    } else {
+        let mut last = BallPosition::default();
+        let mut balls = balls.iter();
+        for ball in &mut padded {
+            last = balls.next().copied().unwrap_or(last);
+            *ball = last;
+        }
     }
-    position
+    Position {
+        centre: Plane {
+            r: Lanes::gather(&padded, |ball| ball.centre[0]),
+            z: Lanes::gather(&padded, |ball| ball.centre[1]),
+        },
+        outer_deflection: Lanes::gather(&padded, |ball| ball.deflections[0]),
+        inner_deflection: Lanes::gather(&padded, |ball| ball.deflections[1]),
+        inner_closing: Lanes::splat(T::ONE),
+    }
 }
 
-fn scatter<T: Scalar, const K: usize>(solution: &Solution<T, K>, balls: &mut [BallPosition<T>]) {
-    let at = &solution.at;
-    let centres = at.centre.r.0.into_iter().zip(at.centre.z.0);
-    let deflections = solution.balance.outer.deflection.0.into_iter().zip(solution.balance.inner.deflection.0);
-    for (ball, ((r, z), (outer, inner))) in balls.iter_mut().zip(centres.zip(deflections)) {
-        let good = r.is_finite() & z.is_finite() & outer.is_finite() & inner.is_finite();
+/// Writes the positions of the balls that have finite ones.
+#[inline(always)]
+pub(super) fn scatter<T: Scalar, const K: usize>(at: &Position<Lanes<T, K>>, balls: &mut [BallPosition<T>]) {
+    let mut j = 0;
+    while j < K {
+        let Some(ball) = balls.get_mut(j) else { break };
+        let (r, z) = (at.centre.r.0[j], at.centre.z.0[j]);
+        let (outer, inner) = (at.outer_deflection.0[j], at.inner_deflection.0[j]);
+        let good = (r + z + outer + inner).is_finite();
         let keep = |new: T, old: T| T::select(good, new, old);
         let ([old_r, old_z], [old_outer, old_inner]) = (ball.centre, ball.deflections);
         ball.centre = [keep(r, old_r), keep(z, old_z)];
         ball.deflections = [keep(outer, old_outer), keep(inner, old_inner)];
+        j += 1;
     }
 }
 

@@ -54,10 +54,14 @@ impl InertiaEffects {
 
 /// Inertia of a ball, as far as the model includes it.
 pub trait Inertia<T: Scalar>: Copy + Send + Sync + 'static {
+    /// The same inertia in `f32`.
+    type Single: Inertia<f32>;
     /// Returns the loads that act. A constant of the type costs no instruction.
     fn effects(&self) -> InertiaEffects;
     /// Returns the constants of the loads.
     fn constants(&self) -> BallInertia<T>;
+    /// Returns the inertia rounded to `f32`.
+    fn single(&self) -> Self::Single;
 }
 
 /// Balls without mass; cost no instruction.
@@ -90,6 +94,7 @@ impl<T: Scalar> SelectedInertia<T> {
 }
 
 impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
+    type Single = SelectedInertia<f32>;
     #[inline(always)]
     fn effects(&self) -> InertiaEffects {
         self.effects
@@ -97,6 +102,10 @@ impl<T: Scalar> Inertia<T> for SelectedInertia<T> {
     #[inline(always)]
     fn constants(&self) -> BallInertia<T> {
         self.ball
+    }
+    #[inline(always)]
+    fn single(&self) -> Self::Single {
+        SelectedInertia { effects: self.effects, ball: self.ball.single() }
     }
 }
 
@@ -115,7 +124,22 @@ pub struct BallInertia<T> {
     pub(super) by_load: T,
 }
 
+impl<T: Scalar> BallInertia<T> {
+    #[inline(always)]
+    fn single(&self) -> BallInertia<f32> {
+        BallInertia {
+            centrifugal: self.centrifugal.to_f32(),
+            gyroscopic: self.gyroscopic.to_f32(),
+            outer_control: self.outer_control.to_f32(),
+            inner_share: self.inner_share.to_f32(),
+            outer_share: self.outer_share.to_f32(),
+            by_load: self.by_load.to_f32(),
+        }
+    }
+}
+
 impl<T: Scalar> Inertia<T> for Massless {
+    type Single = Massless;
     #[inline(always)]
     fn effects(&self) -> InertiaEffects {
         InertiaEffects::NONE
@@ -124,9 +148,14 @@ impl<T: Scalar> Inertia<T> for Massless {
     fn constants(&self) -> BallInertia<T> {
         BallInertia::default()
     }
+    #[inline(always)]
+    fn single(&self) -> Self::Single {
+        Self
+    }
 }
 
 impl<T: Scalar> Inertia<T> for Centrifugal<T> {
+    type Single = Centrifugal<f32>;
     #[inline(always)]
     fn effects(&self) -> InertiaEffects {
         InertiaEffects::CENTRIFUGAL
@@ -135,9 +164,14 @@ impl<T: Scalar> Inertia<T> for Centrifugal<T> {
     fn constants(&self) -> BallInertia<T> {
         self.0
     }
+    #[inline(always)]
+    fn single(&self) -> Self::Single {
+        Centrifugal(self.0.single())
+    }
 }
 
 impl<T: Scalar> Inertia<T> for OuterControlled<T> {
+    type Single = OuterControlled<f32>;
     #[inline(always)]
     fn effects(&self) -> InertiaEffects {
         InertiaEffects::OUTER_CONTROLLED
@@ -146,9 +180,14 @@ impl<T: Scalar> Inertia<T> for OuterControlled<T> {
     fn constants(&self) -> BallInertia<T> {
         self.0
     }
+    #[inline(always)]
+    fn single(&self) -> Self::Single {
+        OuterControlled(self.0.single())
+    }
 }
 
 impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
+    type Single = Gyroscopic<f32>;
     #[inline(always)]
     fn effects(&self) -> InertiaEffects {
         InertiaEffects::GYROSCOPIC
@@ -156,6 +195,10 @@ impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
     #[inline(always)]
     fn constants(&self) -> BallInertia<T> {
         self.0
+    }
+    #[inline(always)]
+    fn single(&self) -> Self::Single {
+        Gyroscopic(self.0.single())
     }
 }
 

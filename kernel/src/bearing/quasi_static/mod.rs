@@ -11,6 +11,7 @@ pub mod film;
 pub mod inertia;
 mod solver;
 mod tangent;
+mod two_precisions;
 
 pub(in crate::bearing) use ball::Matrix;
 pub use elements::{BallPosition, BallState, RingReactions};

@@ -6,9 +6,10 @@
 //! original size) is shortened to the zero of the secant. Where friction and race control make the matrix of Newton's
 //! method nearly singular, the stiffness of the contacts replaces it.
 
-use super::ball::{Balance, Ball, BallInput, Matrix, Position};
+use super::ball::{Balance, Ball, BallInput, ContactState, Matrix, Position};
 use super::film::{BY_LOAD, FLOOR, Film};
 use super::inertia::Inertia;
+use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
 use crate::math::lanes::{Lanes, Mask, Plane};
 use crate::scalar::Scalar;
@@ -24,6 +25,9 @@ const MIN_DETERMINANT_RATIO: f64 = 0.2;
 /// rounding errors of `f64`.
 const NEAR: f64 = 1e-6;
 
+/// Slope of a contact that counts as 0, N/m.
+const SMALLEST_SLOPE: f64 = 1e-6;
+
 /// `1000^-0.067`: film thickness at a typical load relative to that under 1 N.
 const FILM_AT_1000_N: f64 = 0.63;
 /// Largest ratio of contact load to centrifugal force of a wedged ball in the initial value.
@@ -36,9 +40,45 @@ pub struct Solution<T, const K: usize> {
     pub converged: Mask<K>,
 }
 
+impl<T: Scalar, const K: usize> Solution<T, K> {
+    /// Returns the positions with the deflections there: the start of the next solution.
+    #[inline(always)]
+    pub fn position(&self) -> Position<Lanes<T, K>> {
+        let Balance { outer, inner, .. } = &self.balance;
+        Position { outer_deflection: outer.deflection, inner_deflection: inner.deflection, ..self.at }
+    }
+}
+
+/// Start of the solution for `K` balls.
+pub struct Guess<T, const K: usize> {
+    pub at: Position<Lanes<T, K>>,
+    /// Gap between the inner race and a ball at the bottom of the outer one, m: in a gap the ball does not roll.
+    pub gap: Lanes<T, K>,
+}
+
+/// Inverse of the matrix of a Newton step of `K` balls: the adjugate divided by the determinant.
+pub struct NewtonMatrix<T, const K: usize> {
+    adjugate: Matrix<Lanes<T, K>>,
+    inverse_determinant: Lanes<T, K>,
+    /// False where the stiffness of contacts, loaded or not, replaces the derivative.
+    pub is_derivative: Mask<K>,
+}
+
+impl<T: Scalar, const K: usize> NewtonMatrix<T, K> {
+    pub fn zero() -> Self {
+        let zero = Lanes::splat(T::ZERO);
+        Self { adjugate: Matrix::zero(), inverse_determinant: zero, is_derivative: Mask([false; K]) }
+    }
+    /// Returns the displacement of the balls that balances `force`.
+    #[inline(always)]
+    pub fn solve(&self, force: Plane<Lanes<T, K>>) -> Plane<Lanes<T, K>> {
+        self.adjugate.times(force).times(self.inverse_determinant)
+    }
+}
+
 /// State of the Newton iteration of `K` balls.
-struct Iteration<T, const K: usize> {
-    at: Position<Lanes<T, K>>,
+pub struct Iteration<T, const K: usize> {
+    pub at: Position<Lanes<T, K>>,
     /// Last step, of which `fraction` was made.
     direction: Plane<Lanes<T, K>>,
     fraction: Lanes<T, K>,
@@ -46,6 +86,14 @@ struct Iteration<T, const K: usize> {
     slope: Lanes<T, K>,
     /// Reductions of the step so far.
     cut_count: Lanes<T, K>,
+}
+
+impl<T: Scalar, const K: usize> From<Position<Lanes<T, K>>> for Iteration<T, K> {
+    #[inline(always)]
+    fn from(at: Position<Lanes<T, K>>) -> Self {
+        let zero = Lanes::splat(T::ZERO);
+        Self { at, direction: Plane { r: zero, z: zero }, fraction: zero, slope: zero, cut_count: zero }
+    }
 }
 
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
@@ -56,7 +104,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             #[inline(always)]
             || self.initial_guess(input),
         );
-        self.iterate(input, &start, steps)
+        self.iterate(input, &start.at, steps)
     }
 
     /// Performs `steps` Newton steps from `start`, then evaluates the forces.
@@ -67,14 +115,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         start: &Position<Lanes<T, K>>,
         steps: u8,
     ) -> Solution<T, K> {
-        let zero = Lanes::splat(T::ZERO);
-        let mut state = Iteration {
-            at: *start,
-            direction: Plane { r: zero, z: zero },
-            fraction: zero,
-            slope: zero,
-            cut_count: zero,
-        };
+        let mut state = Iteration::from(*start);
         for _ in 0..steps {
             let near = self.step(input, &mut state);
             if M::STOPS_EARLY && near {
@@ -99,15 +140,28 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 
     #[inline(always)]
     fn step_on_registers<const K: usize>(&self, input: &BallInput<T, K>, state: &mut Iteration<T, K>) -> bool {
+        let balance = self.balance(input, &state.at);
+        self.advance(input, state, &balance);
+        M::STOPS_EARLY && balance.is_converged(T::from_f64(NEAR)).all()
+    }
+
+    /// Performs one step with the forces at its start and returns its matrix.
+    #[inline(always)]
+    pub fn advance<const K: usize>(
+        &self,
+        input: &BallInput<T, K>,
+        state: &mut Iteration<T, K>,
+        balance: &Balance<Lanes<T, K>>,
+    ) -> NewtonMatrix<T, K> {
         let one = Lanes::splat(T::ONE);
         let zero = Lanes::splat(T::ZERO);
         let Iteration { at, direction, fraction, slope, cut_count } = state;
-        let balance = self.balance(input, at);
         let along = balance.residual.dot(*direction);
         let over =
             along.less_than(Lanes::splat_f64(REVERSAL) * *slope).and(cut_count.less_than(Lanes::splat_f64(MAX_CUTS)));
         let shorter = (*slope / (*slope - along)).larger(Lanes::splat_f64(0.1)).smaller(Lanes::splat_f64(0.7));
-        let step = self.newton_step(&balance);
+        let matrix = self.newton_matrix(balance);
+        let step = self.limited(matrix.solve(balance.residual));
         *direction = Plane::select(over, *direction, step);
         // Either back along the last direction to the zero of the secant, or on along the new one.
         let further = Lanes::select(over, *fraction * (shorter - one), one);
@@ -122,7 +176,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             at.outer_deflection = balance.outer.deflection;
             at.inner_deflection = balance.inner.deflection;
         }
-        M::STOPS_EARLY && balance.is_converged(T::from_f64(NEAR)).all()
+        matrix
     }
 
     /// Evaluates the forces at a position.
@@ -139,32 +193,47 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     }
 
     #[inline(always)]
-    fn newton_step<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> Plane<Lanes<T, K>> {
+    fn newton_matrix<const K: usize>(&self, balance: &Balance<Lanes<T, K>>) -> NewtonMatrix<T, K> {
         let contacts = balance.contact_stiffnesses();
         let contacts = contacts.outer.plus(contacts.inner);
         let mut matrix = contacts;
         let mut determinant = contacts.determinant();
+        let zero = Lanes::splat(T::ZERO);
+        let has_its_slope = |contact: &ContactState<Lanes<T, K>>| {
+            zero.less_than(contact.deflection).or(contact.slope.less_than(Lanes::splat_f64(SMALLEST_SLOPE)))
+        };
+        let mut is_derivative = has_its_slope(&balance.outer).and(has_its_slope(&balance.inner));
         if self.inertia.effects().centrifugal {
             let slopes = balance.slopes(self.inertia.effects());
             let newton = slopes.outer.plus(slopes.inner);
             let full = newton.determinant();
             let sure = (Lanes::splat_f64(MIN_DETERMINANT_RATIO) * determinant).less_than(full);
-            let sure = sure.and(Lanes::splat(T::ZERO).less_than(newton.trace()));
+            let sure = sure.and(zero.less_than(newton.trace()));
             matrix = Matrix::select(sure, newton, contacts);
             determinant = Lanes::select(sure, full, determinant);
+            is_derivative = is_derivative.and(sure);
         }
         // Two open contacts on one line have no stiffness across it, and no force acts there.
         let trace = matrix.trace();
         let determinant = determinant.larger(Lanes::splat_f64(1e-12) * trace * trace);
-        let step = matrix.adjugate().times(balance.residual).times(Lanes::splat(T::ONE) / determinant);
+        NewtonMatrix {
+            adjugate: matrix.adjugate(),
+            inverse_determinant: Lanes::splat(T::ONE) / determinant,
+            is_derivative,
+        }
+    }
+
+    /// Returns the step with its components limited to `max_step`.
+    #[inline(always)]
+    fn limited<const K: usize>(&self, step: Plane<Lanes<T, K>>) -> Plane<Lanes<T, K>> {
         let longest = Lanes::splat(self.constants.max_step);
         let within = |x: Lanes<T, K>| x.smaller(longest).larger(-longest);
         Plane { r: within(step.r), z: within(step.z) }
     }
 
-    /// Returns 1 for balls at `at` in contact with the inner ring, else 0.
+    /// Returns the approach of balls at `at` and the inner ring, with the thickest film: above 0 they are in contact.
     #[inline(always)]
-    pub fn rolling<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
+    pub fn inner_approach<const K: usize>(&self, input: &BallInput<T, K>, at: &Position<Lanes<T, K>>) -> Lanes<T, K> {
         let (inner, _, approach) = self.stretched(self.constants.inner_length, input.grooves.minus(at.centre));
         let mut room = approach + input.inner_deviation;
         if self.film.is_present() {
@@ -172,8 +241,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let (_, film) = self.unit_films(&input.speeds, self.orbital(&input.speeds, outer, inner), outer, inner);
             room = room + film * Lanes::splat(self.film.constants().at_floor);
         }
-        let zero = Lanes::splat(T::ZERO);
-        Lanes::select(zero.less_than(room), Lanes::splat(T::ONE), zero)
+        room
     }
 
     /// Computes an initial position from two circles.
@@ -183,7 +251,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
     /// If they do, the centrifugal force holds it outward; with both directions known, the balance of forces gives the
     /// loads and so better radii.
     #[inline(always)]
-    pub fn initial_guess<const K: usize>(&self, input: &mut BallInput<T, K>) -> Position<Lanes<T, K>> {
+    pub fn initial_guess<const K: usize>(&self, input: &mut BallInput<T, K>) -> Guess<T, K> {
         let constants = &self.constants;
         let (zero, one) = (Lanes::splat(T::ZERO), Lanes::splat(T::ONE));
         let rest = Plane {
@@ -196,26 +264,17 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let longer = input.grooves.dot(rest.plus(line)) / (length + Lanes::splat(constants.distance));
 
         let speeds = input.speeds;
-        let ball = self.inertia.constants();
-        let force_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
-            let speed = self.orbital(&speeds, outer, inner);
-            Lanes::splat(ball.centrifugal) * speed * speed
-        };
         let films_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
             self.unit_films(&speeds, self.orbital(&speeds, outer, inner), outer, inner)
         };
         let bulges = longer + input.outer_deviation + input.inner_deviation;
-        let pressed_by = |approach: Lanes<T, K>| {
-            let deflection = approach.positive();
-            Lanes::splat(constants.series) * deflection * deflection.sqrt::<M>()
-        };
         let (mut outer_film, mut inner_film, mut thickest) = (zero, zero, zero);
         let (outer, inner) = if self.film.is_present() { films_at(direction, direction) } else { (zero, zero) };
         let under = |load: Lanes<T, K>| (load + Lanes::splat_f64(FLOOR)).powf::<M>(T::from_f64(BY_LOAD));
         if self.film.is_present() {
-            let half_loaded = pressed_by(bulges + (outer + inner) * Lanes::splat_f64(FILM_AT_1000_N));
+            let half_loaded = self.load_between_rings(bulges + (outer + inner) * Lanes::splat_f64(FILM_AT_1000_N));
             let load = if self.inertia.effects().centrifugal {
-                half_loaded + force_at(direction, direction)
+                half_loaded + self.centrifugal_force(&speeds, direction, direction)
             } else {
                 half_loaded
             };
@@ -228,11 +287,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         let approach = longer + outer_gap + inner_gap;
         let outer_length = Lanes::splat(constants.outer_length) - outer_gap;
         let inner_length = Lanes::splat(constants.inner_length) - inner_gap;
-        let pressed = pressed_by(approach);
+        let pressed = self.load_between_rings(approach);
         if !self.inertia.effects().centrifugal {
             // Compressed by both rings alike, or free in the middle of the clearance.
             let share = approach * Lanes::splat(constants.outer_share);
-            return self.position(direction.times(outer_length + share), [share, approach - share], one);
+            let at = self.position(direction.times(outer_length + share), [share, approach - share], one);
+            return Guess { at, gap: -approach };
         }
 
         // Without contact at the inner race the ball is at the bottom of the outer race.
@@ -245,13 +305,13 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let reach = line.minus(alone);
             reach_length = self.length(reach);
             let inward = reach.times(one / reach_length);
-            let centrifugal = force_at(out, inward);
+            let centrifugal = self.centrifugal_force(&speeds, out, inward);
             alone_deflection = (centrifugal * inverse_outer).approximate_two_thirds_power();
             let film = if self.film.is_present() { films_at(out, inward).0 * under(centrifugal) } else { zero };
             alone.r = Lanes::splat(constants.outer_length) - input.outer_deviation - film + alone_deflection;
         }
-        let outside_inner_reach =
-            reach_length.less_than(Lanes::splat(constants.inner_length) - input.inner_deviation - thickest);
+        let gap = Lanes::splat(constants.inner_length) - input.inner_deviation - thickest - reach_length;
+        let outside_inner_reach = zero.less_than(gap);
         // No load at all: the ball is free in the middle of the clearance.
         let idle = approach.less_than(zero).and(alone_deflection.less_than(Lanes::splat(constants.min_length)));
         input.rolling = Lanes::select(outside_inner_reach.or(idle), zero, one);
@@ -271,7 +331,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             let o = centre.times(one / self.length(centre));
             let i = reach.times(one / self.length(reach));
             // The triangle of the two contact forces and the centrifugal force.
-            let centrifugal = force_at(o, i);
+            let centrifugal = self.centrifugal_force(&speeds, o, i);
             let between = (i.z * o.r - i.r * o.z).xor_sign(line.z).larger(Lanes::splat_f64(1e-9));
             let force = (centrifugal + Lanes::splat_f64(1e-6) * pressed) / between;
             let most = pressed + Lanes::splat_f64(MAX_WEDGE_RATIO) * centrifugal;
@@ -280,7 +340,26 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         }
         let centre = Plane::select(outside_inner_reach, alone, Plane::select(idle, free, centre));
         let outer_deflection = Lanes::select(outside_inner_reach, alone_deflection, outer_deflection);
-        self.position(centre, [outer_deflection, inner_deflection], input.rolling)
+        Guess { at: self.position(centre, [outer_deflection, inner_deflection], input.rolling), gap }
+    }
+
+    /// Returns the load of balls that both rings compress by `approach`.
+    #[inline(always)]
+    fn load_between_rings<const K: usize>(&self, approach: Lanes<T, K>) -> Lanes<T, K> {
+        let deflection = approach.positive();
+        Lanes::splat(self.constants.series) * deflection * deflection.sqrt::<M>()
+    }
+
+    /// Returns the centrifugal force with the contacts along `outer` and `inner`.
+    #[inline(always)]
+    fn centrifugal_force<const K: usize>(
+        &self,
+        speeds: &BearingKinematicState<T>,
+        outer: Plane<Lanes<T, K>>,
+        inner: Plane<Lanes<T, K>>,
+    ) -> Lanes<T, K> {
+        let speed = self.orbital(speeds, outer, inner);
+        Lanes::splat(self.inertia.constants().centrifugal) * speed * speed
     }
 
     /// Returns the position for a centre given relative to the outer groove centre.

@@ -13,7 +13,7 @@ use super::film::Film;
 use super::inertia::Inertia;
 use crate::bearing::Reaction;
 use crate::bearing::element_position::{BLOCK_SIZE, ElementLayout};
-use crate::bearing::ring::{CageRotation, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
+use crate::bearing::ring::{CageRotation, Contact, ContactStiffness, ContactTangent, StiffnessSum, TangentSum};
 use crate::bearing::surface::Surface;
 use crate::frame::Stiffness;
 use crate::kinematic_state::BearingKinematicState;
@@ -34,7 +34,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
     ) -> (Reaction<T>, Stiffness<T>) {
         let (mut sum, mut tangent) = (InnerSum::new(), TangentSum::new());
         self.solve_each(rims, at, |positions, solution| {
-            sum.add(&self.ball, positions, solution);
+            sum.add(positions, &self.ball.inner_forces(solution));
             for (position, k) in positions.iter().zip(self.ball.tangents(&solution.balance)) {
                 tangent.add(position, &k);
             }
@@ -81,13 +81,40 @@ fn condensed<T: Scalar>(balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactStif
     })
 }
 
+/// Derivatives of the force on the inner groove: `by_inner` by the displacement of the groove less that of the ball centre,
+/// `by_outer` by that of the ball centre.
+pub(super) struct GrooveForceSlopes<L> {
+    by_inner: Matrix<L>,
+    by_outer: Matrix<L>,
+    /// The same of the couple, divided by the lever arm.
+    couple_inner: Plane<L>,
+    couple_outer: Plane<L>,
+    /// Derivative of the load by the displacement of the groove less that of the ball centre.
+    load_inner: Plane<L>,
+}
+
+impl<T: Scalar, const K: usize> GrooveForceSlopes<Lanes<T, K>> {
+    pub(super) fn zero() -> Self {
+        let (matrix, zero) = (Matrix::zero(), Lanes::splat(T::ZERO));
+        let plane = Plane { r: zero, z: zero };
+        Self { by_inner: matrix, by_outer: matrix, couple_inner: plane, couple_outer: plane, load_inner: plane }
+    }
+    /// Returns the change of the forces with a small displacement of the ball centres.
+    #[inline(always)]
+    pub(super) fn with_centre(&self, moved: Plane<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
+        let force = self.by_outer.minus(self.by_inner).times(moved);
+        let couple = self.couple_outer.minus(self.couple_inner).dot(moved);
+        Contact { radial: force.r, axial: force.z, tilting: force.z + couple, load: -self.load_inner.dot(moved) }
+    }
+}
+
 impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
-    /// Computes the derivatives of the force on the inner groove (radial, axial, tilting) by its radial and axial
-    /// displacement.
-    fn tangents(&self, balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactTangent<T>; BLOCK_SIZE] {
-        let slopes = balance.slopes(self.inertia.effects());
-        // d(centre)/d(groove)
-        let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);
+    /// Computes the derivatives of the force on the inner groove.
+    #[inline(always)]
+    pub(super) fn groove_force_slopes<const K: usize>(
+        &self,
+        balance: &Balance<Lanes<T, K>>,
+    ) -> GrooveForceSlopes<Lanes<T, K>> {
         let (e_i, t_i) = (balance.inner.direction, balance.inner.direction.tangent());
         let (e_o, t_o) = (balance.outer.direction, balance.outer.direction.tangent());
         let loaded = balance.loaded_slopes();
@@ -117,6 +144,17 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             couple_inner = friction_inner.times(lever);
             couple_outer = friction_outer.times(lever);
         }
+        GrooveForceSlopes { by_inner, by_outer, couple_inner, couple_outer, load_inner: load_i }
+    }
+
+    /// Computes the derivatives of the force on the inner groove (radial, axial, tilting) by its radial and axial
+    /// displacement.
+    fn tangents(&self, balance: &Balance<Lanes<T, BLOCK_SIZE>>) -> [ContactTangent<T>; BLOCK_SIZE] {
+        let slopes = balance.slopes(self.inertia.effects());
+        // d(centre)/d(groove)
+        let follow = inverse(slopes.outer.plus(slopes.inner)).product(slopes.inner);
+        let GrooveForceSlopes { by_inner, by_outer, couple_inner, couple_outer, .. } =
+            self.groove_force_slopes(balance);
         // d/d(groove) = by_inner (1 - follow) + by_outer follow
         let force = by_inner.plus(by_outer.minus(by_inner).product(follow));
         let between = couple_outer.minus(couple_inner);

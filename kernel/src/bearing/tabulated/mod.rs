@@ -392,7 +392,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
     ) -> (Reaction<T>, Stiffness<T>) {
         let evaluation = self.evaluation(u, at);
         let (mut sum, mut tangent, mut inside) = (WrenchSum::new(), TangentSum::new(), evaluation.speed.inside());
-        for group in padded_groups::<T, BLOCK_SIZE>(&self.positions) {
+        for group in padded_groups::<T, P, BLOCK_SIZE>(&self.positions) {
             let lookup = self.lookup(&evaluation, &ElementBlock::of(&group.positions));
             inside = inside.or_sign(lookup.inside);
             sum.add_each(group.without_padding(), &self.contacts(&lookup.contacts_of_balls), 0);
@@ -409,7 +409,7 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
     fn element_loads_in_cage_frame(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
         let evaluation = self.evaluation(u, at);
         let mut loads = loads.iter_mut();
-        for group in padded_groups::<T, BLOCK_SIZE>(&self.positions) {
+        for group in padded_groups::<T, P, BLOCK_SIZE>(&self.positions) {
             let balls = self.lookup(&evaluation, &ElementBlock::of(&group.positions)).contacts_of_balls;
             for (_, (contacts_of_balls, load)) in
                 group.without_padding().iter().zip(balls.load.0.into_iter().zip(&mut loads))
