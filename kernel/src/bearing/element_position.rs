@@ -236,21 +236,24 @@ pub(super) fn padded_groups<T: Scalar, P: ElementLayout<T>, const K: usize>(
 ) -> impl Iterator<Item = PaddedGroup<T, K>> {
     let (mut complete, mut each) = (layout.stored().chunks_exact(K), layout.all());
     let is_copied = K > 1 && !P::IS_PAIRED;
-    core::iter::from_fn(move || {
-        if is_copied && let Some(group) = complete.next() {
-            each.nth(K - 1)?;
-            return Some(PaddedGroup { positions: *group.first_chunk()?, count: K });
-        }
-        let first = each.next()?;
-        let mut group = PaddedGroup { positions: [first; K], count: 1 };
-        let mut last = first;
-        for position in group.positions.iter_mut().skip(1) {
-            if let Some(next) = each.next() {
-                last = next;
-                group.count += 1;
+    core::iter::from_fn(
+        #[inline(always)]
+        move || {
+            if is_copied && let Some(group) = complete.next() {
+                each.nth(K - 1)?;
+                return Some(PaddedGroup { positions: *group.first_chunk()?, count: K });
             }
-            *position = last;
-        }
-        Some(group)
-    })
+            let first = each.next()?;
+            let mut group = PaddedGroup { positions: [first; K], count: 1 };
+            let mut last = first;
+            for position in group.positions.iter_mut().skip(1) {
+                if let Some(next) = each.next() {
+                    last = next;
+                    group.count += 1;
+                }
+                *position = last;
+            }
+            Some(group)
+        },
+    )
 }
