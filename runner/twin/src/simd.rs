@@ -1,8 +1,8 @@
 //! Code compiled twice, for every processor of the target and for processors with AVX2, and selected at run time.
 //!
 //! Both forms execute the same operations in the same order, on four values at a time instead of two, so the results are
-//! bitwise equal. The solver of the quasi-static model ends here as soon as a block of balls has converged: its forces are the same on
-//! all desktops and those of the kernel's fixed number of steps within 1e-10.
+//! bitwise equal. The solver of the quasi-static model ends here as soon as a block of balls has converged, and begins in `f32` where there is no
+//! film: its forces are the same on all desktops and those of the kernel's fixed number of steps within 1e-10 of the load.
 
 use ballrace::bearing::{Bearing, CageFrame, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffness};
