@@ -37,6 +37,14 @@ pub struct BallPosition<T> {
 }
 
 impl<T: Scalar> BallPosition<T> {
+    #[inline(always)]
+    fn of_lane<const K: usize>(at: &Position<Lanes<T, K>>, j: usize) -> Self {
+        Self {
+            centre: [at.centre.r.0[j], at.centre.z.0[j]],
+            deflections: [at.outer_deflection.0[j], at.inner_deflection.0[j]],
+        }
+    }
+
     /// Returns the position that follows this one and the two before it on a parabola: a start close to the next solution.
     #[must_use]
     pub fn extrapolated(&self, [before, earlier]: [&Self; 2]) -> Self {
@@ -435,13 +443,24 @@ pub(super) fn scatter<T: Scalar, const K: usize>(at: &Position<Lanes<T, K>>, bal
     let mut j = 0;
     while j < K {
         let Some(ball) = balls.get_mut(j) else { break };
-        let (r, z) = (at.centre.r.0[j], at.centre.z.0[j]);
-        let (outer, inner) = (at.outer_deflection.0[j], at.inner_deflection.0[j]);
+        let new = BallPosition::of_lane(at, j);
+        let ([r, z], [outer, inner]) = (new.centre, new.deflections);
         let good = (r + z + outer + inner).is_finite();
         let keep = |new: T, old: T| T::select(good, new, old);
         let ([old_r, old_z], [old_outer, old_inner]) = (ball.centre, ball.deflections);
         ball.centre = [keep(r, old_r), keep(z, old_z)];
         ball.deflections = [keep(outer, old_outer), keep(inner, old_inner)];
+        j += 1;
+    }
+}
+
+/// Writes positions that are finite.
+#[inline(always)]
+pub(super) fn scatter_finite<T: Scalar, const K: usize>(at: &Position<Lanes<T, K>>, balls: &mut [BallPosition<T>]) {
+    let mut j = 0;
+    while j < K {
+        let Some(ball) = balls.get_mut(j) else { break };
+        *ball = BallPosition::of_lane(at, j);
         j += 1;
     }
 }

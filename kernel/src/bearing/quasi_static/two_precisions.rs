@@ -8,7 +8,7 @@
 
 use super::QuasiStatic;
 use super::ball::{Ball, BallConstants, BallInput, Position};
-use super::elements::{BallPosition, InnerForces, InnerSum, Rims, gather, scatter};
+use super::elements::{BallPosition, InnerForces, InnerSum, Rims, gather, scatter, scatter_finite};
 use super::film::{Dry, Film};
 use super::inertia::Inertia;
 use super::solver::{Iteration, NewtonMatrix, Solution};
@@ -86,12 +86,12 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
             speeds: *at,
             rolling: zero,
         };
-        let mut start =
+        let at_start =
             Position { centre: input.grooves, outer_deflection: zero, inner_deflection: zero, inner_closing: zero };
         let is_warm = balls.is_some();
         let mut groups = balls.map(|balls| balls.chunks_mut(K));
         let mut approximation = Approximation::new();
-        let mut found = Found { forces: InnerForces::new(), at: start };
+        let mut found = Found { forces: InnerForces::new(), at: at_start };
         for group in padded_groups::<T, P, K>(&self.positions) {
             let balls = groups.as_mut().and_then(Iterator::next).unwrap_or_default();
             M::on_registers(
@@ -99,17 +99,20 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, I: Inertia<T>, F: Film<T>, S: S
                 || {
                     input = self.ball_input(&group.positions, rims, at);
                     if is_warm {
-                        start = gather(balls);
+                        found.at = gather(balls);
                     }
                 },
             );
-            let start = is_warm.then_some(&start);
+            let start = is_warm.then_some(&found.at);
             let is_near = single.approximate(&input, start, self.newton_steps, &mut approximation)
                 && self.ball.correct(&input, &approximation, &mut found);
-            if !is_near {
-                self.ball.solve_in_one_precision(&mut input, start, self.newton_steps, &mut found);
+            if is_near {
+                scatter_finite(&found.at, balls);
+            } else {
+                let start = is_warm.then(|| gather(balls));
+                self.ball.solve_in_one_precision(&mut input, start.as_ref(), self.newton_steps, &mut found);
+                scatter(&found.at, balls);
             }
-            scatter(&found.at, balls);
             let positions = group.without_padding();
             sum.add(positions, &found.forces);
             found.forces.write_loads(positions, &mut loads);
