@@ -35,8 +35,8 @@ pub trait Math<T: Scalar>: Copy + Default + Send + Sync + 'static {
     fn ninth_root(x: T) -> T;
     /// Returns the sine and the cosine of an angle.
     fn sin_cos(angle: Phase) -> (T, T);
-    /// True where an iteration may end as soon as it has converged. On a microcontroller it takes the same number of steps for every
-    /// input.
+    /// True where an iteration may begin in `f32` and end as soon as it has converged. On a microcontroller it takes the same number of
+    /// steps for every input.
     const STOPS_EARLY: bool = false;
     /// Runs a long piece of work. A backend may compile it for wider registers than those of the target and select them at run time,
     /// with the same operations on every number.

@@ -34,9 +34,12 @@ const MIN_INTERVALS: usize = 4;
 /// Coefficients beyond the domain on both sides.
 const MARGIN: usize = 1;
 
+/// Relative rounding of a coordinate and of the range in `f32`: the ends of the domain are inside.
+const ROUNDING: f64 = 2.5e-7;
+
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
     let step = if high > low && intervals > 0 { (high - low) / intervals as f64 } else { 1.0 };
-    let slack = 1e-9 * step;
+    let slack = 1e-9 * step + ROUNDING * low.abs().max(high.abs());
     Axis {
         count: intervals + 1 + 2 * margin,
         origin: low - margin as f64 * step,

@@ -251,8 +251,9 @@ const TABLE_ANGLES: f64 = 0.4;
 const TABLE_SPEEDS_SQUARED: [f64; 2] = [0.64, 1.36];
 /// Range of speeds of a table that does not depend on them, rad/s.
 const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
-/// Scale of a wide range of speeds over the highest.
-const WIDE_SPEEDS: f64 = 10.0;
+/// Scale of a wide range of speeds over the highest, with an oil film: its thickness rises with a power of the speed below 1, inertia
+/// loads with the square.
+const SPEEDS_WITH_FILM: f64 = 10.0;
 /// Intervals along the angle of a bearing with a contact angle, over which its forces change evenly.
 const ANGLE_INTERVALS: usize = 12;
 /// Least and largest number of intervals along approach and angle.
@@ -318,7 +319,7 @@ fn domain(
             .clamp(LEAST_SCALE * most, most),
         angle: given.angle.unwrap_or(angles),
         speed,
-        speed_scale: if narrow { 0.0 } else { WIDE_SPEEDS * speed[1] },
+        speed_scale: if of.effects.film.is_some() && !narrow { SPEEDS_WITH_FILM * speed[1] } else { 0.0 },
         speed_ratios: turning,
         intervals,
     };
