@@ -76,9 +76,9 @@ pub mod bearing_de {
     const GRID: Grid<f32> = Grid {
         scale: 7.645945e-6,
         speed_scale: 0.0,
-        approach: Axis { count: 19, origin: -0.7212544, density: 10.815602, range: [-0.62879544, 0.85054886] },
-        angle: Axis { count: 11, origin: -0.0519089, density: 11.3336, range: [0.03632432, 0.74219006] },
-        speed: Axis { count: 7, origin: 1010647.5, density: 5.277145e-6, range: [1010647.5, 2147626.0] },
+        approach: Axis { count: 19, origin: -0.7212544, density: 10.815602, range: [-0.6287956, 0.8505491] },
+        angle: Axis { count: 11, origin: -0.0519089, density: 11.3336, range: [0.036324136, 0.74219024] },
+        speed: Axis { count: 7, origin: 1010647.5, density: 5.277145e-6, range: [1010646.94, 2147626.5] },
     };
     const BY_OUTER: bool = false;
     /// The table: 11704 bytes of flash.
@@ -393,9 +393,9 @@ pub mod bearing_nde {
     const GRID: Grid<f32> = Grid {
         scale: 7.645945e-6,
         speed_scale: 0.0,
-        approach: Axis { count: 19, origin: -0.7212544, density: 10.815602, range: [-0.62879544, 0.85054886] },
-        angle: Axis { count: 11, origin: -0.0519089, density: 11.3336, range: [0.03632432, 0.74219006] },
-        speed: Axis { count: 7, origin: 1010647.5, density: 5.277145e-6, range: [1010647.5, 2147626.0] },
+        approach: Axis { count: 19, origin: -0.7212544, density: 10.815602, range: [-0.6287956, 0.8505491] },
+        angle: Axis { count: 11, origin: -0.0519089, density: 11.3336, range: [0.036324136, 0.74219024] },
+        speed: Axis { count: 7, origin: 1010647.5, density: 5.277145e-6, range: [1010646.94, 2147626.5] },
     };
     const BY_OUTER: bool = false;
     const FEATURES: [Feature<f32>; 2] = [
