@@ -182,6 +182,7 @@ impl<T: Scalar, const K: usize> Lanes<T, K> {
         let mut chosen = a;
         let mut i = 0;
         while i < K {
+            // Side by side, this form becomes one instruction of x86-64 for all lanes; a single one could become a branch.
             chosen.0[i] = if K > 1 && cfg!(target_arch = "x86_64") {
                 if first.0[i] { a.0[i] } else { b.0[i] }
             } else {

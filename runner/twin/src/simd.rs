@@ -232,11 +232,13 @@ mod tests {
         Ok(())
     }
 
+    type Solved<M> = QuasiStatic<f64, M, Vec<ElementPosition<f64>>, SelectedInertia<f64>>;
+
     fn solved<M: Math<f64>>(
         geometry: BallBearingGeometry,
         places: &[ElementPosition<f64>],
         params: &InertiaParams,
-    ) -> Result<QuasiStatic<f64, M, Vec<ElementPosition<f64>>, SelectedInertia<f64>>, InvalidParameter> {
+    ) -> Result<Solved<M>, InvalidParameter> {
         let datum = DisplacementDatum::Touching;
         QuasiStatic::<f64, M, _>::try_new(geometry, places.to_vec(), datum)?.with_selected_inertia(params)
     }

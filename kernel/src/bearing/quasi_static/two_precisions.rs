@@ -201,7 +201,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
                         contact.radial = contact.radial + Lanes::from_single(change.radial);
                         contact.axial = contact.axial + Lanes::from_single(change.axial);
                         contact.tilting = contact.tilting + Lanes::from_single(change.tilting);
-                        contact.load = contact.load + Lanes::from_single(change.load);
+                        contact.load = (contact.load + Lanes::from_single(change.load)).larger(Lanes::splat(T::ZERO));
                         return true;
                     }
                 }
