@@ -68,7 +68,7 @@ pub fn looked_up<P: ElementLayout<f64>>(bearing: &Massive, positions: P) -> Resu
         speed_ratios: [1.0, 0.0],
         intervals: [32, 16, 32],
     };
-    let grid = domain.grid()?;
+    let grid = domain.grid(bearing.table_constants().distance)?;
     let mut nodes = vec![[0.0; 2]; grid.len()];
     fill_table(bearing, &domain, &grid, &mut nodes);
     Ok(Tabulated::new(positions, bearing.table_constants(), Table::new(grid, nodes), false))

@@ -120,7 +120,7 @@ fn of_solved_and_tabulated_bearings() {
         speed_ratios: [1.0, 0.0],
         intervals: [16, 16, 4],
     };
-    let grid = domain.grid().unwrap();
+    let grid = domain.grid(of_one.table_constants().distance).unwrap();
     let mut nodes: Vec<Node<f64, 4>> = vec![[0.0; 4]; grid.len()];
     fill_table(&of_one, &domain, &grid, &mut nodes);
     check("tabulated, with mass", |all| {

@@ -71,7 +71,7 @@ fn tabulated<T: Scalar, M: Math<T>>(
         speed_ratios: [1.0, 0.0],
         intervals: [64, 12, 4],
     };
-    let grid = domain.grid().unwrap();
+    let grid = domain.grid(solved.table_constants().distance).unwrap();
     let mut nodes = vec![[0.0; 2]; grid.len()];
     assert_eq!(fill_table(&massive, &domain, &grid, &mut nodes), 0);
     let nodes = nodes.iter().map(|node| node.map(T::from_f64)).collect();

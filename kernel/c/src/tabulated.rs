@@ -53,7 +53,8 @@ pub struct Tabulated {
     pub scale: f32,
     /// b, rad/s.
     pub speed_scale: f32,
-    /// Axis of the coordinate of the approach, `sqrt(|s| / (|s| + scale))` with the sign of the approach `s`; varies fastest.
+    /// Axis of the coordinate of the approach, `sqrt(|e| / (|e| + scale))` with the sign of `e = s (1 + s / (2 distance))`, `s` the
+    /// approach; varies fastest.
     pub approach: Axis,
     /// Axis of the sine of the angle of the line of groove centres.
     pub angle: Axis,
@@ -63,8 +64,9 @@ pub struct Tabulated {
     pub by_outer_speed: u32,
     /// Number of nodes: the product of the counts of the axes.
     pub node_count: u32,
-    /// Nodes, each of two or three numbers: half the load in N, sine of the angle from the line of groove centres to the
-    /// contact, and, in a model with friction, the friction at the inner race in N.
+    /// Nodes, each of two or three numbers: half of the load along the line of groove centres over `(|e| + scale)^1.5` in
+    /// N/m^1.5, tangent of the angle from that line to the contact, and, in a model with friction, the friction at the inner
+    /// race across that line in N.
     pub nodes: *const f32,
 }
 

@@ -223,7 +223,7 @@ mod tests {
         domain: &TableDomain,
         places: &[ElementPosition<f64>],
     ) -> Result<(), InvalidParameter> {
-        let grid = domain.grid()?;
+        let grid = domain.grid(solved.table_constants().distance)?;
         let mut nodes = vec![[0.0; F]; grid.len()];
         fill_table(solved, domain, &grid, &mut nodes);
         let (table, mounted) = (Table::new(grid, nodes), solved.table_constants());

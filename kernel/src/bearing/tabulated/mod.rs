@@ -26,7 +26,7 @@ use crate::scalar::Scalar;
 use crate::status::Status;
 use core::marker::PhantomData;
 
-/// A ball bearing with interpolated ball forces. Cost per ball: three square roots, one division, 9 nodes of two or three
+/// A ball bearing with interpolated ball forces. Cost per ball: four square roots, two divisions, 9 nodes of two or three
 /// numbers (18 for a table of several speeds).
 ///
 /// Outside the domain of the table the polynomials of the last nodes continue, with [`Status::OUT_OF_TABLE`].
@@ -50,17 +50,20 @@ struct Evaluation<'a, T, const F: usize> {
     at: &'a BearingKinematicState<T>,
     /// Vector from the outer to the inner groove centres with the rings just touching the balls, m.
     rest: Plane<T>,
+    /// 1/(2 A), 1/m.
+    half_inverse_distance: T,
 }
 
 /// Coordinates of balls in the table.
 #[derive(Clone, Copy)]
 struct TableQuery<L> {
-    /// Direction of the line of groove centres, and its inverse length.
+    /// Direction of the line of groove centres, its length and inverse length.
     line: Plane<L>,
+    length: L,
     inverse_length: L,
     /// Coordinate of the approach.
     x: L,
-    /// `sqrt(|s| + a)` of the approach s.
+    /// `sqrt(|e| + a)` of the approach.
     root: L,
     /// 1 with the sign of the approach.
     sense: L,
@@ -69,11 +72,13 @@ struct TableQuery<L> {
 /// Interpolated contacts of balls.
 #[derive(Clone, Copy)]
 struct BallContacts<L> {
-    /// Load, N; 0 in a gap.
-    load: L,
-    /// Direction of the contact; cosine and sine of the angle from the line of groove centres to it.
-    contact: Plane<L>,
-    turn: Plane<L>,
+    /// Direction of the line of groove centres.
+    line: Plane<L>,
+    /// Component of the load along that line, N; 0 in a gap.
+    along: L,
+    /// Tangent of the angle from the line to the contact.
+    tangent: L,
+    /// Component of the friction across that line, N.
     friction: L,
 }
 
@@ -97,6 +102,12 @@ struct StagedBlock<'a, T> {
     first: usize,
     /// Number of them that the block before also contains.
     overlap: usize,
+}
+
+/// Returns `1/cos` of an angle from its tangent.
+#[inline(always)]
+fn secant<T: Scalar, M: Math<T>, const K: usize>(tangent: Lanes<T, K>) -> Lanes<T, K> {
+    (Lanes::splat(T::ONE) + tangent * tangent).sqrt::<M>()
 }
 
 impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send + Sync, const F: usize>
@@ -137,7 +148,14 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             r: self.constants.distance * self.constants.axis[0],
             z: self.constants.distance * self.constants.axis[1],
         };
-        Evaluation { speed: self.table.at_speed(speed.abs()), rows: self.table.rows(), rim, at, rest }
+        Evaluation {
+            speed: self.table.at_speed(speed.abs()),
+            rows: self.table.rows(),
+            rim,
+            at,
+            rest,
+            half_inverse_distance: T::HALF / self.constants.distance,
+        }
     }
 
     #[inline(always)]
@@ -150,17 +168,26 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let constants = &self.constants;
         let motion = Motion::of_block(balls, &evaluation.rim, evaluation.at, &self.surface).with_waviness();
         let a = Plane { r: motion.radial + all(constants.offset), z: motion.axial };
-        let deviations = motion.deviation.inner + motion.deviation.outer;
         let rest = Plane { r: all(evaluation.rest.r), z: all(evaluation.rest.z) };
         let apart = rest.plus(a);
         let length = apart.dot(apart).sqrt::<M>();
-        // One division serves direction and approach.
-        let both = length + all(constants.distance);
-        let inverse = all(T::ONE) / (length * both);
-        let inverse_length = inverse * both;
-        let approach = rest.plus(apart).dot(a) * (inverse * length) + deviations;
+        let inverse_length = all(T::ONE) / length;
+        // l^2 - A^2 = (l - A) (l + A)
+        let per_square = all(evaluation.half_inverse_distance);
+        let mut approach = rest.plus(apart).dot(a) * per_square;
+        if !S::IS_SMOOTH {
+            let deviations = motion.deviation.inner + motion.deviation.outer;
+            approach = approach + deviations * (length + length + deviations) * per_square;
+        }
         let (x, root) = self.table.approach_coordinate::<K, M>(approach);
-        TableQuery { line: apart.times(inverse_length), inverse_length, x, root, sense: all(T::ONE).xor_sign(approach) }
+        TableQuery {
+            line: apart.times(inverse_length),
+            length,
+            inverse_length,
+            x,
+            root,
+            sense: all(T::ONE).xor_sign(approach),
+        }
     }
 
     #[inline(always)]
@@ -169,23 +196,23 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         fields: &[Lanes<T, K>; F],
     ) -> BallContacts<Lanes<T, K>> {
         let field = |k: usize| fields.get(k).copied().unwrap_or(Lanes::splat(T::ZERO));
-        // The table holds half the load over the cube of the root.
-        let load = field(0).twice_positive_part() * (root * root * root);
-        let (sine, friction) = (field(1), field(2));
-        let cosine = (Lanes::splat(T::ONE) - sine * sine).sqrt::<M>();
-        let contact = line.times(cosine).plus(line.tangent().times(sine));
-        BallContacts { load, contact, turn: Plane { r: cosine, z: sine }, friction }
+        // The table holds half of the load along the line over the cube of the root.
+        let along = field(0).twice_positive_part() * (root * root * root);
+        BallContacts { line, along, tangent: field(1), friction: field(2) }
     }
 
     #[inline(always)]
     fn contacts<const K: usize>(&self, balls: &BallContacts<Lanes<T, K>>) -> Contact<Lanes<T, K>> {
-        let mut force = balls.contact.times(balls.load);
-        let mut tilting = force.z;
+        let BallContacts { line, along, tangent, friction } = *balls;
+        let secant = secant::<T, M, K>(tangent);
+        let mut force = Plane { r: along, z: along * tangent };
+        let mut couple = Lanes::splat(T::NEGATIVE_ZERO);
         if F > 2 {
-            force = force.minus(balls.contact.tangent().times(balls.friction));
-            tilting = force.z + balls.friction * Lanes::splat(self.constants.couple);
+            force = Plane { r: force.r + friction * tangent, z: force.z - friction };
+            couple = friction * secant * Lanes::splat(self.constants.couple);
         }
-        Contact { radial: force.r, axial: force.z, tilting, load: balls.load }
+        let force = line.times(force.r).plus(line.tangent().times(force.z));
+        Contact { radial: force.r, axial: force.z, tilting: force.z + couple, load: along * secant }
     }
 
     /// Interpolates balls; the sign bit of `inside` is set outside the table.
@@ -282,10 +309,10 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
             self.interpolate_contacts::<2>(evaluation, &parts, &cells, &mut contacts)
         };
         inside = inside.or_sign(missing);
-        for (part, contact) in parts.iter().zip(&contacts) {
-            let (Some(part), Some(contact)) = (part, contact) else { break };
-            sum.add_each(part.positions, &contact.0, part.overlap);
-            for (load, &found) in loads.iter_mut().skip(part.first).zip(&contact.0.load.0).skip(part.overlap) {
+        for (part, contacts) in parts.iter().zip(&contacts) {
+            let (Some(part), Some(Aligned(contacts))) = (part, contacts) else { break };
+            sum.add_each(part.positions, contacts, part.overlap);
+            for (load, &found) in loads.iter_mut().skip(part.first).zip(&contacts.load.0).skip(part.overlap) {
                 *load = found;
             }
         }
@@ -302,11 +329,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         contacts: &mut Staged<Aligned<Contact<Lanes<T, BLOCK_SIZE>>>>,
     ) -> T {
         let mut inside = T::ZERO;
-        for ((part, cells), contact) in parts.iter().zip(cells).zip(contacts) {
+        for ((part, cells), contacts) in parts.iter().zip(cells).zip(contacts) {
             let (Some(part), Some(cells)) = (part, cells) else { break };
             let (fields, missing) =
                 self.table.fields::<SPEEDS, BLOCK_SIZE>(&evaluation.speed, &evaluation.rows, cells, part.overlap);
-            *contact = Some(Aligned(self.contacts(&Self::contacts_of_balls((part.line, part.root), &fields))));
+            *contacts = Some(Aligned(self.contacts(&Self::contacts_of_balls((part.line, part.root), &fields))));
             inside = inside.or_sign(missing);
         }
         inside
@@ -320,37 +347,44 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         lookup: &Lookup<Lanes<T, K>, T>,
     ) -> [ContactTangent<T>; K] {
         let all = Lanes::<T, K>::splat;
-        let Lookup { query, contacts_of_balls, .. } = lookup;
-        let [by_sine, by_approach] = self.table.slopes(&evaluation.speed, &evaluation.rows, query.line.z, query.x);
+        let Lookup { query, contacts_of_balls: BallContacts { line, along, tangent, friction }, .. } = *lookup;
+        let [by_sine, by_approach] = self.table.slopes(&evaluation.speed, &evaluation.rows, line.z, query.x);
+        // Displacement along the line changes e by l/A, across it the sine of the angle by cos/l.
+        let e_slope = query.length * all(evaluation.half_inverse_distance + evaluation.half_inverse_distance);
         // At the coordinate 0 the other factor is 0 too.
-        let per_approach = self.table.coordinate_slope(query.x, query.root);
-        let per_across = query.line.r * query.inverse_length;
-        let across = query.line.tangent();
+        let per_approach = self.table.coordinate_slope(query.x, query.root) * e_slope;
+        let per_across = line.r * query.inverse_length;
+        let across = line.tangent();
         let zero = all(T::ZERO);
         let nothing = Plane { r: zero, z: zero };
-        // Displacement along the line changes the approach, across it the sine of the angle by cos/l.
         let slope = |k: usize| match (by_approach.get(k), by_sine.get(k)) {
-            (Some(&along), Some(&sine)) => query.line.times(along * per_approach).plus(across.times(sine * per_across)),
+            (Some(&by_approach), Some(&by_sine)) => {
+                line.times(by_approach * per_approach).plus(across.times(by_sine * per_across))
+            }
             _ => nothing,
         };
-        let gap = contacts_of_balls.load.less_than(Lanes::splat_f64(f64::MIN_POSITIVE));
-        // Q = f r^3 with r = sqrt(|s| + a): dQ = r^3 df + (3/2) (Q/r^2) sign(s) ds.
+        let gap = along.less_than(Lanes::splat_f64(f64::MIN_POSITIVE));
+        // P = f r^3 with r = sqrt(|e| + a): dP = r^3 df + (3/2) (P/r^2) sign(e) de.
         let (root, two) = (query.root, Lanes::splat_f64(2.0));
-        let by_root = Lanes::splat_f64(1.5) * contacts_of_balls.load * query.sense / (root * root);
-        let load = slope(0).times(two * root * root * root).plus(query.line.times(by_root));
+        let by_root = Lanes::splat_f64(1.5) * along * query.sense / (root * root) * e_slope;
+        let load = slope(0).times(two * root * root * root).plus(line.times(by_root));
         let load = Plane::select(gap, nothing, load);
-        // The contact rotates with the line and by d(asin w) = dw/sqrt(1 - w^2).
-        let turning = across.times(query.inverse_length).plus(slope(1).times(all(T::ONE) / contacts_of_balls.turn.r));
-        let (e, t) = (contacts_of_balls.contact, contacts_of_balls.contact.tangent());
-        // p = Q e - tau t: dp = e dQ + (Q t + tau e) da - t dtau
-        let mut force = Matrix::outer(e, load).plus(Matrix::outer(t.times(contacts_of_balls.load), turning));
+        // The line n turns by da = (t dx)/l, with t its tangent: p = P (n + tan t), dp = dP (n + tan t) + P dtan t + P (t - tan n) da.
+        let turning = across.times(query.inverse_length);
+        let mut force = Matrix::outer(line.plus(across.times(tangent)), load)
+            .plus(Matrix::outer(across.times(along), slope(1)))
+            .plus(Matrix::outer(across.minus(line.times(tangent)).times(along), turning));
         let mut couple = nothing;
         if F > 2 {
-            let friction = slope(2);
+            // p = ... + T (tan n - t)
             force = force
-                .plus(Matrix::outer(e.times(contacts_of_balls.friction), turning))
-                .minus(Matrix::outer(t, friction));
-            couple = friction.times(all(self.constants.couple));
+                .plus(Matrix::outer(line.times(tangent).minus(across), slope(2)))
+                .plus(Matrix::outer(line.times(friction), slope(1)))
+                .plus(Matrix::outer(line.plus(across.times(tangent)).times(friction), turning));
+            // T sqrt(1 + tan^2)
+            let secant = secant::<T, M, K>(tangent);
+            couple = slope(2).times(secant).plus(slope(1).times(friction * tangent / secant));
+            couple = couple.times(all(self.constants.couple));
         }
         contact_tangents(force, couple)
     }
@@ -410,11 +444,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         let evaluation = self.evaluation(u, at);
         let mut loads = loads.iter_mut();
         for group in padded_groups::<T, P, BLOCK_SIZE>(&self.positions) {
-            let balls = self.lookup(&evaluation, &ElementBlock::of(&group.positions)).contacts_of_balls;
-            for (_, (contacts_of_balls, load)) in
-                group.without_padding().iter().zip(balls.load.0.into_iter().zip(&mut loads))
-            {
-                *load = contacts_of_balls;
+            let lookup = self.lookup(&evaluation, &ElementBlock::of(&group.positions));
+            let BallContacts { along, tangent, .. } = lookup.contacts_of_balls;
+            let found = along * secant::<T, M, BLOCK_SIZE>(tangent);
+            for (_, (found, load)) in group.without_padding().iter().zip(found.0.into_iter().zip(&mut loads)) {
+                *load = found;
             }
         }
     }

@@ -37,6 +37,9 @@ const MARGIN: usize = 1;
 /// Relative rounding of a coordinate and of the range in `f32`: the ends of the domain are inside.
 const ROUNDING: f64 = 2.5e-7;
 
+/// Cosine of the angle from the line of groove centres to the contact above which no ball is loaded.
+const MIN_COSINE: f64 = 0.01;
+
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
     let step = if high > low && intervals > 0 { (high - low) / intervals as f64 } else { 1.0 };
     let slack = 1e-9 * step + ROUNDING * low.abs().max(high.abs());
@@ -49,11 +52,11 @@ fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {
 }
 
 impl TableDomain {
-    /// Returns the grid of the table.
+    /// Returns the grid of the table of a bearing with its groove centres `distance` (A, m) apart where the rings just touch the balls.
     ///
     /// # Errors
     /// A range that is empty or reversed, too few intervals.
-    pub fn grid(&self) -> Result<Grid<f64>, InvalidParameter> {
+    pub fn grid(&self, distance: f64) -> Result<Grid<f64>, InvalidParameter> {
         let [low, high] = self.approach;
         check(low < high, "approach", low, "below the greatest approach")?;
         check(self.angle[0] <= self.angle[1], "angle", self.angle[0], "at most the greatest angle")?;
@@ -75,7 +78,11 @@ impl TableDomain {
         }
         let scale = self.scale;
         check(scale > 0.0 && scale.is_finite(), "scale", scale, "an approach above 0 m")?;
-        let coordinate = |s: f64| libm::copysign(libm::sqrt(s.abs() / (s.abs() + scale)), s);
+        check(low > -distance, "approach", low, "a gap below the distance of the groove centres, m")?;
+        let coordinate = |s: f64| {
+            let e = s * (1.0 + 0.5 * s / distance);
+            libm::copysign(libm::sqrt(e.abs() / (e.abs() + scale)), e)
+        };
         let speed_scale = self.speed_scale;
         check(speed_scale >= 0.0 && speed_scale.is_finite(), "speed_scale", speed_scale, "a speed of 0 rad/s or more")?;
         Ok(Grid {
@@ -140,7 +147,7 @@ where
     L: Film<f64>,
     S: crate::bearing::surface::Surface<f64>,
 {
-    let mut open = 0;
+    let (mut open, distance) = (0, bearing.table_constants().distance);
     let rows = nodes.chunks_mut(grid.approach.count).enumerate().take(grid.angle.count * grid.speed.count);
     for (r, row) in rows {
         let (layer, k) = (r / grid.angle.count, r % grid.angle.count);
@@ -155,10 +162,12 @@ where
         };
         for (i, node) in row.iter_mut().enumerate() {
             let Some(x) = sampled(&grid.approach, i) else { continue };
-            let approach = grid.scale * x * x.abs() / (1.0 - x * x);
-            let root = libm::sqrt(approach.abs() + grid.scale);
+            let e = grid.scale * x * x.abs() / (1.0 - x * x);
+            let root = libm::sqrt(e.abs() + grid.scale);
+            let approach = 2.0 * e / (1.0 + libm::sqrt(1.0 + 2.0 * e / distance));
             let ([load, turn, friction], settled) = bearing.ball_at(approach, sin, &at);
-            let fields = [0.5 * load / (root * root * root), turn, friction];
+            let cosine = libm::sqrt(1.0 - turn * turn).max(MIN_COSINE);
+            let fields = [0.5 * cosine * load / (root * root * root), turn / cosine, cosine * friction];
             for (entry, field) in node.iter_mut().zip(fields) {
                 *entry = field;
             }

@@ -1,12 +1,14 @@
 //! Table of the force of one ball over the positions of its groove centres and the speed.
 //!
-//! The table stores smooth quantities instead of the force: the load `Q` of the inner contact (negative in a gap), the sine of
-//! the angle from the line of groove centres to the contact, and the friction. Interpolation uses quadratic B-splines along
+//! The table stores smooth quantities instead of the force: the component `P` of the inner contact's load along the line of groove
+//! centres (negative in a gap), the tangent of the angle from that line to the contact, and the component of the friction across the
+//! line. The force then takes no root. Interpolation uses quadratic B-splines along
 //! approach and contact angle and is linear along the speed; results and their derivatives are continuous where contact
 //! begins and ends.
 //!
-//! The coordinate of the approach `s` is `x = sqrt(|s| / (|s| + a))` with the sign of `s`, and the table holds `Q / (|s| +
-//! a)^(3/2)`. The Hertz load is then proportional to `x^3`, smooth also at the begin of contact; a ball wedged between both races
+//! The approach `s = l - A` is that of groove centres `l` apart; `e = (l^2 - A^2) / (2 A) = s (1 + s / (2 A))` differs from it little and
+//! takes no root. The coordinate is `x = sqrt(|e| / (|e| + a))` with the sign of `e`, and the table holds `P / (|e| + a)^(3/2)`. The
+//! Hertz load is then nearly proportional to `x^3`, smooth also at the begin of contact; a ball wedged between both races
 //! by the centrifugal force moves sideways by the root of the clearance. The error is a share of the load at `a` below, and of the
 //! load itself above, up to the largest that a bearing bears.
 //!
@@ -17,8 +19,9 @@ use crate::math::Math;
 use crate::math::lanes::{Lanes, LatticeIndices};
 use crate::scalar::{LatticeIndex, Scalar};
 
-/// One node: half the load divided by `(|s| + a)^(3/2)` (N/m^(3/2); twice the positive part needs no branch), the sine of the angle to the contact, and with `F
-/// = 3` the friction at the inner contact (0 without gyroscopic moment, or if the outer race carries all of it). With `F =
+/// One node: half of the load along the line of groove centres divided by `(|e| + a)^(3/2)` (N/m^(3/2); twice the positive part needs no
+/// branch), the tangent of the angle from that line to the contact, and with `F = 3` the friction at the inner contact across that line, N
+/// (0 without gyroscopic moment, or if the outer race carries all of it). With `F =
 /// 4` the last number is unused: SIMD registers of four numbers load such a node at once.
 pub type Node<T, const F: usize> = [T; F];
 
@@ -40,7 +43,7 @@ pub struct Axis<T> {
 pub struct Grid<T> {
     /// a, approach up to which the nodes are close, m.
     pub scale: T,
-    /// Coordinate of the approach, -1 to 1.
+    /// Coordinate of the approach, -1 to 1, see the module.
     pub approach: Axis<T>,
     /// Sine of the angle of the line of groove centres.
     pub angle: Axis<T>,
@@ -198,15 +201,15 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         (self.grid.approach.count as u32).wrapping_mul(self.grid.angle.count as u32)
     }
 
-    /// Returns the coordinate of approaches `s`, and `sqrt(|s| + a)`, of whose cube the table's load is a multiple.
+    /// Returns the coordinate of approaches `e`, and `sqrt(|e| + a)`, of whose cube the table's load is a multiple.
     #[inline(always)]
-    pub(super) fn approach_coordinate<const K: usize, M: Math<T>>(&self, s: Lanes<T, K>) -> (Lanes<T, K>, Lanes<T, K>) {
-        let size = s.abs();
+    pub(super) fn approach_coordinate<const K: usize, M: Math<T>>(&self, e: Lanes<T, K>) -> (Lanes<T, K>, Lanes<T, K>) {
+        let size = e.abs();
         let root = (size + Lanes::splat(self.grid.scale)).sqrt::<M>();
-        ((size.sqrt::<M>() / root).xor_sign(s), root)
+        ((size.sqrt::<M>() / root).xor_sign(e), root)
     }
 
-    /// Returns the derivative of the coordinate `x` by the approach, `a / (2 |x| (|s| + a)^2)`; a large number at 0.
+    /// Returns the derivative of the coordinate `x` by `e`, `a / (2 |x| (|e| + a)^2)`; a large number at 0.
     #[inline(always)]
     pub(super) fn coordinate_slope<const K: usize>(&self, x: Lanes<T, K>, root: Lanes<T, K>) -> Lanes<T, K> {
         let sum = root * root;
@@ -312,33 +315,41 @@ impl<T: Scalar, A: AsRef<[Node<T, F>]>, const F: usize> Table<T, A, F> {
         i: usize,
     ) -> Option<Node<T, F>> {
         let first = cells.first[i] as u32;
+        let (by_angle, by_approach) = (cells.by_angle.of(i), cells.by_approach.of(i));
+        let mut sum = [T::NEGATIVE_ZERO; F];
         if SPEEDS == 1 || (SPEEDS == 0 && self.is_of_one_speed()) {
-            return rows.weighted_sum(first, cells, i);
+            rows.add(&mut sum, first, by_angle, by_approach)?;
+            return Some(sum);
         }
+        let [below, above] = at.weights;
         let first = at.first.wrapping_add(first);
-        let below = rows.weighted_sum(first, cells, i)?;
-        let above = rows.weighted_sum(first.wrapping_add(self.layer()), cells, i)?;
-        Some(combined(at.weights, [below, above]))
+        // Six rows into one sum: in this form the compiler keeps the numbers of a node side by side.
+        rows.add(&mut sum, first, by_angle.map(|w| below * w), by_approach)?;
+        rows.add(&mut sum, first.wrapping_add(self.layer()), by_angle.map(|w| above * w), by_approach)?;
+        Some(sum)
     }
 }
 
 impl<T: Scalar, const F: usize> Rows<'_, T, F> {
-    /// Returns the weighted sum of the nine nodes of one speed from `first` on, or `None` past the end.
+    /// Adds the weighted sum of the nine nodes of one speed from `first` on; returns `None` past the end.
     #[inline(always)]
-    fn weighted_sum<const K: usize>(&self, first: u32, cells: &CellPositions<T, K>, i: usize) -> Option<Node<T, F>> {
+    fn add(&self, sum: &mut Node<T, F>, first: u32, by_angle: [T; 3], by_approach: [T; 3]) -> Option<()> {
         // Indices of 32 bits cannot overflow on 64 bits: one comparison per ball suffices.
         let first = first as usize;
         let three = first..first.wrapping_add(3);
-        // Read outside the closure, which the compiler may not inline.
-        let [by_angle, by_approach] = [cells.by_angle.of(i), cells.by_approach.of(i)];
         let along = |nodes: &[Node<T, F>]| Some(combined(by_approach, *nodes.get(three.clone())?.first_chunk()?));
-        Some(combined(by_angle, [along(self.before)?, along(self.middle)?, along(self.after)?]))
+        for (row, w) in [along(self.before)?, along(self.middle)?, along(self.after)?].into_iter().zip(by_angle) {
+            for (s, value) in sum.iter_mut().zip(row) {
+                *s += w * value;
+            }
+        }
+        Some(())
     }
 }
 
 /// Returns the values by quantity instead of by ball.
 #[inline(always)]
-pub(super) fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
+fn transposed<T: Scalar, const F: usize, const K: usize>(balls: &[Node<T, F>; K]) -> [Lanes<T, K>; F] {
     let mut fields = [Lanes::splat(T::ZERO); F];
     let mut field = 0;
     while field < F {

@@ -213,7 +213,7 @@ pub fn table(scene: &Scene, of: &BearingScene, size: TableSize) -> Result<TableD
     let plain =
         QuasiStatic::<f64, OnWideRegisters<Exact>, _>::try_new(geometry, one, zero).map_err(|e| named(of, e))?;
     let constants = plain.table_constants();
-    let grid = domain.grid().map_err(|e| named(of, e))?;
+    let grid = domain.grid(constants.distance).map_err(|e| named(of, e))?;
     let mut nodes = vec![[0.0; 3]; grid.len()];
     let full = plain
         .with_selected_inertia(&inertia_params(of))
@@ -254,8 +254,11 @@ const EVERY_SPEED: [f64; 2] = [0.0, 1e9];
 /// Scale of a wide range of speeds over the highest, with an oil film: its thickness rises with a power of the speed below 1, inertia
 /// loads with the square.
 const SPEEDS_WITH_FILM: f64 = 10.0;
-/// Intervals along the angle of a bearing with a contact angle, over which its forces change evenly.
-const ANGLE_INTERVALS: usize = 12;
+/// Intervals along the angle of a bearing with a contact angle, over which its forces change evenly: at a constant speed, and over a
+/// range, where the other coordinates need the nodes.
+const ANGLE_INTERVALS: [usize; 2] = [12, 8];
+/// Intervals along the angle of a deep-groove bearing over those along the approach.
+const GROOVE_ANGLE_INTERVALS: f64 = 0.85;
 /// Least and largest number of intervals along approach and angle.
 const INTERVALS: [usize; 2] = [4, 64];
 /// Nodes along approach and angle beyond the number of intervals.
@@ -307,7 +310,7 @@ fn domain(
         Some([nx, na, nv]) => [nx, na, if layers == 0 { 0 } else { nv }],
         None => {
             let nodes = size.bytes / (size_of::<f32>() * numbers(has_inner_friction(of))) / (layers + 1);
-            let [nx, na] = resolution(nodes, both);
+            let [nx, na] = if both { groove_resolution(nodes) } else { resolution(nodes, narrow || still) };
             [nx, na, layers]
         }
     };
@@ -326,19 +329,20 @@ fn domain(
     Ok((domain, by_outer))
 }
 
-/// Returns the intervals along approach and angle of a layer of at most `nodes` nodes.
-///
-/// A deep-groove bearing has as many along the angle: its balls change sides in the plane of the grooves, where an even number
-/// puts nodes.
-fn resolution(nodes: usize, both: bool) -> [usize; 2] {
+/// Returns the intervals along approach and angle of a layer of at most `nodes` nodes, for a bearing with a contact angle.
+fn resolution(nodes: usize, at_one_speed: bool) -> [usize; 2] {
+    let ([least, most], [at_one, over_range]) = (INTERVALS, ANGLE_INTERVALS);
+    let across = if at_one_speed { at_one } else { over_range };
+    let along = (nodes / (across + FURTHER_NODES)).saturating_sub(FURTHER_NODES);
+    [along.clamp(least, most), across]
+}
+
+/// Returns the same for a deep-groove bearing. Its balls change sides in the plane of the grooves, where an even number puts nodes.
+fn groove_resolution(nodes: usize) -> [usize; 2] {
     let [least, most] = INTERVALS;
-    if both {
-        let fits = |intervals: &usize| (intervals + FURTHER_NODES).pow(2) <= nodes;
-        [(least..=most).rev().step_by(2).find(fits).unwrap_or(least); 2]
-    } else {
-        let along = (nodes / (ANGLE_INTERVALS + FURTHER_NODES)).saturating_sub(FURTHER_NODES);
-        [along.clamp(least, most), ANGLE_INTERVALS]
-    }
+    let pair = |along: usize| [along, (GROOVE_ANGLE_INTERVALS * along as f64) as usize & !1];
+    let fits = |[along, across]: &[usize; 2]| (along + FURTHER_NODES) * (across + FURTHER_NODES) <= nodes;
+    (least..=most).rev().map(pair).find(fits).unwrap_or([least; 2])
 }
 
 pub(super) fn tabulated<T: Scalar, M: Math<T>, H: BearingHandle<T>>(

@@ -8,6 +8,7 @@ use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, QuasiStatic};
+use ballrace::bearing::tabulated::{Axis, Grid, Table, Tabulated};
 use ballrace::bearing::{ElementPositions, LastValidWrench, evenly_spaced};
 use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Phase, Stiffness, Wrench};
 use core::hint::black_box;
@@ -118,7 +119,17 @@ pub fn all(bench: &Bench) {
         turning,
         |(u, at)| tangent(&table, u, at),
     );
+    // By reference: each row follows a function of its own.
+    bearing(bench, "tabulated, one speed", 8, &of_one_speed(&table));
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
+}
+
+/// The bearing with the first layer of its table alone, as that of a machine at one speed.
+fn of_one_speed(of: &bearing_de::Baked) -> bearing_de::Baked {
+    let grid = of.table().grid();
+    let layer = bearing_de::NODES.get(..grid.approach.count * grid.angle.count).unwrap_or_default();
+    let grid = Grid { speed: Axis { count: 1, ..grid.speed }, ..*grid };
+    Tabulated::new(bearing_de::POSITIONS, *of.constants(), Table::new(grid, layer), false)
 }
 
 type Massive =
