@@ -1019,7 +1019,8 @@ typedef struct ballrace_tabulated {
      */
     float speed_scale;
     /**
-     * Axis of the coordinate of the approach, `sqrt(|s| / (|s| + scale))` with the sign of the approach `s`; varies fastest.
+     * Axis of the coordinate of the approach, `sqrt(|e| / (|e| + scale))` with the sign of `e = s (1 + s / (2 distance))`, `s` the
+     * approach; varies fastest.
      */
     struct ballrace_axis approach;
     /**
@@ -1039,8 +1040,9 @@ typedef struct ballrace_tabulated {
      */
     uint32_t node_count;
     /**
-     * Nodes, each of two or three numbers: half the load in N, sine of the angle from the line of groove centres to the
-     * contact, and, in a model with friction, the friction at the inner race in N.
+     * Nodes, each of two or three numbers: half of the load along the line of groove centres over `(|e| + scale)^1.5` in
+     * N/m^1.5, tangent of the angle from that line to the contact, and, in a model with friction, the friction at the inner
+     * race across that line in N.
      */
     const float *nodes;
 } ballrace_tabulated;
