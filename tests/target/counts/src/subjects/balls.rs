@@ -120,7 +120,8 @@ pub fn all(bench: &Bench) {
         |(u, at)| tangent(&table, u, at),
     );
     // By reference: each row follows a function of its own.
-    bearing(bench, "tabulated, one speed", 8, &of_one_speed(&table));
+    let of_one_speed = of_one_speed(&table);
+    bearing(bench, "tabulated, one speed", 8, &of_one_speed);
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
 }
 
