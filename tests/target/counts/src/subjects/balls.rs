@@ -120,8 +120,8 @@ pub fn all(bench: &Bench) {
         |(u, at)| tangent(&table, u, at),
     );
     // By reference: each row follows a function of its own.
-    let of_one_speed = of_one_speed(&table);
-    bearing(bench, "tabulated, one speed", 8, &of_one_speed);
+    let of_one_speed: &bearing_de::Baked = &of_one_speed(&table);
+    bearing(bench, "tabulated, one speed", 8, of_one_speed);
     bearing(bench, "tabulated, friction, wave, spall, mirrored", 9, bearing_nde::bearing());
 }
 
