@@ -150,7 +150,7 @@ fn the_chosen_model_meets_the_goal() {
     assert!(out.contains("scene-chosen.toml"), "{out}");
     let chosen = desk.read("scene-chosen.toml");
     assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 16, 2]"), "{chosen}");
-    // Independent check: forces of both scenes at one displacement.
+    // Independent check: forces of both scenes at displacements beside the motion, within twice the goal.
     desk.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
     let force = |scene: &str| {
         let args = ["force", scene, "--displacements", "u.csv", "--bearing", "A", "--format", "csv"];
@@ -158,7 +158,7 @@ fn the_chosen_model_meets_the_goal() {
     };
     for (near, right) in force("scene-chosen.toml").iter().zip(&force("scene.toml")) {
         let apart = near.iter().zip(right).take(3).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        assert!(apart < 0.001 * right.iter().take(3).map(|f| f * f).sum::<f64>().sqrt(), "{near:?} {right:?}");
+        assert!(apart < 0.002 * right.iter().take(3).map(|f| f * f).sum::<f64>().sqrt(), "{near:?} {right:?}");
     }
     let args = [
         "trade",
