@@ -37,7 +37,7 @@ const MARGIN: usize = 1;
 /// Relative rounding of a coordinate and of the range in `f32`: the ends of the domain are inside.
 const ROUNDING: f64 = 2.5e-7;
 
-/// Cosine of the angle from the line of groove centres to the contact above which no ball is loaded.
+/// Least cosine of the angle from the line of groove centres to the contact: beyond, a ball lies in a gap, and the tangent stays finite.
 const MIN_COSINE: f64 = 0.01;
 
 fn axis([low, high]: [f64; 2], intervals: usize, margin: usize) -> Axis<f64> {

@@ -340,7 +340,7 @@ fn resolution(nodes: usize, at_one_speed: bool) -> [usize; 2] {
 /// Returns the same for a deep-groove bearing. Its balls change sides in the plane of the grooves, where an even number puts nodes.
 fn groove_resolution(nodes: usize) -> [usize; 2] {
     let [least, most] = INTERVALS;
-    let pair = |along: usize| [along, (GROOVE_ANGLE_INTERVALS * along as f64) as usize & !1];
+    let pair = |along: usize| [along, ((GROOVE_ANGLE_INTERVALS * along as f64) as usize & !1).max(least)];
     let fits = |[along, across]: &[usize; 2]| (along + FURTHER_NODES) * (across + FURTHER_NODES) <= nodes;
     (least..=most).rev().map(pair).find(fits).unwrap_or([least; 2])
 }
