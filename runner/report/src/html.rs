@@ -560,7 +560,7 @@ fn timing(timing: &Timing, compared: bool) -> Vec<PageSection> {
     facts.extend(words::pacing(timing).into_iter().map(|sentence| Fact::new("Pacing", sentence)));
     let mut all = vec![PageSection::facts("Timing", facts)];
     if compared {
-        let mut rows = vec![quantiles("Computing time per sample", &timing.compute)];
+        let mut rows = vec![quantiles("Work, every 7th sample", &timing.compute)];
         if let Some(pacing) = &timing.pacing {
             rows.push(quantiles("Work, a block", &pacing.compute));
             rows.push(quantiles("Lateness", &pacing.lateness));

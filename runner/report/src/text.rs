@@ -348,7 +348,7 @@ fn compute_times(page: &mut Page, timing: &Timing) {
             .map_or_else(String::new, |bytes| format!("; peak memory {} MB", fixed(bytes as f64 / 1e6, 1)))
     );
     page.sentence("  ", &pace);
-    let mut rows = vec![quantiles("a sample", &timing.compute)];
+    let mut rows = vec![quantiles("a sample (every 7th)", &timing.compute)];
     if let Some(pacing) = &timing.pacing {
         rows.push(quantiles("a block", &pacing.compute));
         rows.push(quantiles("lateness", &pacing.lateness));

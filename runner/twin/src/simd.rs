@@ -9,7 +9,7 @@ use ballrace::{BearingKinematicState, Displacement, Math, Phase, Scalar, Stiffne
 use std::marker::PhantomData;
 
 /// Instruction sets of this processor, detected at run time.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct SimdDispatch {
     #[cfg(target_arch = "x86_64")]
     avx2: Option<pulp::x86::V3>,

@@ -16,6 +16,8 @@ const MAX_SAMPLES: usize = 65_536;
 pub(crate) struct Block {
     samples: VecDeque<Sample>,
     earlier: VecDeque<Sample>,
+    /// A sample that has left the block, whose memory is used again.
+    spare: Option<Sample>,
 }
 
 impl Block {
@@ -32,10 +34,12 @@ impl Block {
             self.samples.clear();
         }
         if is_usable {
-            self.samples.push_back(sample.clone());
+            let mut copy = self.spare.take().unwrap_or_default();
+            copy.copy_from(sample);
+            self.samples.push_back(copy);
         }
         while self.is_longer_than_full() {
-            self.samples.pop_front();
+            self.spare = self.samples.pop_front();
         }
     }
 

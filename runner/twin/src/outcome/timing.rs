@@ -24,7 +24,7 @@ pub struct Timing {
     pub paced: bool,
     /// Number of processed samples.
     pub samples: u64,
-    /// Kernel and twin, per sample.
+    /// Twin, observer and forces of a sample, measured at every 7th sample.
     pub compute: Quantiles,
     /// Mean time of a sample by stage; only where the twin ran.
     #[serde(skip_serializing_if = "Option::is_none")]

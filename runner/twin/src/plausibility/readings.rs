@@ -4,6 +4,8 @@ use super::checks::SPEED_FACTOR;
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Direction, Probe, Recording, Speed, TemperatureChannel};
+use ballrace::Exact;
+use ballrace::math::Math;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -60,10 +62,7 @@ impl VoltageSummary {
 /// Sums over one column.
 #[derive(Debug, Clone, Copy)]
 struct Sums {
-    count: u64,
-    mean: f64,
-    /// Sum of the squares about the mean.
-    squares: f64,
+    all: Moments,
     least: f64,
     greatest: f64,
     last: f64,
@@ -73,52 +72,79 @@ struct Sums {
     falls: bool,
     /// Sums of reading times cosine and sine of the shaft angle, of cosine and sine, and the number of samples.
     turning: [f64; 4],
-    turning_count: u64,
-    /// Mean of the readings in range, and sum of their squares about it.
-    within: [f64; 2],
+    /// Readings in range, in samples with a shaft angle.
+    within: Moments,
+}
+
+/// Mean and mean square of readings. They are summed about the first one, so that a small oscillation about a large mean keeps its digits.
+#[derive(Debug, Clone, Copy, Default)]
+struct Moments {
+    count: u64,
+    first: f64,
+    /// Sums of the readings, and of their squares, about the first.
+    sum: f64,
+    squares: f64,
+}
+
+impl Moments {
+    fn add(&mut self, x: f64) {
+        if self.count == 0 {
+            self.first = x;
+        }
+        self.count += 1;
+        let off = x - self.first;
+        self.sum += off;
+        self.squares += off * off;
+    }
+
+    /// Returns the number of readings, at least 1.
+    fn divisor(&self) -> f64 {
+        self.count.max(1) as f64
+    }
+
+    fn mean(&self) -> f64 {
+        self.first + self.sum / self.divisor()
+    }
+
+    /// Returns the root of the mean square about the mean.
+    fn rms(&self) -> f64 {
+        let off = self.sum / self.divisor();
+        (self.squares / self.divisor() - off * off).max(0.0).sqrt()
+    }
 }
 
 impl Default for Sums {
     fn default() -> Self {
         let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         Self {
-            count: 0,
-            mean: 0.0,
-            squares: 0.0,
+            all: Moments::default(),
             least,
             greatest,
             last: f64::NAN,
             rises: true,
             falls: true,
             turning: [0.0; 4],
-            turning_count: 0,
-            within: [0.0; 2],
+            within: Moments::default(),
         }
     }
 }
 
 impl Sums {
     fn add(&mut self, x: f64) {
-        self.count += 1;
-        let before = x - self.mean;
-        self.mean += before / self.count as f64;
-        self.squares += before * (x - self.mean);
         self.least = self.least.min(x);
         self.greatest = self.greatest.max(x);
-        self.rises &= self.count == 1 || x > self.last;
-        self.falls &= self.count == 1 || x < self.last;
+        let is_first = self.all.count == 0;
+        self.rises &= is_first || x > self.last;
+        self.falls &= is_first || x < self.last;
         self.last = x;
-    }
-
-    fn rms(&self) -> f64 {
-        (self.squares / self.count.max(1) as f64).sqrt()
+        self.all.add(x);
     }
 
     /// Returns cosine and sine amplitude of 1X.
     fn one_x(&self) -> Option<[f64; 2]> {
         let [x_cos, x_sin, cos, sin] = self.turning;
-        let n = self.turning_count as f64;
-        (self.turning_count > 0).then(|| [2.0 * (x_cos - self.mean * cos) / n, 2.0 * (x_sin - self.mean * sin) / n])
+        let (n, mean) = (self.within.divisor(), self.all.mean());
+        (self.within.count > 0).then(|| [2.0 * (x_cos - mean * cos) / n, 2.0 * (x_sin - mean * sin) / n])
     }
 }
 
@@ -156,15 +182,12 @@ impl Collector {
     /// Adds shaft angle and speed of a sample, with the readings that are in range.
     pub fn add_sample(&mut self, sample: &Sample) {
         self.speeds.add(sample);
-        let (sin, cos) = sample.angle.radians().sin_cos();
+        let (sin, cos): (f64, f64) = Exact::sin_cos(sample.angle);
         for (sums, x) in self.columns.iter_mut().zip(readings(&sample.row)).filter(|(_, x)| x.is_finite()) {
             for (sum, term) in sums.turning.iter_mut().zip([x * cos, x * sin, cos, sin]) {
                 *sum += term;
             }
-            sums.turning_count += 1;
-            let before = x - sums.within[0];
-            sums.within[0] += before / sums.turning_count as f64;
-            sums.within[1] += before * (x - sums.within[0]);
+            sums.within.add(*x);
         }
     }
 
@@ -178,22 +201,20 @@ impl Collector {
         self.columns
             .iter()
             .take(self.signals)
-            .position(|sums| sums.count >= MIN_MONOTONIC && (sums.rises || sums.falls))
+            .position(|sums| sums.all.count >= MIN_MONOTONIC && (sums.rises || sums.falls))
     }
 
     /// Returns the root of the mean square about the mean of the readings in range, in SI; none for a column that has readings in
     /// less than half of the samples, which is a flaw of its own.
     pub fn rms_in_range(&self) -> Vec<Option<f64>> {
-        let samples = self.columns.iter().map(|sums| sums.turning_count).max().unwrap_or(0);
-        let rms = |sums: &Sums| (sums.within[1] / sums.turning_count as f64).sqrt();
-        let is_read = |sums: &Sums| sums.turning_count > 0 && 2 * sums.turning_count >= samples;
-        self.columns.iter().map(|sums| is_read(sums).then(|| rms(sums))).collect()
+        let samples = self.columns.iter().map(|sums| sums.within.count).max().unwrap_or(0);
+        let is_read = |within: &Moments| within.count > 0 && 2 * within.count >= samples;
+        self.columns.iter().map(|sums| is_read(&sums.within).then(|| sums.within.rms())).collect()
     }
 
     /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole motion, in SI.
     pub fn one_x_noise(&self) -> Vec<f64> {
-        let noise =
-            |(rms, sums): (Option<f64>, &Sums)| rms.unwrap_or(0.0) * (2.0 / sums.turning_count.max(1) as f64).sqrt();
+        let noise = |(rms, sums): (Option<f64>, &Sums)| rms.unwrap_or(0.0) * (2.0 / sums.within.divisor()).sqrt();
         self.rms_in_range().into_iter().zip(&self.columns).map(noise).collect()
     }
 
@@ -215,14 +236,14 @@ impl Collector {
                 column,
                 unit,
                 radial,
-                voltage: probe.and_then(|probe| VoltageSummary::new(probe, sums.mean)),
-                mean: sums.mean * scale,
-                rms: sums.rms() * scale,
+                voltage: probe.and_then(|probe| VoltageSummary::new(probe, sums.all.mean())),
+                mean: sums.all.mean() * scale,
+                rms: sums.all.rms() * scale,
                 peak_to_peak: (sums.greatest - sums.least).max(0.0) * scale,
                 one_x: sums
                     .one_x()
                     .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
-                samples: sums.count,
+                samples: sums.all.count,
             }
         };
         probes.chain(sensors).chain(temperatures).zip(&self.columns).map(one).collect()

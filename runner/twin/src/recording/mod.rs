@@ -79,6 +79,18 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// Becomes a copy of `other` in its own memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Row { mut probes, mut sensors, mut temperatures, .. } = std::mem::take(&mut self.row);
+        let &Row { index, line, time, rotation, .. } = &other.row;
+        probes.clone_from(&other.row.probes);
+        sensors.clone_from(&other.row.sensors);
+        temperatures.clone_from(&other.row.temperatures);
+        let &Self { angle, revolution, speed, acceleration, status, .. } = other;
+        let row = Row { index, line, time, probes, sensors, temperatures, rotation };
+        *self = Self { row, angle, revolution, speed, acceleration, status };
+    }
+
     /// Returns angle, speed and acceleration of the shaft.
     #[must_use]
     pub const fn shaft_motion(&self) -> ShaftMotion<f64> {

@@ -47,6 +47,7 @@ impl SampleReadings {
 
 #[derive(Default, Clone)]
 struct OneProbe {
+    /// Shaft angles of the samples in which another probe has no reading.
     angles: ShaftAngles,
     measured: MotionSums,
     twin: MotionSums,
@@ -60,6 +61,8 @@ struct OneProbe {
 /// Sums over the recording, of all probes.
 pub struct Comparison {
     probes: Vec<OneProbe>,
+    /// Shaft angles of the samples with a reading of every probe.
+    angles: ShaftAngles,
     /// Order tracking of measured, twin and residual of each probe.
     pub lines: Demodulator,
     /// Spectra of the same signals, and full spectra of the planes.
@@ -76,6 +79,7 @@ impl Comparison {
     pub fn new(probes: usize, bearings: &[MountedBearing], planes: Vec<Plane>) -> Self {
         Self {
             probes: vec![OneProbe::default(); probes],
+            angles: ShaftAngles::default(),
             lines: Demodulator::with_differences(followed(bearings), probes),
             spectra: Welch::new(probes, planes),
             compared: 0,
@@ -90,9 +94,12 @@ impl Comparison {
             probe.add(readings.measured[i], readings.twin[i], readings.linear[i], basis);
         }
         if !readings.is_complete() {
+            let read = self.probes.iter_mut().zip(&readings.measured).filter(|(_, measured)| !measured.is_nan());
+            read.for_each(|(probe, _)| probe.angles.add(basis));
             self.spectra.interrupt();
             return false;
         }
+        self.angles.add(basis);
         self.compared += 1;
         self.signals.clear();
         self.signals.extend_from_slice(&readings.measured);
@@ -161,7 +168,7 @@ impl Comparison {
             .enumerate()
             .map(|(i, probe)| ProbeOutcome {
                 ball_pass: self.ball_pass(i, bearings, mean_speed_hz),
-                ..self.probes[i].outcome(probe)
+                ..self.probes[i].outcome(probe, self.angles)
             })
             .collect()
     }
@@ -191,7 +198,6 @@ impl OneProbe {
             self.last = None;
             return;
         }
-        self.angles.add(basis);
         self.measured.add(measured, basis);
         self.twin.add(twin, basis);
         self.residual.add(measured - twin);
@@ -201,8 +207,10 @@ impl OneProbe {
         }
     }
 
-    fn outcome(&self, probe: &Probe) -> ProbeOutcome {
-        let (_, one_x_left) = self.measured.one_x(&self.angles);
+    /// Returns the outcome of `probe`; `complete` are the shaft angles of the samples with a reading of every probe.
+    fn outcome(&self, probe: &Probe, complete: ShaftAngles) -> ProbeOutcome {
+        let angles = complete + self.angles;
+        let (_, one_x_left) = self.measured.one_x(&angles);
         let residual = self.residual.rms() * UM;
         let spread = self.measured.rms_about_mean() * UM;
         let against = |rms: f64| SimplePredictor::new(rms, residual);
@@ -212,7 +220,7 @@ impl OneProbe {
             one_x: against(one_x_left * UM),
             linear: against(self.linear.rms() * UM),
         };
-        let (measured, twin) = (self.measured.motion(&self.angles), self.twin.motion(&self.angles));
+        let (measured, twin) = (self.measured.motion(&angles), self.twin.motion(&angles));
         ProbeOutcome {
             name: probe.column.clone(),
             station_mm: probe.station * 1e3,

@@ -14,7 +14,7 @@ use super::plausibility::Counts;
 use super::readings::{Reading, ReadingsStage};
 use super::second::{Second, SecondIndicators};
 use super::snapshot::RecentSamples;
-use super::timing::{Ledger, Stage};
+use super::timing::{Ledger, Stage, WorkClock};
 use super::totals::Totals;
 use super::twin::TwinStart;
 use crate::diagnosis::block::Block;
@@ -28,7 +28,6 @@ use crate::scene::{Probe, Scene};
 use ballrace::Displacement;
 use std::error::Error as _;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The stages behind twin and observer.
 pub(super) struct Evaluator<'a> {
@@ -127,10 +126,10 @@ impl<'a> Evaluator<'a> {
         let FollowedSample { sample, .. } = followed;
         let (index, time) = (sample.row.index, sample.row.time);
         self.timing.sample(time);
-        let (begun, mut clock) = (Instant::now(), followed.clock.resumed());
+        let (work, mut clock) = (WorkClock::of(index), followed.clock.resumed());
         let shaft = sample.shaft_motion();
         let force = self.force.evaluate(index, &self.plant.bearings, &followed.parts, &shaft, &followed.displacements);
-        self.timing.worked(followed.took + begun.elapsed());
+        self.timing.worked([followed.took, work.elapsed()]);
         clock.passed(Stage::Forces);
         self.advance_linear(followed, linear_start);
         clock.passed(Stage::Twin);

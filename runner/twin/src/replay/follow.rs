@@ -8,7 +8,7 @@ use super::observe::ObserverStage;
 use super::range::ReadingRange;
 use super::repeat::Spread;
 use super::startup::{Queued, RunInProgress, SearchResult, Startup};
-use super::timing::{Stage, StageClock};
+use super::timing::{Stage, StageClock, WorkClock};
 use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::CageTracker;
@@ -52,8 +52,8 @@ pub(super) struct FollowedSample {
     pub(super) status: SampleStatus,
     /// Normalised innovation squared; none where a reading is missing.
     pub(super) nis: Option<f64>,
-    /// Time of twin and observer.
-    pub(super) took: Duration,
+    /// Time of twin and observer; none where the sample is not timed.
+    pub(super) took: Option<Duration>,
     pub(super) clock: StageClock,
     /// Coordinates of the twin.
     pub(super) twin: Vec<f64>,
@@ -185,7 +185,7 @@ impl Follower {
             followed.placed[0].extend_from_slice(coordinates);
             followed.placed[1].extend_from_slice(rates);
         }
-        let begun = Instant::now();
+        let work = WorkClock::of(sample.row.index);
         self.twin.advance(sample, &interval);
         clock.passed(Stage::Twin);
         let observed = self.observer.advance(
@@ -206,7 +206,7 @@ impl Follower {
             .and(observed.status);
         (followed.interval, followed.nis) = (interval, observed.nis);
         self.store(followed);
-        followed.took = begun.elapsed();
+        followed.took = work.elapsed();
         clock.passed(Stage::Forces);
         followed.clock = clock;
         let Row { time, line, .. } = followed.sample.row;

@@ -1,6 +1,6 @@
 //! Force stage: the forces of the bearings at the measured displacement, at the observer's and at the twin's.
 
-use super::statistics::{Running, RunningTogether};
+use super::statistics::{LoadSums, Running, RunningTogether};
 use crate::outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use crate::plant::MountedBearing;
 use crate::recording::status::SampleStatus;
@@ -151,11 +151,10 @@ pub struct BearingForces {
     /// Number of samples in which the bearing carries no load in the twin.
     twin_contact_lost: u64,
     held_samples: u64,
-    largest: f64,
     /// Loads of the elements at the present sample, at the measured displacement and in the twin.
     loads: [Vec<f64>; 2],
-    /// Load by azimuth, at the measured displacement and in the twin.
-    pub around: Vec<[Running; 2]>,
+    /// Loads by azimuth.
+    pub around: Vec<LoadSums>,
 }
 
 impl BearingForces {
@@ -170,9 +169,8 @@ impl BearingForces {
             evaluated: 0,
             twin_contact_lost: 0,
             held_samples: 0,
-            largest: 0.0,
             loads: [vec![0.0; elements], vec![0.0; elements]],
-            around: vec![Default::default(); AZIMUTH_BINS],
+            around: vec![LoadSums::default(); AZIMUTH_BINS],
         }
     }
 
@@ -230,14 +228,12 @@ impl BearingForces {
     /// Adds the loads of the last evaluation by azimuth: those in the twin and, where the sample is not held, those at the measured
     /// displacement.
     fn add_element_loads(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) {
-        let [loads, twin_loads] = &self.loads;
+        let ([loads, twin_loads], is_held) = (&self.loads, sample.status.is_held());
         for ((&load, &twin_load), azimuth) in loads.iter().zip(twin_loads).zip(bearing.azimuths(cage)) {
-            let bin = ((u128::from(azimuth.0) * AZIMUTH_BINS as u128) >> 64) as usize;
-            let [measured, twin] = &mut self.around[bin];
-            twin.add(twin_load);
-            if !sample.status.is_held() {
-                measured.add(load);
-                self.largest = self.largest.max(load);
+            let at = &mut self.around[((u128::from(azimuth.0) * AZIMUTH_BINS as u128) >> 64) as usize];
+            at.add_twin(twin_load);
+            if !is_held {
+                at.add(load);
             }
         }
     }
@@ -264,7 +260,7 @@ impl BearingForces {
             force_measured: std::array::from_fn(|i| figures(self.measured.of(i), Some(&self.sigma[i]))),
             force_estimated: std::array::from_fn(|i| figures(self.estimated.of(i), None)),
             force_twin: std::array::from_fn(|i| figures(self.twin.of(i), None)),
-            largest_element_load_n: self.largest,
+            largest_element_load_n: self.around.iter().map(LoadSums::largest).fold(0.0, f64::max),
             contact_lost_samples: self.contact_lost,
             held_samples: self.held_samples,
         }
@@ -350,7 +346,7 @@ mod tests {
         let displacements = Displacements { measured: displacement, twin: Displacement::default(), observer: None };
         let force = forces.evaluate(bearing, &displacements, true, &at);
         forces.add(bearing, &force, at.cage);
-        let load = |bin: &usize| forces.around[*bin][0].mean();
+        let load = |bin: &usize| forces.around[*bin].mean();
         let bin = (0..AZIMUTH_BINS).max_by(|a, b| load(a).total_cmp(&load(b))).unwrap();
         [azimuth.rem_euclid(TAU).to_degrees(), (bin as f64 + 0.5) * 360.0 / AZIMUTH_BINS as f64]
     }

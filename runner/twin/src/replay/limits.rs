@@ -146,7 +146,7 @@ struct Block {
     start: Option<f64>,
     /// Index of the first sample that is not part of a finished block; none before the first sample.
     next_index: Option<u64>,
-    probes: Vec<Statistics<f64>>,
+    probes: Vec<Statistics<f64, f64>>,
 }
 
 impl Block {
@@ -161,8 +161,12 @@ impl Block {
 
     fn add(&mut self, index: u64, time: f64, values: impl Iterator<Item = f64>) {
         self.next_index.get_or_insert(index);
+        let is_first = self.start.is_none();
         self.start.get_or_insert(time);
         for (statistics, value) in self.probes.iter_mut().zip(values) {
+            if is_first {
+                *statistics = Statistics::about(value, u32::MAX);
+            }
             statistics.add::<Exact>(value);
         }
     }

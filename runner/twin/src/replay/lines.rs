@@ -5,9 +5,10 @@
 //! a little between blocks. Amplitudes are averaged over blocks by their squares.
 
 use crate::plant::MountedBearing;
+use crate::simd::SimdDispatch;
 use ballrace::math::Math;
 use ballrace::rotor::ComponentAngles;
-use ballrace::twin::{Accumulator, OrderSums, OrderVector, RevolutionBlock};
+use ballrace::twin::{Accumulator, OrderVector, RevolutionBlock};
 use ballrace::{Exact, Phase, Scalar};
 
 /// Revolutions of one block: lines 3/16 of an order apart are resolved.
@@ -130,6 +131,9 @@ fn summands(lines: &[Line], line: usize) -> Option<[usize; 2]> {
     pairs.into_iter().find(|&[a, b]| lines[a].plus(lines[b]) == Some(lines[line]))
 }
 
+/// Number of signals that are demodulated side by side, as many as a vector register of AVX2 takes.
+const GROUP_SIZE: usize = 4;
+
 /// Demodulator of several signals at several lines: the kernel's [`OrderTracker`](ballrace::twin::OrderTracker) for any number
 /// of both.
 ///
@@ -147,10 +151,11 @@ pub struct Demodulator<T: Scalar = f64, S: Accumulator<T> = f64> {
     /// the signals.
     differences: usize,
     block: RevolutionBlock<T, S>,
-    /// Sums over the current block, line-major.
-    sums: Vec<OrderSums<T, S>>,
-    /// Signals of the current sample about their means, times the window.
-    windowed: Vec<T>,
+    /// Sums over the current block with cosine and sine, line-major, in groups of signals.
+    sums: Vec<[[S; GROUP_SIZE]; 2]>,
+    /// Signals of the current sample about their means, times the window, in the same groups; the last one is filled with zeros.
+    windowed: Vec<[T; GROUP_SIZE]>,
+    registers: SimdDispatch,
     /// Amplitudes of cosine and sine in the last finished block, line-major: of the signals, then of the differences.
     last: Vec<OrderVector<T>>,
     /// Squared amplitudes of the same, summed over finished blocks.
@@ -178,13 +183,14 @@ where
     }
 
     fn of(lines: Vec<Line>, signals: usize, differences: usize) -> Self {
-        let results = lines.len() * (signals + differences);
+        let (results, groups) = (lines.len() * (signals + differences), signals.div_ceil(GROUP_SIZE));
         Self {
             summands: (0..lines.len()).map(|line| summands(&lines, line)).collect(),
             basis: vec![(T::ZERO, T::ONE); lines.len()],
             block: RevolutionBlock::new(),
-            sums: vec![OrderSums::new(); lines.len() * signals],
-            windowed: vec![T::ZERO; signals],
+            sums: vec![[[S::ZERO; GROUP_SIZE]; 2]; lines.len() * groups],
+            windowed: vec![[T::ZERO; GROUP_SIZE]; groups],
+            registers: SimdDispatch::detect(),
             last: vec![[T::ZERO; 2]; results],
             power: vec![0.0; results],
             blocks: 0.0,
@@ -206,7 +212,8 @@ where
         self.samples += 1.0;
         // A slow average: fixed within rounding over a block, whatever the recording's length.
         let rate = 1.0 / self.samples.min(20_000.0);
-        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(&mut self.windowed) {
+        let centred = self.windowed.as_flattened_mut();
+        for ((mean, value), to) in self.means.iter_mut().zip(values).zip(centred) {
             *mean += (value - *mean) * rate;
             *to = T::from_f64(value - *mean);
         }
@@ -223,7 +230,7 @@ where
             self.close();
         }
         let window = self.block.window::<Exact>();
-        self.windowed.iter_mut().for_each(|signal| *signal = window * *signal);
+        self.windowed.as_flattened_mut().iter_mut().for_each(|signal| *signal = window * *signal);
         for (i, summands) in self.summands.iter().enumerate() {
             // A harmonic costs four multiplications instead of a sine and cosine.
             self.basis[i] = match *summands {
@@ -234,44 +241,55 @@ where
                 None => Exact::sin_cos(self.lines[i].phase(&angles)),
             };
         }
-        for (&basis, sums) in self.basis.iter().zip(self.sums.chunks_exact_mut(self.signals.max(1))) {
-            for (sums, &y) in sums.iter_mut().zip(&self.windowed) {
-                sums.add(y, basis);
-            }
-        }
+        self.registers.run(
+            #[inline(always)]
+            || {
+                let lines = self.sums.chunks_exact_mut(self.windowed.len().max(1));
+                for (sums, &(sin, cos)) in lines.zip(&self.basis) {
+                    for ([with_cosine, with_sine], &windowed) in sums.iter_mut().zip(&self.windowed) {
+                        for i in 0..GROUP_SIZE {
+                            with_cosine[i].accumulate(windowed[i] * cos);
+                            with_sine[i].accumulate(windowed[i] * sin);
+                        }
+                    }
+                }
+            },
+        );
         is_complete
     }
 
     fn close(&mut self) {
         let scale = self.block.close();
-        let is_weighted = scale > T::ZERO;
-        let sums = self.sums.chunks_exact_mut(self.signals.max(1));
+        if scale > T::ZERO {
+            self.evaluate(scale);
+        }
+        self.sums.fill([[S::ZERO; GROUP_SIZE]; 2]);
+    }
+
+    /// Evaluates the sums of a block with the factor from sums to amplitudes.
+    fn evaluate(&mut self, scale: T) {
+        let sums = self.sums.chunks_exact(self.windowed.len().max(1));
         for (last, sums) in self.last.chunks_exact_mut(self.signals.max(1) + self.differences).zip(sums) {
-            let vectors = sums.iter_mut().map(|sums| sums.close(scale));
-            if !is_weighted {
-                vectors.for_each(drop);
-                continue;
-            }
             let (signals, differences) = last.split_at_mut(self.signals);
-            signals.iter_mut().zip(vectors).for_each(|(last, vector)| *last = vector);
+            for (i, amplitudes) in signals.iter_mut().enumerate() {
+                *amplitudes = sums[i / GROUP_SIZE].map(|sums| scale * sums[i % GROUP_SIZE].total());
+            }
             let (first, second) = signals.split_at(self.differences);
             for (difference, ([c, s], [other_c, other_s])) in differences.iter_mut().zip(first.iter().zip(second)) {
                 *difference = [*c - *other_c, *s - *other_s];
             }
         }
-        if is_weighted {
-            for (power, vector) in self.power.iter_mut().zip(&self.last) {
-                let [cosine, sine] = vector.map(T::to_f64);
-                *power += cosine * cosine + sine * sine;
-            }
-            self.blocks += 1.0;
+        for (power, vector) in self.power.iter_mut().zip(&self.last) {
+            let [cosine, sine] = vector.map(T::to_f64);
+            *power += cosine * cosine + sine * sine;
         }
+        self.blocks += 1.0;
     }
 
     /// Drops the unfinished block, because the shaft angle is interrupted.
     pub fn interrupt(&mut self) {
         self.block = RevolutionBlock::new();
-        self.sums.fill(OrderSums::new());
+        self.sums.fill([[S::ZERO; GROUP_SIZE]; 2]);
     }
 
     /// Ends the recording: an incomplete block counts only where there is no complete one.
@@ -336,7 +354,7 @@ mod tests {
         for i in 0..20_000 {
             let signal = LINES.iter().map(|line| line.angle(shaft, &parts).radians().cos()).sum::<f64>();
             let is_complete = kernel.add::<Exact>(T::from_f64(signal), shaft, &parts);
-            desktop.windowed.fill(T::from_f64(signal));
+            desktop.windowed.fill([T::from_f64(signal); GROUP_SIZE]);
             let angles = Angles { shaft, parts: &[parts], revolutions };
             assert_eq!(desktop.demodulate(angles, revolutions), is_complete, "{i}");
             if is_complete {

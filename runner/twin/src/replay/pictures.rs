@@ -188,11 +188,11 @@ pub fn filtered(plane: &Plane, block: &Block) -> FilteredOrbit {
 
 fn around(loads: &mut ElementLoads, sums: &BearingForces) {
     let width = TAU / AZIMUTH_BINS as f64;
-    for (i, [measured, twin]) in sums.around.iter().enumerate() {
+    for (i, at) in sums.around.iter().enumerate() {
         loads.azimuth.push((i as f64 + 0.5) * width);
-        loads.mean.push(measured.mean());
-        loads.largest.push(measured.extremes().1);
-        loads.twin_mean.push(twin.mean());
+        loads.mean.push(at.mean());
+        loads.largest.push(at.largest());
+        loads.twin_mean.push(at.twin_mean());
     }
 }
 

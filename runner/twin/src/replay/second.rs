@@ -258,8 +258,8 @@ struct Force {
 pub struct SecondIndicators {
     names: Vec<String>,
     bearings: Vec<String>,
-    measured: Vec<Statistics<f64>>,
-    residual: Vec<Statistics<f64>>,
+    measured: Vec<Statistics<f64, f64>>,
+    residual: Vec<Statistics<f64, f64>>,
     forces: Vec<Force>,
     samples: u64,
     speed: f64,
@@ -297,8 +297,12 @@ impl SecondIndicators {
             Second { next_index: sample.row.index, ..second }
         });
         for (i, (y, x)) in sample.row.probes.iter().zip(twin).enumerate() {
-            self.measured[i].add::<Exact>(*y);
-            self.residual[i].add::<Exact>(y - x);
+            for (statistics, value) in [(&mut self.measured[i], *y), (&mut self.residual[i], y - x)] {
+                if before.is_none() {
+                    *statistics = Statistics::about(value, u32::MAX);
+                }
+                statistics.add::<Exact>(value);
+            }
         }
         self.samples += 1;
         self.speed += sample.speed;

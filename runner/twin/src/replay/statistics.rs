@@ -14,8 +14,6 @@ pub struct Sums {
     n: f64,
     /// First value, subtracted from all, so that a large mean costs no digits.
     origin: f64,
-    min: f64,
-    max: f64,
     sum: f64,
     square: f64,
 }
@@ -24,12 +22,10 @@ impl Sums {
     /// Adds a value; returns it less the first one.
     pub fn add(&mut self, value: f64) -> f64 {
         if self.n == 0.0 {
-            (self.origin, self.min, self.max) = (value, value, value);
+            self.origin = value;
         }
         let y = value - self.origin;
         self.n += 1.0;
-        self.min = self.min.min(value);
-        self.max = self.max.max(value);
         self.sum += y;
         self.square += y * y;
         y
@@ -62,6 +58,13 @@ pub struct ShaftAngles {
     products: Matrix3<f64>,
 }
 
+impl std::ops::Add for ShaftAngles {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { products: self.products + other.products }
+    }
+}
+
 impl ShaftAngles {
     /// Adds a shaft angle given by (sin, cos).
     pub fn add(&mut self, (sin, cos): (f64, f64)) {
@@ -74,6 +77,8 @@ impl ShaftAngles {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MotionSums {
     sums: Sums,
+    /// Smallest and largest value less the first.
+    extremes: [f64; 2],
     /// Products of the signal with cos and sin.
     one_x: [f64; 2],
 }
@@ -82,6 +87,8 @@ impl MotionSums {
     /// Adds one sample at a shaft angle given by (sin, cos).
     pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
         let y = self.sums.add(signal);
+        let [least, greatest] = self.extremes;
+        self.extremes = [smaller(y, least), larger(y, greatest)];
         self.one_x[0] += cos * y;
         self.one_x[1] += sin * y;
     }
@@ -109,7 +116,7 @@ impl MotionSums {
         let ((cos, sin), _) = self.one_x(angles);
         Motion {
             mean_um: self.sums.mean() * UM,
-            peak_to_peak_um: (self.sums.max - self.sums.min) * UM,
+            peak_to_peak_um: (self.extremes[1] - self.extremes[0]) * UM,
             rms_um: self.rms_about_mean() * UM,
             one_x_um: cos.hypot(sin) * UM,
             one_x_phase_lag_deg: phase_lag_deg(cos, sin),
@@ -165,6 +172,49 @@ impl Running {
     #[must_use]
     pub fn extremes(&self) -> (f64, f64) {
         if self.n > 0.0 { (self.min, self.max) } else { (0.0, 0.0) }
+    }
+}
+
+/// Loads of the elements at one azimuth, measured and in the twin.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LoadSums {
+    count: f64,
+    sum: f64,
+    largest: f64,
+    twin_count: f64,
+    twin_sum: f64,
+}
+
+impl LoadSums {
+    /// Adds the load of an element at the measured displacement.
+    pub fn add(&mut self, load: f64) {
+        self.count += 1.0;
+        self.sum += load;
+        self.largest = larger(load, self.largest);
+    }
+
+    /// Adds the load of an element in the twin.
+    pub fn add_twin(&mut self, load: f64) {
+        self.twin_count += 1.0;
+        self.twin_sum += load;
+    }
+
+    /// Returns the mean load.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count.max(1.0)
+    }
+
+    /// Returns the largest load, 0 or more.
+    #[must_use]
+    pub const fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Returns the mean load in the twin.
+    #[must_use]
+    pub fn twin_mean(&self) -> f64 {
+        self.twin_sum / self.twin_count.max(1.0)
     }
 }
 

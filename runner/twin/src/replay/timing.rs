@@ -4,8 +4,10 @@ use crate::outcome::{Quantiles, StageTimes, Timing};
 use hdrhistogram::{CreationError, Histogram};
 use std::time::{Duration, Instant};
 
-/// Every how many samples the stages are timed: two readings of the clock cost as much as a short stage. A prime number, because some work
-/// is due at every power of two.
+/// Every how many samples the work is timed: four readings of the clock cost as much as a force. A prime number, because some work is due at
+/// every power of two.
+const DECIMATION: u64 = 7;
+/// Every how many samples the stages are timed: two readings of the clock cost as much as a short stage. A prime number too.
 const STAGE_DECIMATION: u64 = 61;
 
 /// Stage of a replay that is timed.
@@ -19,6 +21,24 @@ pub enum Stage {
     Forces,
     /// Comparison of readings and twin.
     Comparison,
+}
+
+/// Clock of the work on one sample, which runs at every 7th.
+#[derive(Debug, Clone, Copy)]
+pub struct WorkClock(Option<Instant>);
+
+impl WorkClock {
+    /// Starts the clock of the sample `index`.
+    #[must_use]
+    pub fn of(index: u64) -> Self {
+        Self(index.is_multiple_of(DECIMATION).then(Instant::now))
+    }
+
+    /// Returns the time since the start; none where the sample is not timed.
+    #[must_use]
+    pub fn elapsed(self) -> Option<Duration> {
+        self.0.map(|begun| begun.elapsed())
+    }
 }
 
 /// Clock of the stages of one sample, which runs at every 61st.
@@ -57,7 +77,10 @@ impl StageClock {
 
 /// Compute times of one replay.
 pub struct Ledger {
+    /// Times of the timed samples.
     compute: Histogram<u64>,
+    /// Number of samples.
+    samples: u64,
     period: f64,
     start: Option<Instant>,
     first: f64,
@@ -65,7 +88,7 @@ pub struct Ledger {
     diagnosis: Duration,
     /// Time of each [`Stage`] in the timed samples.
     stages: [Duration; 4],
-    /// Number of timed samples.
+    /// Number of samples with timed stages.
     timed: u64,
 }
 
@@ -85,6 +108,7 @@ impl Ledger {
     pub fn try_new(period: f64) -> Result<Self, CreationError> {
         Ok(Self {
             compute: histogram()?,
+            samples: 0,
             period,
             start: None,
             first: 0.0,
@@ -102,10 +126,11 @@ impl Ledger {
 
     /// Adds the sample at `time`, s.
     pub fn sample(&mut self, time: f64) {
-        if self.compute.is_empty() {
+        if self.samples == 0 {
             self.first = time;
         }
         self.last = time;
+        self.samples += 1;
     }
 
     /// Adds the times of the stages of a sample.
@@ -117,9 +142,11 @@ impl Ledger {
         }
     }
 
-    /// Records the time of twin, observer and forces of a sample.
-    pub fn worked(&mut self, took: Duration) {
-        self.compute.saturating_record(nanoseconds(took));
+    /// Records the time of a sample in twin and observer and that in the forces, where the sample is timed.
+    pub fn worked(&mut self, took: [Option<Duration>; 2]) {
+        if let [Some(followed), Some(evaluated)] = took {
+            self.compute.saturating_record(nanoseconds(followed + evaluated));
+        }
     }
 
     /// Adds the time of a calibration or diagnosis.
@@ -134,7 +161,7 @@ impl Ledger {
         let wall = self.start.map_or(Duration::ZERO, |start| start.elapsed().saturating_sub(startup)).as_secs_f64();
         let span = self.last - self.first + self.period;
         Timing {
-            samples: self.compute.len(),
+            samples: self.samples,
             compute: quantiles(&self.compute),
             stages: (self.timed > 0).then(|| {
                 let mean = |stage: Stage| self.stages[stage as usize].as_nanos() as f64 / self.timed as f64;

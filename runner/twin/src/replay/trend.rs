@@ -109,7 +109,7 @@ impl Trend {
     fn figures(&self, i: usize, mean: f64, count: f64) -> Option<BlockFigures> {
         let (measured, twin) = (self.columns.get(i)?, self.columns.get(self.probes + i)?);
         let mut sums = BlockSums::default();
-        let (mut readings, mut residuals) = (Statistics::<f64>::new(u32::MAX), 0.0);
+        let (mut readings, mut residuals) = (Statistics::<f64, f64>::about(mean, u32::MAX), 0.0);
         for ((basis, y), x) in self.bases.iter().zip(measured).zip(twin) {
             readings.add::<Exact>(*y);
             residuals += (y - x) * (y - x);
