@@ -3,7 +3,7 @@
 use super::comparison::{Comparison, SampleReadings};
 use super::deflection::MeanDeflection;
 use super::follow::FollowedSample;
-use super::force::ForceStage;
+use super::force::{Displacements, ForceStage};
 use super::forces_file::ForcesFile;
 use super::limits::LimitMonitor;
 use super::lines::Angles;
@@ -21,7 +21,7 @@ use crate::diagnosis::block::Block;
 use crate::error::Result;
 use crate::options::Options;
 use crate::output::OutputError;
-use crate::plant::{Plant, Twin};
+use crate::plant::{AXIAL, Plant, Twin};
 use crate::probes::Plane;
 use crate::recording::status::SampleStatus;
 use crate::scene::{Probe, Scene};
@@ -43,6 +43,9 @@ pub(super) struct Evaluator<'a> {
 
     /// Limits and indicators of readings, before a sample waits for the twin.
     pub(super) readings: ReadingsStage,
+    location: Arc<LocationStage>,
+    /// Displacements of every bearing at the current sample.
+    displacements: Vec<Displacements>,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
     /// Samples for a diagnosis; none where the recording is diagnosed already.
@@ -69,7 +72,7 @@ impl<'a> Evaluator<'a> {
         scene: &Scene,
         plant: Arc<Plant>,
         (probes, planes): (&'a [Probe], &[Plane]),
-        location: &LocationStage,
+        location: Arc<LocationStage>,
         limits: LimitMonitor,
         rate: f64,
         options: &Options,
@@ -77,13 +80,16 @@ impl<'a> Evaluator<'a> {
         let bearings = plant.bearings.as_slice();
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
         let names = || probes.iter().map(|p| p.column.clone()).collect();
-        let columns = |bearing: usize| (0..probes.len()).map(|probe| location.column(&plant, bearing, probe)).collect();
+        let column = |bearing: usize| (0..probes.len()).map(|probe| location.column(&plant, bearing, probe)).collect();
+        let columns = (0..bearings.len()).map(column).collect();
         Ok(Self {
             rows: probes.iter().map(|probe| plant.layout.probe_row(probe)).collect(),
-            columns: (0..bearings.len()).map(columns).collect(),
+            columns,
             live: options.live,
             linear: None,
             readings: ReadingsStage::new(names(), options.live),
+            location,
+            displacements: Vec::with_capacity(bearings.len()),
             force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
             block: Some(Block::default()),
@@ -128,7 +134,10 @@ impl<'a> Evaluator<'a> {
         self.timing.sample(time);
         let (work, mut clock) = (WorkClock::of(index), followed.clock.resumed());
         let shaft = sample.shaft_motion();
-        let force = self.force.evaluate(index, &self.plant.bearings, &followed.parts, &shaft, &followed.displacements);
+        if self.force.is_due(index) {
+            self.locate(followed);
+        }
+        let force = self.force.evaluate(index, &self.plant.bearings, &followed.parts, &shaft, &self.displacements);
         self.timing.worked([followed.took, work.elapsed()]);
         clock.passed(Stage::Forces);
         self.advance_linear(followed, linear_start);
@@ -153,6 +162,20 @@ impl<'a> Evaluator<'a> {
         clock.passed(Stage::Forces);
         self.timing.add(clock);
         Ok(())
+    }
+
+    /// Computes the displacements of every bearing at a sample.
+    fn locate(&mut self, followed: &FollowedSample) {
+        let FollowedSample { readings, twin, observer, .. } = followed;
+        let plant = &self.plant;
+        let position = self.location.position(readings, twin, twin.get(AXIAL).copied().unwrap_or_default());
+        let of = |i: usize| Displacements {
+            measured: position.at_bearing(plant, i),
+            twin: plant.displacement(i, twin),
+            observer: (!observer.is_empty()).then(|| plant.displacement(i, observer)),
+        };
+        self.displacements.clear();
+        self.displacements.extend((0..plant.bearings.len()).map(of));
     }
 
     /// Advances the twin on linear springs to the sample, where it starts with `start`.
@@ -207,7 +230,7 @@ impl<'a> Evaluator<'a> {
         if self.force.is_reported(index) {
             let shaft = sample.shaft_motion();
             let with_noise = ForceStage::is_noise_band_due(index) || self.figures.shows_forces();
-            let all = self.plant.bearings.iter().zip(&followed.parts).zip(&followed.displacements).zip(&self.columns);
+            let all = self.plant.bearings.iter().zip(&followed.parts).zip(&self.displacements).zip(&self.columns);
             for (i, (((bearing, &parts), displacements), columns)) in all.enumerate() {
                 let at = bearing.rotation(parts, &shaft);
                 let noise = with_noise.then_some((self.probes, columns.as_slice()));

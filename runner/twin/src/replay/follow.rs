@@ -1,7 +1,6 @@
 //! Twin, observer and cages follow a sample. What they need of each other from sample to sample is here.
 
 use super::align::AlignmentStage;
-use super::force::Displacements;
 use super::locate::LocationStage;
 use super::notices::Notices;
 use super::observe::ObserverStage;
@@ -12,7 +11,7 @@ use super::timing::{Stage, StageClock, WorkClock};
 use super::twin::{SampleInterval, TwinStage, TwinStart};
 use crate::error::Result;
 use crate::observer::CageTracker;
-use crate::plant::{AXIAL, MAX_OBSERVED, Plant, Twin};
+use crate::plant::{MAX_OBSERVED, Plant, Twin};
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use ballrace::rotor::ComponentAngles;
@@ -32,7 +31,7 @@ pub(super) struct Follower {
     pub(super) twin: TwinStage,
     /// Difference of two twins where the scene does not determine their motion.
     pub(super) spread: Option<Spread>,
-    pub(super) location: LocationStage,
+    pub(super) location: Arc<LocationStage>,
     pub(super) observer: ObserverStage,
     /// Angle and speed of the cages.
     pub(super) cages: CageTracker,
@@ -55,14 +54,16 @@ pub(super) struct FollowedSample {
     /// Time of twin and observer; none where the sample is not timed.
     pub(super) took: Option<Duration>,
     pub(super) clock: StageClock,
+    /// Readings of the probes, NaN where missing or out of range.
+    pub(super) readings: Vec<f64>,
     /// Coordinates of the twin.
     pub(super) twin: Vec<f64>,
+    /// Coordinates of the observer; empty where it is not trusted.
+    pub(super) observer: Vec<f64>,
     /// Coordinates and rates at the start of the interval where both twins were placed there, else empty.
     pub(super) placed: [Vec<f64>; 2],
     /// Angles of the parts of every bearing.
     pub(super) parts: Vec<ComponentAngles>,
-    /// Displacements of every bearing.
-    pub(super) displacements: Vec<Displacements>,
 }
 
 impl Follower {
@@ -71,7 +72,7 @@ impl Follower {
         rate: f64,
         is_baseline_synchronised: bool,
         (range, startup): (ReadingRange, Startup),
-        (location, rows): (LocationStage, Vec<Vec<f64>>),
+        (location, rows): (Arc<LocationStage>, Vec<Vec<f64>>),
     ) -> Self {
         Self {
             twin: TwinStage::new(plant.clone(), rate),
@@ -176,7 +177,7 @@ impl Follower {
             self.observer.start(&self.plant, &self.twin, start, sample, 1.0 / self.rate, &self.cages)?;
         }
         let mut clock = StageClock::of(sample.row.index);
-        self.location.set_sample(&self.range, sample);
+        self.range.within(&sample.row.probes, &mut followed.readings);
         followed.placed.iter_mut().for_each(Vec::clear);
         if self.is_synchronised()
             && let Some((coordinates, rates)) = self.observer.state()
@@ -189,7 +190,7 @@ impl Follower {
         self.twin.advance(sample, &interval);
         clock.passed(Stage::Twin);
         let observed = self.observer.advance(
-            (sample, &interval),
+            (sample, &followed.readings, &interval),
             &self.twin,
             &self.range,
             &self.location,
@@ -219,19 +220,11 @@ impl Follower {
 
     /// Stores the motion at the current sample.
     fn store(&self, followed: &mut FollowedSample) {
-        let (twin, observer) = (self.twin.coordinates(), self.observer.coordinates());
         followed.twin.clear();
-        followed.twin.extend_from_slice(twin);
+        followed.twin.extend_from_slice(self.twin.coordinates());
+        followed.observer.clear();
+        followed.observer.extend_from_slice(self.observer.coordinates().unwrap_or_default());
         followed.parts.clear();
         followed.parts.extend_from_slice(self.twin.parts());
-        let axial = twin.get(AXIAL).copied().unwrap_or_default();
-        let position = self.location.position(twin, axial);
-        let of = |i: usize| Displacements {
-            measured: position.at_bearing(&self.plant, i),
-            twin: self.plant.displacement(i, twin),
-            observer: observer.map(|q| self.plant.displacement(i, q)),
-        };
-        followed.displacements.clear();
-        followed.displacements.extend((0..self.plant.bearings.len()).map(of));
     }
 }

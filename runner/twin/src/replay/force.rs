@@ -77,7 +77,7 @@ impl ForceStage {
     ) -> SampleStatus {
         self.evaluated.clear();
         let mut status = SampleStatus::default();
-        if !index.is_multiple_of(self.force_decimation) {
+        if !self.is_due(index) {
             return status;
         }
         let with_all = self.is_reported(index);
@@ -88,6 +88,11 @@ impl ForceStage {
             self.evaluated.push(force);
         }
         status
+    }
+
+    /// Returns true where the forces of the sample `index` at the measured displacement are evaluated.
+    pub(super) const fn is_due(&self, index: u64) -> bool {
+        index.is_multiple_of(self.force_decimation)
     }
 
     /// Returns true where all forces of the sample `index` are evaluated and enter the sums.

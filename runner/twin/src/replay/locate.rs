@@ -1,22 +1,18 @@
 //! Location stage: the displacement of the rotor from the readings of its probes.
 
-use super::range::ReadingRange;
 use crate::error::{Error, Result};
 use crate::outcome::Observation;
 use crate::plant::Plant;
 use crate::probes::{PoseSolver, reading};
-use crate::recording::Sample;
 use crate::scene::{Probe, Scene};
 use ballrace::Displacement;
 use nalgebra::{DMatrix, DVector};
 
-/// Solver for the measured displacement, with the readings of the current sample.
+/// Solver for the measured displacement. Readings are NaN where they are missing or out of range.
 pub(super) struct LocationStage {
     solver: Solver,
     /// Reading of each probe per unit of each coordinate.
     rows: Vec<Vec<f64>>,
-    /// Readings of the sample, NaN where missing or out of range.
-    readings: Vec<f64>,
     observation: Observation,
 }
 
@@ -62,31 +58,21 @@ impl LocationStage {
             let observation = solver.observation.clone();
             (Solver::Straight(solver), observation)
         };
-        Ok(Self { solver, rows, readings: Vec::new(), observation })
+        Ok(Self { solver, rows, observation })
     }
 
-    /// Stores the readings of a sample.
-    pub(super) fn set_sample(&mut self, range: &ReadingRange, sample: &Sample) {
-        range.within(&sample.row.probes, &mut self.readings);
-    }
-
-    /// Returns the readings of the sample, NaN where missing or out of range.
-    pub(super) fn readings(&self) -> &[f64] {
-        &self.readings
-    }
-
-    /// Returns the position; the twin, at `coordinates`, supplies the rest: the axial position `w` without an axial probe, on a given
+    /// Returns the position at `readings`; the twin, at `coordinates`, supplies the rest: the axial position `w` without an axial probe, on a given
     /// system the shape to which the deflection is added. The position is not a number where a reading is missing.
-    pub(super) fn position(&self, coordinates: &[f64], w: f64) -> Position {
+    pub(super) fn position(&self, readings: &[f64], coordinates: &[f64], w: f64) -> Position {
         match &self.solver {
-            Solver::Straight(solver) => Position::Straight(solver.pose(&self.readings, w)),
-            Solver::Deflection(_) => Position::Coordinates(self.displaced(coordinates)),
+            Solver::Straight(solver) => Position::Straight(solver.pose(readings, w)),
+            Solver::Deflection(_) => Position::Coordinates(self.displaced(readings, coordinates)),
         }
     }
 
-    /// Returns `coordinates` with the motion added that brings the readings of the probes to those of the sample.
-    pub(super) fn displaced(&self, coordinates: &[f64]) -> Vec<f64> {
-        let off = self.readings.iter().zip(&self.rows).map(|(y, row)| y - reading(row, coordinates));
+    /// Returns `coordinates` with the motion added that brings the readings of the probes to `readings`.
+    pub(super) fn displaced(&self, readings: &[f64], coordinates: &[f64]) -> Vec<f64> {
+        let off = readings.iter().zip(&self.rows).map(|(y, row)| y - reading(row, coordinates));
         let off: Vec<f64> = off.collect();
         let moved = match &self.solver {
             Solver::Straight(solver) => solver.pose(&off, 0.0).to_array().to_vec(),

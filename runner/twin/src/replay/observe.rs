@@ -73,10 +73,10 @@ impl ObserverStage {
         Ok(())
     }
 
-    /// Advances the observer over `interval` to `sample`. It restarts at the motion of the twin, displaced to the readings.
+    /// Advances the observer over `interval` to `sample` with `readings`, NaN where missing or out of range. It restarts at the motion of the twin, displaced to the readings.
     pub(super) fn advance(
         &mut self,
-        (sample, interval): (&Sample, &SampleInterval),
+        (sample, readings, interval): (&Sample, &[f64], &SampleInterval),
         twin: &TwinStage,
         range: &ReadingRange,
         location: &LocationStage,
@@ -92,9 +92,8 @@ impl ObserverStage {
             let axial = q.get(AXIAL).copied().unwrap_or_default();
             range.allows(rows.iter().map(|row| reading(row, q)), axial)
         };
-        let restart_state = || (location.displaced(twin.coordinates()), twin.rates().to_vec());
-        let (flags, correction) =
-            running.step(interval.motion(), location.readings(), is_possible, restart_state, cages);
+        let restart_state = || (location.displaced(readings, twin.coordinates()), twin.rates().to_vec());
+        let (flags, correction) = running.step(interval.motion(), readings, is_possible, restart_state, cages);
         let mut status = SampleStatus::from(flags);
         if let Some(correction) = correction {
             self.innovations.add(correction.nis, correction.status, correction.verdict);

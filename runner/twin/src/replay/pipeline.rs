@@ -107,10 +107,11 @@ impl<'a> Pipeline<'a> {
             .map(|path| Baseline::read(path, probes, &recording.sensors, &followed_orders(bearings)))
             .transpose()?;
         let limits = LimitMonitor::try_new(&scene.limits, probes, bearings, baseline.as_ref())?;
-        let location = LocationStage::try_new(scene, &plant, probes, rows.clone())?;
+        let location = Arc::new(LocationStage::try_new(scene, &plant, probes, rows.clone())?);
         let range = ReadingRange::try_new(scene, &plant, probes)?;
         let is_baseline_synchronised = baseline.as_ref().is_some_and(|baseline| baseline.synchronised);
-        let evaluator = Evaluator::try_new(scene, plant.clone(), (probes, &planes), &location, limits, rate, options)?;
+        let evaluator =
+            Evaluator::try_new(scene, plant.clone(), (probes, &planes), location.clone(), limits, rate, options)?;
         let pipeline = Self {
             diagnosed: None,
             running_diagnosis: options.live.then(|| {
