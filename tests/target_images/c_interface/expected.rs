@@ -352,7 +352,7 @@ fn indicators() -> u64 {
     let line = |shaft, cage, ball| OrderLine { shaft, cage, ball };
     let lines = [line(1, 0, 0), line(0, 9, 0), line(9, -9, 0), line(0, 0, 2)];
     let mut tracker = OrderTracker::<f32, 4>::new(lines, 2, Phase::ZERO);
-    let mut statistics = Statistics::new(64);
+    let mut statistics = Statistics::<f32>::new(64);
     let mut envelope = Envelope::new(3000.0, 500.0, 12_800.0);
     let mut force = ForceOrderTracker::<f32, 4>::new(9, 2, &BearingKinematicState::default());
     let (mut sum, mut blocks) = (Checksum::new(), 0);
