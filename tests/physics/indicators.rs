@@ -39,6 +39,21 @@ fn statistics_of_a_sine() {
     assert!((found.kurtosis - 1.5).abs() < 3e-3);
 }
 
+/// The same in `f64` with plain sums about a reading, over a second of a fast recording.
+#[test]
+fn plain_sums_about_a_reading_have_digits_to_spare() {
+    let mut statistics = Statistics::<f64, f64>::about(1.001e-3, u32::MAX);
+    for i in 0..51_200 {
+        let x = 1e-3 + 1e-6 * (TAU * f64::from(i) / 100.0).sin();
+        assert!(statistics.add::<Exact>(x).is_none());
+    }
+    let found = statistics.close::<Exact>();
+    assert!((found.mean - 1e-3).abs() < 1e-15, "{found:?}");
+    // The samples themselves are rounded to 1e-13 of the amplitude.
+    assert!((found.rms / (1e-6 / 2_f64.sqrt()) - 1.0).abs() < 1e-10, "{found:?}");
+    assert!((found.kurtosis - 1.5).abs() < 1e-9, "{found:?}");
+}
+
 #[test]
 fn statistics_without_samples() {
     let mut statistics = Statistics::<f64>::new(8);
