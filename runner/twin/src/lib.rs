@@ -124,6 +124,7 @@ pub mod folder_lock;
 pub mod force;
 pub mod handle;
 pub mod least_squares;
+mod moments;
 pub mod motion;
 mod npy_header;
 pub mod observer;

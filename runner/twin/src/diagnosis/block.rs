@@ -91,6 +91,22 @@ fn smooth(n: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Row;
+
+    /// Samples that take the memory of earlier ones are those that were added.
+    #[test]
+    fn a_full_block_has_the_last_samples() {
+        let sample = |index: u64| {
+            let row =
+                Row { index, line: index + 2, time: index as f64, probes: vec![index as f64; 3], ..Row::default() };
+            Sample { row, speed: 1.0 + index as f64, revolution: index as i64, ..Sample::default() }
+        };
+        let (mut block, count) = (Block::default(), SAMPLES as u64 + 300);
+        (0..count).for_each(|index| block.add(&sample(index)));
+        let expected: Vec<Sample> = (count - SAMPLES as u64..count).map(sample).collect();
+        assert!(block.is_full());
+        assert_eq!(block.samples, expected);
+    }
 
     #[test]
     fn lengths_of_a_fast_transform() {

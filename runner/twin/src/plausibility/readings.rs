@@ -1,6 +1,7 @@
 //! Statistics of readings and speed over a recording.
 
 use super::checks::SPEED_FACTOR;
+use crate::moments::Moments;
 use crate::recording::status::SampleStatus;
 use crate::recording::{Row, Sample};
 use crate::scene::{Direction, Probe, Recording, Speed, TemperatureChannel};
@@ -70,47 +71,10 @@ struct Sums {
     rises: bool,
     /// No reading was above the one before, or equal to it.
     falls: bool,
-    /// Sums of reading times cosine and sine of the shaft angle, of cosine and sine, and the number of samples.
+    /// Sums of reading times cosine and sine of the shaft angle, and of cosine and sine.
     turning: [f64; 4],
     /// Readings in range, in samples with a shaft angle.
     within: Moments,
-}
-
-/// Mean and mean square of readings. They are summed about the first one, so that a small oscillation about a large mean keeps its digits.
-#[derive(Debug, Clone, Copy, Default)]
-struct Moments {
-    count: u64,
-    first: f64,
-    /// Sums of the readings, and of their squares, about the first.
-    sum: f64,
-    squares: f64,
-}
-
-impl Moments {
-    fn add(&mut self, x: f64) {
-        if self.count == 0 {
-            self.first = x;
-        }
-        self.count += 1;
-        let off = x - self.first;
-        self.sum += off;
-        self.squares += off * off;
-    }
-
-    /// Returns the number of readings, at least 1.
-    fn divisor(&self) -> f64 {
-        self.count.max(1) as f64
-    }
-
-    fn mean(&self) -> f64 {
-        self.first + self.sum / self.divisor()
-    }
-
-    /// Returns the root of the mean square about the mean.
-    fn rms(&self) -> f64 {
-        let off = self.sum / self.divisor();
-        (self.squares / self.divisor() - off * off).max(0.0).sqrt()
-    }
 }
 
 impl Default for Sums {
@@ -133,7 +97,7 @@ impl Sums {
     fn add(&mut self, x: f64) {
         self.least = self.least.min(x);
         self.greatest = self.greatest.max(x);
-        let is_first = self.all.count == 0;
+        let is_first = self.all.count() == 0;
         self.rises &= is_first || x > self.last;
         self.falls &= is_first || x < self.last;
         self.last = x;
@@ -144,7 +108,7 @@ impl Sums {
     fn one_x(&self) -> Option<[f64; 2]> {
         let [x_cos, x_sin, cos, sin] = self.turning;
         let (n, mean) = (self.within.divisor(), self.all.mean());
-        (self.within.count > 0).then(|| [2.0 * (x_cos - mean * cos) / n, 2.0 * (x_sin - mean * sin) / n])
+        (self.within.count() > 0).then(|| [2.0 * (x_cos - mean * cos) / n, 2.0 * (x_sin - mean * sin) / n])
     }
 }
 
@@ -201,15 +165,15 @@ impl Collector {
         self.columns
             .iter()
             .take(self.signals)
-            .position(|sums| sums.all.count >= MIN_MONOTONIC && (sums.rises || sums.falls))
+            .position(|sums| sums.all.count() >= MIN_MONOTONIC && (sums.rises || sums.falls))
     }
 
     /// Returns the root of the mean square about the mean of the readings in range, in SI; none for a column that has readings in
     /// less than half of the samples, which is a flaw of its own.
     pub fn rms_in_range(&self) -> Vec<Option<f64>> {
-        let samples = self.columns.iter().map(|sums| sums.within.count).max().unwrap_or(0);
-        let is_read = |within: &Moments| within.count > 0 && 2 * within.count >= samples;
-        self.columns.iter().map(|sums| is_read(&sums.within).then(|| sums.within.rms())).collect()
+        let samples = self.columns.iter().map(|sums| sums.within.count()).max().unwrap_or(0);
+        let is_read = |within: &Moments| within.count() > 0 && 2 * within.count() >= samples;
+        self.columns.iter().map(|sums| is_read(&sums.within).then(|| sums.within.rms_about_mean())).collect()
     }
 
     /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole motion, in SI.
@@ -238,12 +202,12 @@ impl Collector {
                 radial,
                 voltage: probe.and_then(|probe| VoltageSummary::new(probe, sums.all.mean())),
                 mean: sums.all.mean() * scale,
-                rms: sums.all.rms() * scale,
+                rms: sums.all.rms_about_mean() * scale,
                 peak_to_peak: (sums.greatest - sums.least).max(0.0) * scale,
                 one_x: sums
                     .one_x()
                     .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
-                samples: sums.all.count,
+                samples: sums.all.count(),
             }
         };
         probes.chain(sensors).chain(temperatures).zip(&self.columns).map(one).collect()

@@ -1,7 +1,8 @@
 //! Comparison stage: the readings against those of the twin and of simpler predictors, probe by probe.
 
 use super::lines::{Angles, Demodulator, followed, followed_orders, outer_line};
-use super::statistics::{MotionSums, ShaftAngles, Sums};
+use super::statistics::{MotionSums, ShaftAngles};
+use crate::moments::Moments;
 use crate::outcome::baseline::{Baseline, BaselineProbe};
 use crate::outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, SimplePredictors};
 use crate::plant::MountedBearing;
@@ -51,10 +52,10 @@ struct OneProbe {
     angles: ShaftAngles,
     measured: MotionSums,
     twin: MotionSums,
-    residual: Sums,
+    residual: Moments,
     /// Difference from the previous sample.
-    persistence: Sums,
-    linear: Sums,
+    persistence: Moments,
+    linear: Moments,
     last: Option<f64>,
 }
 

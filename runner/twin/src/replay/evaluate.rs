@@ -44,7 +44,7 @@ pub(super) struct Evaluator<'a> {
     /// Limits and indicators of readings, before a sample waits for the twin.
     pub(super) readings: ReadingsStage,
     location: Arc<LocationStage>,
-    /// Displacements of every bearing at the current sample.
+    /// Displacements of every bearing at the current sample; empty where no forces are due.
     displacements: Vec<Displacements>,
     pub(super) force: ForceStage,
     pub(super) comparison: Comparison,
@@ -134,9 +134,7 @@ impl<'a> Evaluator<'a> {
         self.timing.sample(time);
         let (work, mut clock) = (WorkClock::of(index), followed.clock.resumed());
         let shaft = sample.shaft_motion();
-        if self.force.is_due(index) {
-            self.locate(followed);
-        }
+        self.locate(followed);
         let force = self.force.evaluate(index, &self.plant.bearings, &followed.parts, &shaft, &self.displacements);
         self.timing.worked([followed.took, work.elapsed()]);
         clock.passed(Stage::Forces);
@@ -164,9 +162,13 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    /// Computes the displacements of every bearing at a sample.
+    /// Computes the displacements of every bearing at a sample; none where no forces are due.
     fn locate(&mut self, followed: &FollowedSample) {
-        let FollowedSample { readings, twin, observer, .. } = followed;
+        self.displacements.clear();
+        let FollowedSample { sample, readings, twin, observer, .. } = followed;
+        if !self.force.is_due(sample.row.index) {
+            return;
+        }
         let plant = &self.plant;
         let position = self.location.position(readings, twin, twin.get(AXIAL).copied().unwrap_or_default());
         let of = |i: usize| Displacements {
@@ -174,7 +176,6 @@ impl<'a> Evaluator<'a> {
             twin: plant.displacement(i, twin),
             observer: (!observer.is_empty()).then(|| plant.displacement(i, observer)),
         };
-        self.displacements.clear();
         self.displacements.extend((0..plant.bearings.len()).map(of));
     }
 

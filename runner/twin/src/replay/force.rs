@@ -66,7 +66,7 @@ impl ForceStage {
         }
     }
 
-    /// Evaluates the forces of the sample `index`; returns the status flags of all bearings.
+    /// Evaluates the forces of the sample `index` at `displacements`, which are empty where none are due; returns the status flags of all bearings.
     pub(super) fn evaluate(
         &mut self,
         index: u64,
@@ -77,9 +77,6 @@ impl ForceStage {
     ) -> SampleStatus {
         self.evaluated.clear();
         let mut status = SampleStatus::default();
-        if !self.is_due(index) {
-            return status;
-        }
         let with_all = self.is_reported(index);
         let all = bearings.iter().zip(&mut self.bearings).zip(parts).zip(displacements);
         for (((bearing, forces), &parts), displacements) in all {

@@ -3,53 +3,11 @@
 //! The kernel's `Statistics` has the higher moments of a short block for a condition indicator. These sums have none, cost a
 //! sixth per value, and hold what a block does not: extremes, and a joint fit of mean and 1X.
 
+use crate::moments::Moments;
 use crate::outcome::{Motion, phase_lag_deg};
 use nalgebra::{Matrix3, Vector3};
 
 const UM: f64 = 1e6;
-
-/// Sums of a signal about its first value.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Sums {
-    n: f64,
-    /// First value, subtracted from all, so that a large mean costs no digits.
-    origin: f64,
-    sum: f64,
-    square: f64,
-}
-
-impl Sums {
-    /// Adds a value; returns it less the first one.
-    pub fn add(&mut self, value: f64) -> f64 {
-        if self.n == 0.0 {
-            self.origin = value;
-        }
-        let y = value - self.origin;
-        self.n += 1.0;
-        self.sum += y;
-        self.square += y * y;
-        y
-    }
-
-    /// Returns the mean.
-    #[must_use]
-    pub fn mean(&self) -> f64 {
-        self.origin + self.sum / self.n.max(1.0)
-    }
-
-    /// Returns the root mean square about zero.
-    #[must_use]
-    pub fn rms(&self) -> f64 {
-        self.rms_about_mean().hypot(self.mean())
-    }
-
-    /// Returns the root mean square about the mean.
-    #[must_use]
-    pub fn rms_about_mean(&self) -> f64 {
-        let n = self.n.max(1.0);
-        (self.square / n - (self.sum / n).powi(2)).max(0.0).sqrt()
-    }
-}
 
 /// Sums of cosine and sine of the shaft angle, shared by the signals of the same samples.
 #[derive(Debug, Clone, Copy, Default)]
@@ -76,7 +34,7 @@ impl ShaftAngles {
 /// Sums of a motion (m) with the shaft angle.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MotionSums {
-    sums: Sums,
+    moments: Moments,
     /// Smallest and largest value less the first.
     extremes: [f64; 2],
     /// Products of the signal with cos and sin.
@@ -86,7 +44,7 @@ pub struct MotionSums {
 impl MotionSums {
     /// Adds one sample at a shaft angle given by (sin, cos).
     pub fn add(&mut self, signal: f64, (sin, cos): (f64, f64)) {
-        let y = self.sums.add(signal);
+        let y = self.moments.add(signal);
         let [least, greatest] = self.extremes;
         self.extremes = [smaller(y, least), larger(y, greatest)];
         self.one_x[0] += cos * y;
@@ -96,7 +54,7 @@ impl MotionSums {
     /// Returns the root mean square about the mean, m.
     #[must_use]
     pub fn rms_about_mean(&self) -> f64 {
-        self.sums.rms_about_mean()
+        self.moments.rms_about_mean()
     }
 
     /// Returns cosine and sine of a least-squares fit of mean and 1X, m, and the rms of its residual; `angles` are those of all samples.
@@ -104,9 +62,10 @@ impl MotionSums {
     pub fn one_x(&self, angles: &ShaftAngles) -> ((f64, f64), f64) {
         let Some(inverse) = angles.products.try_inverse() else { return ((0.0, 0.0), self.rms_about_mean()) };
         let [cos, sin] = self.one_x;
-        let signal = Vector3::new(self.sums.sum, cos, sin);
+        let [sum, squares] = self.moments.sums();
+        let signal = Vector3::new(sum, cos, sin);
         let fit = inverse * signal;
-        let left = (self.sums.square - fit.dot(&signal)) / self.sums.n.max(1.0);
+        let left = (squares - fit.dot(&signal)) / self.moments.divisor();
         ((fit[1], fit[2]), left.max(0.0).sqrt())
     }
 
@@ -115,7 +74,7 @@ impl MotionSums {
     pub fn motion(&self, angles: &ShaftAngles) -> Motion {
         let ((cos, sin), _) = self.one_x(angles);
         Motion {
-            mean_um: self.sums.mean() * UM,
+            mean_um: self.moments.mean() * UM,
             peak_to_peak_um: (self.extremes[1] - self.extremes[0]) * UM,
             rms_um: self.rms_about_mean() * UM,
             one_x_um: cos.hypot(sin) * UM,
