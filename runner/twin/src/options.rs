@@ -1,5 +1,6 @@
 //! Options of a replay.
 
+use crate::replay::BackgroundSchedule;
 use std::path::Path;
 
 /// Options of a replay.
@@ -16,6 +17,8 @@ pub struct Options<'a> {
     /// Live operation: indicators of every second are kept for [`Replay::take_update`](crate::replay::Replay::take_update), the start of
     /// the twin does not block, and forces that are not written to a file are computed for a limited number of samples per second.
     pub live: bool,
+    /// When diagnoses and envelope spectra of live operation start and when their results are taken.
+    pub background: BackgroundSchedule,
     /// A display is in use: [`Replay::snapshot`](crate::replay::Replay::snapshot) returns the last samples.
     pub viewed: bool,
     /// The machine is healthy: its parameters are calibrated for the baseline of the outcome.

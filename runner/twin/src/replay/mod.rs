@@ -15,6 +15,7 @@ mod follow;
 mod pipeline;
 
 // Readings before the sample waits for the twin.
+mod background;
 pub mod range;
 mod readings;
 mod repeat;
@@ -64,6 +65,7 @@ mod totals;
 pub use crate::options::{Options, Progress, Source};
 pub use crate::outcome::baseline;
 pub use crate::{outcome, verdict};
+pub use background::BackgroundSchedule;
 pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;

@@ -114,14 +114,13 @@ impl<'a> Pipeline<'a> {
             Evaluator::try_new(scene, plant.clone(), (probes, &planes), location.clone(), limits, rate, options)?;
         let pipeline = Self {
             diagnosed: None,
-            running_diagnosis: options.live.then(|| {
-                let (plant, force) = (plant.clone(), options.force_diagnosis);
-                RunningDiagnosis::new(scene, plant, probes, 1.0 / rate, baseline.clone(), force)
-            }),
+            running_diagnosis: options
+                .live
+                .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone(), options)),
             calibration: None,
             // Sensors keep the rate of the recording.
             vibration: if options.live {
-                RunningVibration::new(scene, rate * f64::from(recording.average), baseline.as_ref())
+                RunningVibration::new(scene, rate * f64::from(recording.average), baseline.as_ref(), options.background)
             } else {
                 None
             },
@@ -241,8 +240,7 @@ impl<'a> Pipeline<'a> {
         while self.next(deadline, &mut followed)? {
             evaluator.add(&mut followed)?;
             if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &evaluator.block) {
-                let now = (followed.sample.row.time, followed.sample.total_revolutions());
-                running.poll(block, now, &mut self.follower.cages, &mut self.notices);
+                running.poll(block, &followed.sample, &mut self.follower.cages, &mut self.notices);
             }
             recycle(std::mem::take(&mut followed.sample.row));
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {

@@ -1,9 +1,11 @@
 //! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
 
+use super::background::{BackgroundSchedule, Pause, Task};
 use super::notices::Notices;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, DiagnosisInput, DiagnosisResult};
 use crate::observer::{CagePosition, CageTracker, found_position};
+use crate::options::Options;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Diagnosis, FaultFigures, FaultKind, Implausibility};
 use crate::parallel;
@@ -15,11 +17,7 @@ use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use std::thread::JoinHandle;
-use std::time::Instant;
 
-/// Largest share of one core that diagnoses use: each one is followed by a pause of four times its duration.
-pub(super) const SHARE: f64 = 0.2;
 /// Number of consecutive diagnoses without a fault after which it has ended; a single one may miss a fault near its threshold.
 const MISSED: u32 = 2;
 
@@ -104,28 +102,22 @@ struct OpenFault {
 
 /// A diagnosis in progress.
 struct Running {
-    /// None once it was joined.
-    thread: Option<JoinHandle<Result<Judged, BuildError>>>,
-    started: Instant,
-    /// Time of the last sample in the recording's time, s.
+    task: Task<Result<Judged, BuildError>>,
+    end: BlockEnd,
+}
+
+/// State of the shaft at the last sample of a block.
+struct BlockEnd {
+    /// Time in the recording, s.
     time: f64,
-    /// Total revolutions of the shaft at the last sample, and the cages there.
+    /// Total revolutions of the shaft, and the cages there.
     turns: f64,
     cages: Vec<CagePosition>,
     /// [`CageTracker::interruptions`] then.
     interruptions: u64,
 }
 
-impl Running {
-    fn is_finished(&self) -> bool {
-        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
-    }
-
-    /// Returns the result of the thread.
-    fn join(&mut self) -> std::thread::Result<Result<Judged, BuildError>> {
-        self.thread.take().map_or_else(|| Err(Box::new("joined before")), JoinHandle::join)
-    }
-
+impl BlockEnd {
     /// Sets the tracker, which is at `turns`, to the cages that `diagnosis` found in `scene`.
     fn hand_over(&self, diagnosis: &DiagnosisResult, scene: &Scene, turns: f64, tracker: &mut CageTracker) {
         if tracker.interruptions() != self.interruptions {
@@ -145,8 +137,9 @@ impl Running {
 pub(super) struct RunningDiagnosis {
     machine: Arc<Machine>,
     running: Option<Running>,
-    /// Time before which no diagnosis begins.
-    rests_until: Option<Instant>,
+    schedule: BackgroundSchedule,
+    /// Pause after the last diagnosis.
+    pause: Pause,
     state: DiagnosisState,
     /// The last diagnosis, and the time of its last sample, s.
     last: Option<(DiagnosisResult, f64)>,
@@ -162,15 +155,17 @@ impl RunningDiagnosis {
         probes: &[Probe],
         period: f64,
         baseline: Option<Baseline>,
-        force_diagnosis: bool,
+        options: &Options,
     ) -> Self {
+        let force_diagnosis = options.force_diagnosis;
         let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.clone());
         let machine =
             Machine { scene: scene.clone(), plant, probes: probes.to_vec(), period, calibration, force_diagnosis };
         Self {
             machine: Arc::new(machine),
             running: None,
-            rests_until: None,
+            schedule: options.background,
+            pause: Pause::default(),
             state: DiagnosisState::default(),
             last: None,
             baseline,
@@ -200,49 +195,41 @@ impl RunningDiagnosis {
 
     /// Starts a diagnosis of a full block where none runs and the last one is long enough ago; takes the result of one that ended.
     ///
-    /// `time` (s) and `turns` are time and total revolutions of the last sample. The cages are tracked from the positions that a
-    /// diagnosis finds.
-    pub(super) fn poll(
-        &mut self,
-        block: &Block,
-        (time, turns): (f64, f64),
-        cages: &mut CageTracker,
-        notices: &mut Notices,
-    ) {
-        if let Some(mut running) = self.running.take_if(|running| running.is_finished()) {
-            let worked = running.started.elapsed();
-            self.rests_until = Some(Instant::now() + worked.mul_f64(1.0 / SHARE - 1.0));
-            match running.join() {
+    /// The block ends with `sample`. The cages are tracked from the positions that a diagnosis finds.
+    pub(super) fn poll(&mut self, block: &Block, sample: &Sample, cages: &mut CageTracker, notices: &mut Notices) {
+        let (time, turns) = (sample.row.time, sample.total_revolutions());
+        let schedule = self.schedule;
+        if let Some(Running { task, end }) = self.running.take_if(|run| run.task.is_due(schedule, sample.row.index)) {
+            let (result, pause) = task.join(schedule);
+            self.pause = pause;
+            match result {
                 Ok(Ok(Judged::Diagnosed(diagnosis))) => {
-                    running.hand_over(&diagnosis, &self.machine.scene, turns, cages);
-                    self.state = DiagnosisState::Made { time_s: running.time };
+                    end.hand_over(&diagnosis, &self.machine.scene, turns, cages);
+                    self.state = DiagnosisState::Made { time_s: end.time };
                     let is_new = |diagnosis: &Diagnosis| {
                         diagnosis.kind != FaultKind::Other
                             && !self.baseline.as_ref().is_some_and(|b| b.contains_fault(diagnosis))
                     };
                     let new = diagnosis.diagnoses.iter().filter(|diagnosis| is_new(diagnosis)).cloned();
                     let new = new.map(|diagnosis| diagnosis.with_station_as_drawn(&self.machine.scene)).collect();
-                    self.faults.report(new, running.time, notices);
-                    self.last = Some((diagnosis, running.time));
+                    self.faults.report(new, end.time, notices);
+                    self.last = Some((diagnosis, end.time));
                 }
                 Ok(Ok(Judged::Implausible(all))) => {
                     let all: Vec<String> = all.iter().map(Implausibility::to_string).collect();
                     let sentence = format!("No diagnosis while the samples are not plausible: {}.", all.join("; "));
                     if !matches!(self.state, DiagnosisState::Implausible { .. }) {
-                        notices.add_always("implausible", running.time, sentence.clone());
+                        notices.add_always("implausible", end.time, sentence.clone());
                     }
                     self.state = DiagnosisState::Implausible { sentence };
                 }
-                Ok(Ok(Judged::Undetermined)) => {
-                    self.end("the probes do not determine the motion", running.time, notices)
-                }
-                Ok(Err(error)) => self.end(&error.to_string(), running.time, notices),
-                Err(_) => self.end("its thread ended", running.time, notices),
+                Ok(Ok(Judged::Undetermined)) => self.end("the probes do not determine the motion", end.time, notices),
+                Ok(Err(error)) => self.end(&error.to_string(), end.time, notices),
+                Err(_) => self.end("its thread ended", end.time, notices),
             }
         }
-        let rests = self.rests_until.is_some_and(|until| Instant::now() < until);
         let has_ended = matches!(self.state, DiagnosisState::Ended { .. });
-        if has_ended || self.running.is_some() || rests || !block.is_full() {
+        if has_ended || self.running.is_some() || !self.pause.is_over() || !block.is_full() {
             return;
         }
         let (machine, samples) = (self.machine.clone(), block.clone().into_samples());
@@ -258,14 +245,8 @@ impl RunningDiagnosis {
         };
         match thread.spawn(diagnose) {
             Ok(thread) => {
-                self.running = Some(Running {
-                    thread: Some(thread),
-                    started: Instant::now(),
-                    time,
-                    turns,
-                    cages: cages.positions(turns),
-                    interruptions: cages.interruptions(),
-                });
+                let end = BlockEnd { time, turns, cages: cages.positions(turns), interruptions: cages.interruptions() };
+                self.running = Some(Running { task: Task::new(thread, sample.row.index), end });
             }
             Err(error) => self.end(&error.to_string(), time, notices),
         }

@@ -1,8 +1,9 @@
 //! Vibration sensors in live operation: statistics of every second, and the envelope spectra of blocks on a thread of their own,
 //! with a bounded share of one core.
 
+use super::background::{BackgroundSchedule, Pause, Task};
 use super::notices::Notices;
-use super::running_diagnosis::{OpenFaults, SHARE};
+use super::running_diagnosis::OpenFaults;
 use super::second::{SensorSecond, StatisticsOfSensors};
 use crate::error::Result;
 use crate::outcome::baseline::Baseline;
@@ -12,8 +13,6 @@ use crate::recording::{Row, Sample};
 use crate::scene::{Recording, Scene};
 use crate::vibration::signals::{Evaluation, Signals};
 use std::sync::Arc;
-use std::thread::JoinHandle;
-use std::time::Instant;
 
 /// Revolutions of a block: 39 spectra of 16 revolutions, half overlapping.
 const BLOCK_TURNS: f64 = 320.0;
@@ -25,9 +24,9 @@ enum Work {
     /// A block is filled.
     Filling(Signals),
     /// The thread evaluates a block that ends at a time of the recording, s.
-    Evaluating(JoinHandle<Result<Evaluation>>, Instant, f64),
-    /// No block begins before.
-    Resting(Instant),
+    Evaluating(Task<Result<Evaluation>>, f64),
+    /// No block begins before the end of the pause.
+    Resting(Pause),
     /// No block begins any more.
     Ended,
 }
@@ -39,6 +38,7 @@ pub(super) struct RunningVibration {
     baseline: Option<Arc<Baseline>>,
     /// Rate of the recording, Hz.
     rate: f64,
+    schedule: BackgroundSchedule,
     seconds: StatisticsOfSensors,
     work: Work,
     /// Faults of the last block, which the next one confirms.
@@ -49,7 +49,7 @@ pub(super) struct RunningVibration {
 
 impl RunningVibration {
     /// Creates the monitor of a recording at `rate`, Hz; none without sensors.
-    pub fn new(scene: &Scene, rate: f64, baseline: Option<&Baseline>) -> Option<Self> {
+    pub fn new(scene: &Scene, rate: f64, baseline: Option<&Baseline>, schedule: BackgroundSchedule) -> Option<Self> {
         let recording = scene.recording.clone().filter(|recording| !recording.sensors.is_empty())?;
         let sensors = recording.sensors.iter().map(|sensor| (sensor.column.clone(), sensor.unit.clone())).collect();
         Some(Self {
@@ -57,8 +57,9 @@ impl RunningVibration {
             recording,
             baseline: baseline.cloned().map(Arc::new),
             rate,
+            schedule,
             seconds: StatisticsOfSensors::new(sensors),
-            work: Work::Resting(Instant::now()),
+            work: Work::Resting(Pause::default()),
             candidates: vec![],
             faults: OpenFaults::default(),
             last: Evaluation::default(),
@@ -73,17 +74,17 @@ impl RunningVibration {
                 let has_room = signals.add(row);
                 // A shaft that hardly turns fills no block.
                 if !has_room {
-                    self.work = Work::Resting(Instant::now());
+                    self.work = Work::Resting(Pause::default());
                 }
             }
-            Work::Resting(until) if Instant::now() >= *until => {
+            Work::Resting(pause) if pause.is_over() => {
                 let block = Signals::of_block(&self.recording, self.rate, row.index, MAX_READINGS);
                 self.work = block.map_or(Work::Ended, |mut block| {
                     block.add(row);
                     Work::Filling(block)
                 });
             }
-            Work::Evaluating(thread, ..) if thread.is_finished() => self.take_result(notices),
+            Work::Evaluating(task, _) if task.is_due(self.schedule, row.index) => self.take_result(notices),
             _ => {}
         }
     }
@@ -104,7 +105,7 @@ impl RunningVibration {
             signals.evaluate(&scene, baseline.as_deref())
         };
         match thread.spawn(evaluate) {
-            Ok(thread) => self.work = Work::Evaluating(thread, Instant::now(), time),
+            Ok(thread) => self.work = Work::Evaluating(Task::new(thread, sample.row.index), time),
             Err(error) => ended(&error.to_string(), time, notices),
         }
     }
@@ -112,19 +113,20 @@ impl RunningVibration {
     /// Drops the block, because the shaft angle is interrupted.
     pub fn interrupt(&mut self) {
         if matches!(self.work, Work::Filling(_)) {
-            self.work = Work::Resting(Instant::now());
+            self.work = Work::Resting(Pause::default());
         }
     }
 
     /// Takes the result of the thread.
     fn take_result(&mut self, notices: &mut Notices) {
-        let Work::Evaluating(thread, started, time) = std::mem::replace(&mut self.work, Work::Ended) else { return };
-        let found = match thread.join() {
+        let Work::Evaluating(task, time) = std::mem::replace(&mut self.work, Work::Ended) else { return };
+        let (result, pause) = task.join(self.schedule);
+        let found = match result {
             Ok(Ok(found)) => found,
             Ok(Err(error)) => return ended(&error.to_string(), time, notices),
             Err(_) => return ended("its thread ended", time, notices),
         };
-        self.work = Work::Resting(Instant::now() + started.elapsed().mul_f64(1.0 / SHARE - 1.0));
+        self.work = Work::Resting(pause);
         match &found.not_judged {
             Some(reason) => notices.add("sensors-not-judged", time, || format!("Sensors: no verdict: {reason}.")),
             None => self.report(&found.diagnoses, time, notices),
@@ -184,7 +186,6 @@ mod tests {
     use ballrace::Phase;
     use std::f64::consts::TAU;
     use std::path::Path;
-    use std::time::Duration;
 
     const SCENE: &str = "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\nfacing = \"both\"\n\
         model = \"angular\"\nelements = 9\nball_diameter = \"7.94 mm\"\npitch_diameter = \"39.04 mm\"\n\
@@ -213,13 +214,10 @@ mod tests {
             index += 1;
             if matches!(vibration.work, Work::Evaluating(..)) {
                 while matches!(vibration.work, Work::Evaluating(..)) {
-                    std::thread::sleep(Duration::from_millis(5));
                     let row = Row { index, time: index as f64 / RATE, sensors: vec![f64::NAN], ..Row::default() };
                     vibration.add(&row, notices);
                     index += 1;
                 }
-                // The pause is in wall-clock time.
-                vibration.work = Work::Resting(Instant::now());
                 return index;
             }
         }
@@ -228,7 +226,7 @@ mod tests {
     #[test]
     fn two_blocks_find_a_fault_and_two_end_it() {
         let scene = read_str(SCENE, Path::new("s.toml")).unwrap();
-        let mut vibration = RunningVibration::new(&scene, RATE, None).unwrap();
+        let mut vibration = RunningVibration::new(&scene, RATE, None, BackgroundSchedule::Samples(100)).unwrap();
         let mut notices = Notices::default();
         let outer = 4.5 * (1.0 - 7.94 / 39.04);
         let index = run(&mut vibration, outer, 1000, &mut notices);
@@ -248,7 +246,7 @@ mod tests {
     #[test]
     fn seconds_of_a_sensor() {
         let scene = read_str(SCENE, Path::new("s.toml")).unwrap();
-        let mut vibration = RunningVibration::new(&scene, RATE, None).unwrap();
+        let mut vibration = RunningVibration::new(&scene, RATE, None, BackgroundSchedule::Samples(100)).unwrap();
         let mut notices = Notices::default();
         for index in 0..3 * RATE as u64 {
             let time = index as f64 / RATE;

@@ -9,7 +9,6 @@ use ballrace::rotor::ShaftMotion;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::time::Duration;
 use tempfile::TempDir;
 
 /// Samples per second, and the noise of the probes.
@@ -75,18 +74,19 @@ fn cages_are_followed_in_live_operation() {
     let path = recorded(&folder, DURATION);
     let scene = read_file(&path).unwrap();
     let (mut reader, _) = open(&scene, None).unwrap();
-    let mut replay = Replay::try_new(&scene, RATE, &Options { live: true, ..Options::default() }).unwrap();
-    let begun = Instant::now();
+    // A diagnosis takes effect two seconds after its block.
+    let background = BackgroundSchedule::Samples(2 * RATE as u64);
+    let options = Options { live: true, background, ..Options::default() };
+    let mut replay = Replay::try_new(&scene, RATE, &options).unwrap();
     let (mut seconds, mut notices) = (vec![], vec![]);
     loop {
         let mut row = replay.blank();
         if !reader.next_row(&mut row).unwrap() {
             break;
         }
-        let (due, is_due) = (Duration::from_secs_f64(row.time), row.index % 256 == 255);
+        let is_due = row.index % 256 == 255;
         replay.push(row).unwrap();
         if is_due {
-            std::thread::sleep(due.saturating_sub(begun.elapsed()));
             replay.work(None).unwrap();
             let update = replay.take_update();
             seconds.extend(update.seconds);
