@@ -368,11 +368,10 @@ impl Scene {
                 source: force_source,
                 error,
                 baseline: baseline.as_deref(),
-                live: false,
-                viewed: false,
                 learn,
                 force_diagnosis: force,
                 progress: Some(&progress),
+                ..Options::default()
             };
             replay(&self.content, reader, &name, &options)
         })?;

@@ -81,8 +81,6 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         Progress::Diagnosis(share) => bar.set_message(format!("Diagnosing {name}: {:.0} %", 100.0 * share)),
     };
     let options = Options {
-        live: false,
-        viewed: false,
         error,
         forces: args.forces.as_deref(),
         source: args.force_source,
@@ -90,6 +88,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         learn: args.learn.is_some(),
         force_diagnosis: args.force,
         progress: Some(&progress),
+        ..Options::default()
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
@@ -109,10 +108,9 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
         source: args.force_source,
         baseline: args.baseline.as_deref(),
         live: true,
-        viewed: false,
         learn: args.learn.is_some(),
         force_diagnosis: args.force,
-        progress: None,
+        ..Options::default()
     };
     let options = args.live.options(source, None, replay);
     let stop = live::stop_on_signal()?;

@@ -1,6 +1,5 @@
 //! Options of a replay.
 
-use crate::replay::BackgroundSchedule;
 use std::path::Path;
 
 /// Options of a replay.
@@ -27,6 +26,17 @@ pub struct Options<'a> {
     pub force_diagnosis: bool,
     /// Function that is called with the progress at intervals.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+}
+
+/// Schedule of the work on threads of its own in live operation: diagnoses and envelope spectra.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BackgroundSchedule {
+    /// By the wall clock: a result is taken once the thread has finished, and the work uses a fifth of one core at most.
+    #[default]
+    WallClock,
+    /// By the samples: a result is taken this number of samples after the end of its block, where the samples wait for the
+    /// thread if necessary, and the next block is due at once. Results do not depend on the speed of the machine.
+    Samples(u64),
 }
 
 /// Source of the forces in the forces file.

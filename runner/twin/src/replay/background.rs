@@ -1,21 +1,11 @@
 //! Work of live operation on threads of its own: when it starts and when its result is taken.
 
+use crate::options::BackgroundSchedule;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Largest share of one core that the work of one kind uses by the wall clock: a pause of four times its duration follows.
 const SHARE: f64 = 0.2;
-
-/// Schedule of the work on threads of its own in live operation: diagnoses and envelope spectra.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum BackgroundSchedule {
-    /// By the wall clock: a result is taken once the thread has finished, and the work uses a fifth of one core at most.
-    #[default]
-    WallClock,
-    /// By the samples: a result is taken this number of samples after the end of its block, where the samples wait for the
-    /// thread if necessary, and the next block is due at once. Results do not depend on the speed of the machine.
-    Samples(u64),
-}
 
 /// Work on a thread of its own.
 pub(super) struct Task<T> {

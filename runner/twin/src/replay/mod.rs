@@ -62,10 +62,9 @@ mod plausibility;
 mod tests;
 mod totals;
 
-pub use crate::options::{Options, Progress, Source};
+pub use crate::options::{BackgroundSchedule, Options, Progress, Source};
 pub use crate::outcome::baseline;
 pub use crate::{outcome, verdict};
-pub use background::BackgroundSchedule;
 pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;

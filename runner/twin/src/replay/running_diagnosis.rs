@@ -1,11 +1,11 @@
 //! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
 
-use super::background::{BackgroundSchedule, Pause, Task};
+use super::background::{Pause, Task};
 use super::notices::Notices;
 use crate::diagnosis::block::Block;
 use crate::diagnosis::{self, DiagnosisInput, DiagnosisResult};
 use crate::observer::{CagePosition, CageTracker, found_position};
-use crate::options::Options;
+use crate::options::{BackgroundSchedule, Options};
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Diagnosis, FaultFigures, FaultKind, Implausibility};
 use crate::parallel;

@@ -1,11 +1,12 @@
 //! Vibration sensors in live operation: statistics of every second, and the envelope spectra of blocks on a thread of their own,
 //! with a bounded share of one core.
 
-use super::background::{BackgroundSchedule, Pause, Task};
+use super::background::{Pause, Task};
 use super::notices::Notices;
 use super::running_diagnosis::OpenFaults;
 use super::second::{SensorSecond, StatisticsOfSensors};
 use crate::error::Result;
+use crate::options::BackgroundSchedule;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Diagnosis, FaultKind};
 use crate::priority;
