@@ -11,7 +11,7 @@ mod bending;
 
 use crate::plant::{Plant, Result};
 use crate::scene::build::{self, point_contact_approach, point_contact_load, rolling_speed};
-use crate::scene::{Bearing as BearingScene, Effects, Facing, FreeAngle, Model, Preload, Scene};
+use crate::scene::{Bearing as BearingScene, Effects, Facing, FreeAngle, Model, Scene};
 use ballrace::bearing::angular::{Angular, GrooveCentres};
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
@@ -111,7 +111,7 @@ pub fn of_bearing(
         return Ok(vec![]);
     }
     // With a preload by force, the axial displacement follows so that the bearing carries the same force.
-    let by_force = matches!(of.preload, Some(Preload::Force(_)));
+    let by_force = of.has_constant_preload_force();
     let pushed = |change: &dyn Fn(&Ball) -> [f64; 2]| {
         let whole = |ball: &Ball| plus(ball.push(), change(ball));
         if !by_force {

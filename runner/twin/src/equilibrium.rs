@@ -6,7 +6,7 @@ use crate::error::{NoLoad, Result};
 use crate::outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
 use crate::scene::build::{self, AnyBearing, Kinematics, rolling_speed};
-use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, Preload, Scene};
+use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, PreloadAmount, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
@@ -188,9 +188,15 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     let at = resting(scene, of)?;
     let begun = Instant::now();
     let (u, residual) = match (load, of.preload) {
-        (None, Some(Preload::Displacement(_))) => (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0),
+        (None, Some(_)) if !of.has_constant_preload_force() => {
+            (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0)
+        }
         (load, preload) => {
-            let Some(total) = total_load(of, load, preload) else {
+            let force = match preload.map(|preload| preload.amount) {
+                Some(PreloadAmount::Force(_)) => build::preload_force(scene, of)?,
+                _ => None,
+            };
+            let Some(total) = total_load(of, load, force) else {
                 return Err(NoLoad { file: scene.path.clone(), bearing: of.name.clone() }.into());
             };
             let rest = build::loaded(&built, total, &at)?;
@@ -222,10 +228,10 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
 }
 
 /// Returns the sum of the load and the preload force; `None` if neither is given.
-fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload: Option<Preload>) -> Option<[f64; 5]> {
+fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload_force: Option<f64>) -> Option<[f64; 5]> {
     let sign = if of.facing == crate::scene::Facing::MinusZ { -1.0 } else { 1.0 };
-    match (load, preload) {
-        (load, Some(Preload::Force(force))) => {
+    match (load, preload_force) {
+        (load, Some(force)) => {
             let mut total = load.unwrap_or_default();
             total[2] += sign * force;
             Some(total)

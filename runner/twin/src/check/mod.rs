@@ -12,7 +12,7 @@ pub use unknown::{UnknownValue, unknown_values};
 use crate::diagnosis::block::Block;
 use crate::error::Result;
 use crate::outcome::{ClearanceOutcome, RotorDrawing};
-use crate::plant::{Plant, operating_clearance};
+use crate::plant::{Plant, mounting_notes};
 use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
 use crate::recording::flaws::FlawSummary;
@@ -125,8 +125,7 @@ pub fn check(
         bearings,
         recording,
         implausible,
-        notes: plant
-            .map_or_else(|| scene.bearings.iter().filter_map(operating_clearance).collect(), |plant| plant.notes),
+        notes: plant.map_or_else(|| mounting_notes(scene), |plant| Ok(plant.notes))?,
         drawing: RotorDrawing::new(scene),
     })
 }

@@ -3,7 +3,7 @@
 use crate::diagnosis::CageEstimate;
 use crate::least_squares::Bounds;
 use crate::plant::{Plant, unbalance_planes};
-use crate::scene::{FreeAngle, Linear, Model, Preload, Scene, Unbalance};
+use crate::scene::{FreeAngle, Linear, Model, Preload, PreloadAmount, Scene, Unbalance};
 use std::f64::consts::TAU;
 
 /// Groups of parameters.
@@ -138,9 +138,9 @@ pub fn parameters(scene: &Scene, plant: &Plant, groups: &[Group]) -> Vec<Paramet
     for (i, b) in scene.bearings.iter().enumerate() {
         let fit = b.geometry.map(|g| g.fit);
         if groups.contains(&Group::Clearance) {
-            match (b.preload, fit, b.law.and_then(|l| l.radial_play)) {
-                (Some(Preload::Force(force)), ..) => add(ParameterKind::Preload(i), force, 0.5 * force),
-                (Some(Preload::Displacement(length)), ..) => add(ParameterKind::Preload(i), length, 5e-6),
+            match (b.preload.map(|preload| preload.amount), fit, b.law.and_then(|l| l.radial_play)) {
+                (Some(PreloadAmount::Force(force)), ..) => add(ParameterKind::Preload(i), force, 0.5 * force),
+                (Some(PreloadAmount::Displacement(length)), ..) => add(ParameterKind::Preload(i), length, 5e-6),
                 (None, _, Some(play)) => add(ParameterKind::Play(i), play, 5e-6),
                 (None, Some(FreeAngle::DiametralClearance(clearance)), None) => {
                     add(ParameterKind::Clearance(i), clearance, 5e-6)
@@ -292,9 +292,12 @@ pub fn with(scene: &Scene, parameters: &[Parameter], values: &[f64]) -> Scene {
                 }
             }
             ParameterKind::Preload(b) => {
-                scene.bearings[b].preload = scene.bearings[b].preload.map(|preload| match preload {
-                    Preload::Force(_) => Preload::Force(value.max(1e-6)),
-                    Preload::Displacement(_) => Preload::Displacement(value.max(1e-12)),
+                scene.bearings[b].preload = scene.bearings[b].preload.map(|preload| Preload {
+                    amount: match preload.amount {
+                        PreloadAmount::Force(_) => PreloadAmount::Force(value.max(1e-6)),
+                        PreloadAmount::Displacement(_) => PreloadAmount::Displacement(value.max(1e-12)),
+                    },
+                    ..preload
                 });
             }
             ParameterKind::Offset(p) => {
@@ -323,8 +326,8 @@ impl ParameterKind {
             Self::Couple(i) => (format!("unbalance couple along {}", axis(i)), "g mm^2", 1e-9),
             Self::Clearance(b) => (format!("{}: diametral_clearance", bearing(b)), "um", 1e-6),
             Self::Play(b) => (format!("{}: radial_play", bearing(b)), "um", 1e-6),
-            Self::Preload(b) => match scene.bearings.get(b).and_then(|b| b.preload) {
-                Some(Preload::Force(_)) => (format!("{}: preload", bearing(b)), "N", 1.0),
+            Self::Preload(b) => match scene.bearings.get(b).and_then(|b| b.preload).map(|preload| preload.amount) {
+                Some(PreloadAmount::Force(_)) => (format!("{}: preload", bearing(b)), "N", 1.0),
                 _ => (format!("{}: preload", bearing(b)), "um", 1e-6),
             },
             Self::Modulus(b) => (format!("{}: youngs_modulus", bearing(b)), "GPa", 1e9),

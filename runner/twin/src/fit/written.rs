@@ -3,7 +3,7 @@
 use super::Fitted;
 use super::parameters::{ParameterKind, planes, two_planes};
 use crate::error::FitError;
-use crate::scene::{Preload, Scene, Unbalance};
+use crate::scene::{PreloadAmount, PreloadState, Scene, Unbalance};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
 /// Returns `text`, the scene's file, with the fitted numbers; parameters that are not identifiable keep their value.
@@ -35,12 +35,16 @@ pub fn written(fitted: &Fitted, scene: &Scene, text: &str) -> Result<String, Fit
             ParameterKind::CageRatio(b) => put(&mut document, b, "cage_ratio", value(*found)).map_err(form)?,
             ParameterKind::Stiffness(b) => put(&mut document, b, "stiffness", value(*found)).map_err(form)?,
             ParameterKind::Preload(b) => {
-                let key = match scene.bearings.get(b).and_then(|b| b.preload) {
-                    Some(Preload::Force(_)) => "force",
+                let key = match scene.bearings.get(b).and_then(|b| b.preload).map(|preload| preload.amount) {
+                    Some(PreloadAmount::Force(_)) => "force",
                     _ => "displacement",
                 };
                 let mut table = InlineTable::new();
                 table.insert(key, Value::from(format!("{:.6} {unit}", found / size)));
+                let set = scene.bearings.get(b).and_then(|b| b.preload).map(|preload| preload.set);
+                if let Some(set) = set.filter(|set| *set != PreloadState::default()) {
+                    table.insert("set", Value::from(set.name()));
+                }
                 put(&mut document, b, "preload", value(table)).map_err(form)?;
             }
             ParameterKind::Offset(p) => {

@@ -25,7 +25,9 @@ pub use twin::{Step, Twin, first_five};
 use crate::eigenvalues::eigenvalues;
 use crate::outcome::{ClearanceOutcome, RotorOutcome};
 use crate::scene::build;
-use crate::scene::{Bearing, FromCatalogue, Integration, Linear, Method, Model, Rotor, Scene, Speed};
+use crate::scene::{
+    Bearing, FromCatalogue, Integration, Linear, Method, Model, PreloadAmount, PreloadState, Rotor, Scene, Speed,
+};
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::{Equilibrium, RotorBearingSystem, SecondOrderSystem, ShaftMotion, equilibrium};
@@ -115,7 +117,7 @@ impl Plant {
             damping: none,
             reduction: None,
             speed: scene.shaft.speed.nominal(),
-            notes: scene.bearings.iter().flat_map(|b| estimates(b).into_iter().chain(operating_clearance(b))).collect(),
+            notes: bearing_notes(scene)?,
         };
         plant.settle()?;
         plant.refine(scene)?;
@@ -530,8 +532,48 @@ fn estimates(of: &Bearing) -> Option<String> {
     })
 }
 
+/// Returns the notes on the bearings of a scene: estimated values, operating clearances and preloads.
+fn bearing_notes(scene: &Scene) -> Result<Vec<String>> {
+    let estimates = scene.bearings.iter().filter_map(estimates);
+    Ok(estimates.chain(mounting_notes(scene)?).collect())
+}
+
+/// Returns the notes on operating clearance and preload of bearings with fits or temperatures.
+///
+/// # Errors
+/// A preload that a bearing does not carry.
+pub fn mounting_notes(scene: &Scene) -> Result<Vec<String>> {
+    let mut notes = vec![];
+    for bearing in &scene.bearings {
+        notes.extend(operating_clearance(bearing));
+        notes.extend(operating_preload(scene, bearing)?);
+    }
+    Ok(notes)
+}
+
+/// Returns a note on the preload of a bearing that its fits and temperatures change.
+fn operating_preload(scene: &Scene, of: &Bearing) -> Result<Option<String>> {
+    let Some(preload) = of.preload.filter(|_| of.mounting.is_some() && !of.has_constant_preload_force()) else {
+        return Ok(None);
+    };
+    let Some(force) = build::preload_force(scene, of)? else { return Ok(None) };
+    let amount = match preload.amount {
+        PreloadAmount::Force(force) => format!("{force:.0} N"),
+        PreloadAmount::Displacement(w) => format!("{:.2} um", w * 1e6),
+    };
+    let set = match preload.set {
+        PreloadState::Unmounted => "before mounting",
+        PreloadState::Fitted => "after fitting, at the temperature of assembly",
+        PreloadState::Operating => "in operation",
+    };
+    Ok(Some(format!(
+        "Bearing {}: a preload of {amount} {set} is {force:.0} N in operation; the rings are locked axially.",
+        of.name
+    )))
+}
+
 /// Returns a note on the operating clearance of a bearing with fits or temperatures.
-pub fn operating_clearance(of: &Bearing) -> Option<String> {
+fn operating_clearance(of: &Bearing) -> Option<String> {
     let clearance = ClearanceOutcome::from(of.mounting?.operating());
     Some(format!("Bearing {}: operating clearance {clearance}.", of.name))
 }

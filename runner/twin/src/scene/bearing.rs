@@ -63,6 +63,15 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// Returns true where a spring keeps the force of the preload, or nothing changes it.
+    #[must_use]
+    pub fn has_constant_preload_force(&self) -> bool {
+        self.preload.is_some_and(|preload| {
+            matches!(preload.amount, PreloadAmount::Force(_))
+                && (preload.set == PreloadState::Operating || self.mounting.is_none())
+        })
+    }
+
     /// Sets the diametral clearance of geometry and law, m. A contact angle changes with it.
     pub fn set_clearance(&mut self, clearance: f64) {
         if let Some(geometry) = &mut self.geometry {
@@ -180,7 +189,40 @@ pub struct Lubricant {
 
 /// `preload`, along the thrust direction that the bearing carries
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Preload {
+pub struct Preload {
+    /// Its size.
+    pub amount: PreloadAmount,
+    /// `set`: the state in which it has this size.
+    pub set: PreloadState,
+}
+
+/// State of a bearing in which its preload has the given size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PreloadState {
+    /// `"unmounted"`: before fits and temperatures; the rings are locked axially, so that fits and temperatures change the preload
+    #[default]
+    Unmounted,
+    /// `"fitted"`: with the fits, at the temperature of assembly; the rings are locked axially
+    Fitted,
+    /// `"operating"`: with fits and temperatures; a spring keeps a force
+    Operating,
+}
+
+impl PreloadState {
+    /// All states by their names in a scene.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("unmounted", Self::Unmounted), ("fitted", Self::Fitted), ("operating", Self::Operating)];
+
+    /// Returns the name of the state in a scene.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, state)| *state == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// Size of a preload.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PreloadAmount {
     /// N, above 0: the inner ring is displaced until the bearing reacts with this force at the scene's speed
     Force(f64),
     /// m, above 0
@@ -258,6 +300,15 @@ impl Geometry {
     /// Returns the distance of the groove centres at first contact, m.
     fn groove_centres(&self) -> f64 {
         (self.inner_conformity + self.outer_conformity - 1.0) * self.ball_diameter
+    }
+
+    /// Returns the axial distance of the groove centres at first contact, m.
+    #[must_use]
+    pub fn axial_groove_distance(&self) -> f64 {
+        match self.fit {
+            FreeAngle::ContactAngle(angle) => self.groove_centres() * angle.sin(),
+            FreeAngle::DiametralClearance(clearance) => self.groove_centres() * self.contact_angle_of(clearance).sin(),
+        }
     }
 
     /// Returns the diametral clearance, m.

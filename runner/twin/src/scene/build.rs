@@ -15,7 +15,7 @@ pub use error::BuildError;
 use kinematics::outer_ratio;
 pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
 pub use lumped::{Exponent, law};
-pub use preload::{loaded, preload_offset, preloaded};
+pub use preload::{loaded, preload_force, preload_offset, preloaded};
 
 use super::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Linear, Model, Rotor, Scene, Surface};
 use crate::handle::BearingHandle;

@@ -1,7 +1,7 @@
 //! Static equilibrium of one bearing under a load, and its preload.
 
 use super::{AnyBearing, BuildError, Shared, rotation_at};
-use crate::scene::{Bearing as BearingScene, Facing, Preload, Scene};
+use crate::scene::{Bearing as BearingScene, Facing, Model, PreloadAmount, PreloadState, Scene};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
@@ -42,6 +42,10 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 
 /// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
 ///
+/// A preload that is set before fits or temperatures act locks the rings axially: the axial distance of their groove centres stays as it
+/// was set, while the displacement counts from the first contact of the mounted, warm bearing:
+/// `w = w_set + A (sin(alpha_set) - sin(alpha))` with the free contact angles `alpha_set` before and `alpha` after.
+///
 /// # Errors
 /// A preload that the bearing does not carry, or a bearing without thrust capacity.
 pub fn preload_offset(
@@ -51,9 +55,22 @@ pub fn preload_offset(
 ) -> Result<Option<Displacement<f64>>, BuildError> {
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
-    match preload {
-        Preload::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
-        Preload::Force(force) => {
+    if let Some(set) = as_set(bearing) {
+        // A table of that state would be used only here.
+        let model = if set.model == Model::Tabulated { Model::QuasiStatic } else { set.model };
+        let at_setting = super::bearing(scene, &set, model)?;
+        let axial = |of: &BearingScene| match of.facing {
+            // Without a displacement the grooves of a deep groove bearing are opposite each other.
+            Facing::Both => 0.0,
+            Facing::PlusZ | Facing::MinusZ => of.geometry.map_or(0.0, |geometry| geometry.axial_groove_distance()),
+        };
+        let shift = sign * (axial(&set) - axial(bearing));
+        let offset = preload_offset(scene, &set, &at_setting)?;
+        return Ok(offset.map(|offset| Displacement { w: offset.w + shift, ..offset }));
+    }
+    match preload.amount {
+        PreloadAmount::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
+        PreloadAmount::Force(force) => {
             let at = rotation_at(scene, bearing, 0.0)?;
             let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
             let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
@@ -67,6 +84,39 @@ pub fn preload_offset(
             Ok(Some(rest.displacement()))
         }
     }
+}
+
+/// Returns the bearing as its preload is set, without mounting; `None` where it is set in operation or nothing changes it.
+fn as_set(bearing: &BearingScene) -> Option<BearingScene> {
+    let (preload, mounting, clearance) = (bearing.preload?, bearing.mounting?, bearing.clearance()?);
+    let reduction = |temperatures| mounting.at(temperatures).reduction();
+    let at_setting = match preload.set {
+        PreloadState::Unmounted => 0.0,
+        PreloadState::Fitted => reduction(None),
+        PreloadState::Operating => return None,
+    };
+    let mut set = bearing.clone();
+    // A fit may have changed the operating clearance.
+    set.set_clearance(clearance + reduction(mounting.temperatures) - at_setting);
+    set.mounting = None;
+    Some(set)
+}
+
+/// Returns the axial force of a bearing by its preload alone, at the scene's speed, with fits and temperatures, N; `None` without preload.
+///
+/// # Errors
+/// As [`preload_offset`].
+pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64>, BuildError> {
+    if let Some(PreloadAmount::Force(force)) = bearing.preload.map(|preload| preload.amount)
+        && bearing.has_constant_preload_force()
+    {
+        return Ok(Some(force));
+    }
+    let built = super::bearing(scene, bearing, bearing.model)?;
+    let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
+    let at = rotation_at(scene, bearing, 0.0)?;
+    let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
+    Ok(Some(built.reaction(&offset, &at).wrench.fz.abs()))
 }
 
 /// Returns the static equilibrium of the inner ring under `load` (N, N m), with the outer ring fixed.

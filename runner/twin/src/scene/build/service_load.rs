@@ -1,6 +1,6 @@
 //! Estimate of the approach of the most loaded ball in service, from the loads of the scene.
 
-use crate::scene::{Bearing, FreeAngle, Preload, Rotor, Scene};
+use crate::scene::{Bearing, FreeAngle, PreloadAmount, Rotor, Scene};
 use ballrace::bearing::geometry::BallBearingGeometry;
 
 /// Load of the most loaded element of a radially loaded bearing over the mean (Stribeck, for a bearing with clearance).
@@ -17,9 +17,9 @@ pub(super) fn approach_in_service(scene: &Scene, of: &Bearing, geometry: &BallBe
         Some(FreeAngle::DiametralClearance(clearance)) => (-0.5 * clearance).max(0.0),
         _ => 0.0,
     };
-    match of.preload {
-        Some(Preload::Force(force)) => axial += force.abs(),
-        Some(Preload::Displacement(w)) => without_load += w.abs() * geometry.contact_angle.sin(),
+    match of.preload.map(|preload| preload.amount) {
+        Some(PreloadAmount::Force(force)) => axial += force.abs(),
+        Some(PreloadAmount::Displacement(w)) => without_load += w.abs() * geometry.contact_angle.sin(),
         None => {}
     }
     let count = of.elements.max(1) as f64;

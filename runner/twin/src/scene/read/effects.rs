@@ -2,7 +2,9 @@
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Effects, FrictionSharing, Lubricant, Model, Preload, RaceControl, TableRange};
+use super::super::{
+    Effects, FrictionSharing, Lubricant, Model, Preload, PreloadAmount, PreloadState, RaceControl, TableRange,
+};
 
 /// The values of `effects`.
 #[derive(Clone, Copy, PartialEq)]
@@ -85,12 +87,14 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
         let expected = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
         return Err(node.misplaced(expected));
     }
-    let inner = node.table(&["force", "displacement"])?;
-    match (inner.optional("force"), inner.optional("displacement")) {
-        (Some(_), None) => Ok(Some(Preload::Force(inner.positive("force", Dimension::Force)?))),
-        (None, Some(_)) => Ok(Some(Preload::Displacement(inner.positive("displacement", Dimension::Length)?))),
-        _ => Err(node.refuse("exactly one of { force = \"500 N\" } and { displacement = \"10 um\" }")),
-    }
+    let inner = node.table(&["force", "displacement", "set"])?;
+    let amount = match (inner.optional("force"), inner.optional("displacement")) {
+        (Some(_), None) => PreloadAmount::Force(inner.positive("force", Dimension::Force)?),
+        (None, Some(_)) => PreloadAmount::Displacement(inner.positive("displacement", Dimension::Length)?),
+        _ => return Err(node.refuse("exactly one of { force = \"500 N\" } and { displacement = \"10 um\" }")),
+    };
+    let set = inner.read("set", |n| n.choice(&PreloadState::ALL))?.unwrap_or_default();
+    Ok(Some(Preload { amount, set }))
 }
 
 /// `table` of the tabulated model (and of the quasi-static one, from which a table can be computed).

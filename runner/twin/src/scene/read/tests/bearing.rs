@@ -208,7 +208,7 @@ fn effects_and_preload() {
         preload = {{ force = \"500 N\" }}\n");
     let bearing = &read(&full).unwrap().bearings[0];
     assert!(bearing.effects.centrifugal && bearing.effects.gyroscopic && bearing.effects.film.is_some());
-    assert_eq!(bearing.preload, Some(crate::scene::Preload::Force(500.0)));
+    assert_eq!(bearing.preload.map(|preload| preload.amount), Some(crate::scene::PreloadAmount::Force(500.0)));
     assert_refused(&full, &[
         ("\"gyroscopic\"", "\"centrifugal\"", &["effects[1]: repeated value: \"centrifugal\", expected each effect once"]),
         ("\"gyroscopic\"", "\"gyroskopic\"", &["effects[1]: invalid value: \"gyroskopic\""]),
