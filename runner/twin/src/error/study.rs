@@ -27,6 +27,14 @@ pub enum SweepError {
         /// Form expected.
         expected: String,
     },
+    /// Numbers without a unit of a quantity whose usual unit is not that of SI.
+    #[error("--over: no unit: {found:?}, expected {expected}")]
+    NoUnit {
+        /// Text of the option.
+        found: String,
+        /// The two likely readings.
+        expected: String,
+    },
     /// A key that the scene does not have.
     #[error("--over: {0}")]
     Key(UnknownKey),
@@ -117,7 +125,10 @@ impl SweepError {
     /// Returns true where the options of the command are wrong.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
-        matches!(self, Self::Axis { .. } | Self::Key(_) | Self::Points { .. } | Self::Samples { .. })
+        matches!(
+            self,
+            Self::Axis { .. } | Self::NoUnit { .. } | Self::Key(_) | Self::Points { .. } | Self::Samples { .. }
+        )
     }
 }
 
