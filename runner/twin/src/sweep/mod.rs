@@ -216,9 +216,13 @@ impl Plan {
         points.dedup_by_key(|row| row.point);
         let mut all = Vec::new();
         for row in points {
-            let at = Some(self.named(&row.values));
+            let point = self.named(&row.values);
+            let at = |effect: &EffectSignificance| match &effect.at {
+                Some(speed) => format!("{point}, {speed}"),
+                None => point.clone(),
+            };
             let of_point = effect_significance::of_scene(&self.scene(&row.values)?)?;
-            all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: at.clone(), ..effect }));
+            all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: Some(at(&effect)), ..effect }));
         }
         Ok(effect_significance::largest(all))
     }
