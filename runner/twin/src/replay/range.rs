@@ -206,6 +206,17 @@ pub(crate) fn plausible_force(scene: &Scene, plant: &Plant, i: usize) -> f64 {
     x.hypot(y).hypot(z) + LARGEST_UNSEEN_FORCE * loads(scene).max(weight)
 }
 
+/// Returns the largest magnitude of each probe's mean reading under the [`plausible_force`] of the bearings, m; infinite where nothing
+/// bounds it.
+pub(crate) fn positions(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Vec<f64> {
+    if plant.layout.is_given() || scene.rotor.is_none() {
+        return vec![f64::INFINITY; probes.len()];
+    }
+    let limit = |(i, bearing)| Limit::new(plant, bearing, None, plausible_force(scene, plant, i));
+    let limits: Vec<Limit> = plant.bearings.iter().enumerate().map(limit).collect();
+    probes.iter().map(|probe| at_probe(&limits, probe)).collect()
+}
+
 /// Returns the largest magnitude of an axial position without an axial probe. Innovations do not correct it, so it may diverge
 /// where the rotor differs from the scene.
 fn unseen_axial(plant: &Plant, probes: &[Probe], loads: f64) -> f64 {
