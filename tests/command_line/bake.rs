@@ -4,7 +4,7 @@ use ballrace::bearing::Bearing;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use serde_json::Value;
 
-use crate::support::{DEMO_SCENE, Desk, numbers, short_recording};
+use crate::support::{DEMO_SCENE, Desk, changed, numbers, short_recording};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -283,4 +283,27 @@ fn a_flexible_rotor_and_its_observer_are_baked() {
             assert!((q - expected).abs() < 2e-9, "{what}: {name}: {q} {expected}");
         }
     }
+}
+
+/// Nothing certifies a rotor that its bearings do not hold, a load beyond the static rating, or the gap of the probes as a position.
+#[test]
+fn nonsense_is_not_certified() {
+    let desk = Desk::empty();
+    let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
+    desk.put("sound.toml", bare);
+    // The lumped model carries no axial load.
+    desk.put("unsupported.toml", bare.replace("model = \"angular\"", "model = \"lumped\""));
+    desk.put("overload.toml", bare.replace("\"60 N\"", "\"60 kN\""));
+    let bake = |scene: &str, parts: &[&str]| desk.refused(&["bake", scene, "-o", "out.rs"], 2, parts);
+    bake("unsupported.toml", &["unsupported.toml: no equilibrium: ", "expected at most 1e-6 in bake"]);
+    bake("overload.toml", &["overload.toml: bearing ", "on an element", "the static limit of ISO 76"]);
+    desk.done(&["bake", "sound.toml", "-o", "sound.rs"]);
+    let verify = |scene: &str, part: &str| desk.refused(&["verify", "sound.rs", "--scene", scene], 2, &[part]);
+    verify("unsupported.toml", "no equilibrium");
+    verify("overload.toml", "static limit");
+
+    let gap = changed(2048, |_, k, x| if (1..5).contains(&k) { x + 55.0 } else { x });
+    let desk = Desk::with(DEMO_SCENE, &gap);
+    let parts = ["healthy.csv: bearing DE: median force of ", "10 times the loads on the rotor", "(offset)"];
+    desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &parts);
 }

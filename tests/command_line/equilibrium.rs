@@ -166,6 +166,10 @@ fn campbell_table_of_the_reference_rotor() {
     assert_eq!(words.len(), 2, "one line a bearing says which effects matter: {text}");
     assert_eq!(desk.read("c.html").matches("<svg").count(), 2, "diagram and rotor");
     desk.refused(&["campbell", "scene.toml", "--speeds", "0mm..1mm:3"], 2, &["--speeds", "a speed of rotation"]);
+    let two =
+        "--speeds: invalid value: \"0..3000:4\" (has no unit), expected \"0rpm..3000rpm:4\" or \"0rad/s..3000rad/s:4\"";
+    desk.refused(&["campbell", "scene.toml", "--speeds", "0..3000:4"], 2, &[two]);
+    desk.refused(&["campbell", "scene.toml", "--speeds", "0,3000"], 2, &["\"0rpm,3000rpm\" or"]);
 }
 
 /// Damping by hand: one spring and one damper, `c/(2 sqrt(k m))`.

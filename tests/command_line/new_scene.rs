@@ -171,6 +171,10 @@ fn wrong_options_of_new() {
     desk.refused(&["new", "--bearing", "6205", "--speed", "50 Hz"], 2, &["--speed"]);
     desk.refused(&["new", "--bearing", "6205", "--set", "mass"], 2, &["--set", "KEY=VALUE"]);
     desk.refused(&["new", "--bearing", "6205", "--set", "rotors.mass=3"], 2, &["--set", "rotors.mass"]);
+    let speed = "--set: no unit: \"shaft.speed=3000\", expected \"shaft.speed=3000 rpm\" or \"shaft.speed=3000 rad/s\"";
+    desk.refused(&["new", "--bearing", "6205", "--set", "shaft.speed=3000"], 2, &[speed]);
+    let station = ["new", "--bearing", "6205", "--set", "rotor.mass=6", "--set", "bearing[0].station=-100"];
+    desk.refused(&station, 2, &["bearing[0].station=-100 um"]);
     desk.refused(&["new", "--bearing", "6205", "--recording", "none.csv"], 1, &["none.csv"]);
     desk.put("old.toml", "mine");
     desk.refused(&["new", "--bearing", "6205", "-o", "old.toml"], 2, &["old.toml", "exists"]);

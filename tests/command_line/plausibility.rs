@@ -146,3 +146,55 @@ fn faults_are_plausible() {
         }
     }
 }
+
+/// Checks a scene with a recording and returns the text, with its lines joined.
+fn checked(scene: &str, recording: &str) -> String {
+    let desk = Desk::with(scene, recording);
+    let answer = desk.run(&["check", "scene.toml"]);
+    assert_eq!(answer.code, Some(4), "{answer:?}");
+    assert!(!answer.out.contains("Nothing implausible"), "{answer:?}");
+    answer.out.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn check_finds_values_that_contradict_each_other() {
+    let plain = short_recording(SAMPLES);
+    let of_scene = |swaps: &[(&str, &str)]| checked(&scene(swaps), &plain);
+    let text = of_scene(&[("mass = \"6 kg\"", "mass = \"6 g\"")]);
+    assert!(text.contains("rotor.mass: 0.006 kg, while a steel shaft through the bearings has"), "{text}");
+    let text = of_scene(&[("\"60 N\"", "\"12 kN\"")]);
+    assert!(text.contains("rotor.load: 12000 N on a rotor of 6 kg, 204 times its weight"), "{text}");
+    let text = of_scene(&[("\"-120 mm\"", "\"-1200 mm\"")]);
+    assert!(text.contains("DE_X_um: station: -1200 mm, while the bearings are at -100 to 100 mm"), "{text}");
+    let text = of_scene(&[("\"-120 mm\"", "\"121 mm\""), ("\"120 mm\"", "\"-121 mm\"")]);
+    assert!(text.contains("DE_X_um: station: 121 mm is nearer to bearing NDE than to DE"), "{text}");
+    let text = of_scene(&[("noise = \"0.03 um\"", "noise = \"10 um\"")]);
+    assert!(text.contains("DE_X_um: noise: 10 um is more than the whole motion"), "{text}");
+    let text = of_scene(&[("noise = \"0.03 um\"", "noise = \"0.1 nm\"")]);
+    assert!(text.contains("DE_X_um: noise: 0.0001 um is far below the noise of the readings, about 0.0"), "{text}");
+}
+
+#[test]
+fn check_finds_what_a_recording_lacks() {
+    let gap = changed(SAMPLES, |_, k, x| if k == 1 { x + 100.0 } else { x });
+    let text = checked(DEMO_SCENE, &gap);
+    assert!(text.contains("DE_X_um: offset: mean of 100 um, while the bearings allow"), "{text}");
+    assert!(text.contains("Remedy: offset = \"100.0 um\""), "{text}");
+    let plain = short_recording(SAMPLES);
+    let empty: String = plain
+        .lines()
+        .enumerate()
+        .map(|(i, line)| if i == 0 { line.to_owned() } else { crate::support::with_cell(line, 2, "") } + "\n")
+        .collect();
+    assert!(checked(DEMO_SCENE, &empty).contains("DE_Y_um: no reading in the whole column"));
+    let desk = Desk::empty();
+    desk.put("scene.toml", DEMO_SCENE);
+    let answer = desk.run(&["check", "scene.toml"]);
+    assert_eq!(answer.code, Some(1), "{answer:?}");
+    assert!(!answer.out.contains("Nothing implausible") && answer.out.contains("no such file"), "{answer:?}");
+    let desk = Desk::with(DEMO_SCENE, &plain);
+    let text = desk.done(&["check", "scene.toml"]).out;
+    assert!(text.contains("DE_X_um: mean") && text.contains("clearance +-5.0 um"), "{text}");
+    assert!(text.contains("Nothing implausible found."), "{text}");
+    desk.refused(&["new", "--bearing", "6309 C8"], 2, &["6309 C8", "C2, CN, C3, C4 or C5"]);
+}

@@ -61,3 +61,102 @@ fn a_sweep_warns_about_its_worst_point() {
     let json: Value = desk.done(&[&args[..], &["-o", "c", "--format", "json"]].concat()).json();
     assert!(effect(&json, "centrifugal").unwrap()["change"].as_f64().unwrap() > 0.03, "{json}");
 }
+
+/// The demonstration's machine on a ramp, and in a diagram over the speed.
+#[test]
+fn a_ramp_warns_about_its_worst_speed() {
+    let desk = Desk::empty();
+    desk.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"12000 rpm\"")]));
+    let ramp = "speed = { from = \"100 rpm\", to = \"12000 rpm\", over = \"2 s\" }";
+    desk.put("ramp.toml", scene(&[("speed = \"3000 rpm\"", ramp)]));
+    desk.put("slow.toml", DEMO_SCENE);
+    let centrifugal = |args: &[&str]| {
+        let json: Value = desk.done(&[args, &["--format", "json"]].concat()).json();
+        let found = effect(&json, "centrifugal").unwrap();
+        (found["change"].as_f64().unwrap(), found["at"].as_str().map(str::to_owned))
+    };
+    let (at_end, none) = centrifugal(&["equilibrium", "fast.toml"]);
+    let (over_ramp, place) = centrifugal(&["equilibrium", "ramp.toml"]);
+    assert!(at_end > 0.03 && none.is_none(), "{at_end} {none:?}");
+    assert!((over_ramp / at_end - 1.0).abs() < 1e-9, "{over_ramp} {at_end}");
+    assert_eq!(place.as_deref(), Some("shaft.speed = 12000 rpm"));
+    let simulate = ["simulate", "ramp.toml", "--duration", "10 ms", "--rate", "1 kHz", "-o", "motion.csv"];
+    assert_eq!(centrifugal(&simulate), (over_ramp, place));
+    let warned = |line: &&str| line.starts_with("DE: WARNING: centrifugal is omitted");
+    let text = desk.done(&["campbell", "slow.toml", "--speeds", "0rpm..12000rpm:3"]).out;
+    let line = text.lines().find(warned).unwrap_or_else(|| panic!("{text}"));
+    assert!(line.contains("at shaft.speed = 12000 rpm"), "{line}");
+    // An effect that is the same at every speed names none.
+    let (_, listed) = text.split_once("\nDE: effects of this scene").unwrap();
+    assert!(!listed.lines().next().unwrap().contains("contact-angle 0 % at"), "{text}");
+    desk.put("u.csv", "u,v,w,thu,thv,t\n1e-5,0,6e-5,0,0,0\n1e-5,0,6e-5,0,0,2\n");
+    let force = ["force", "ramp.toml", "--bearing", "DE", "--displacements", "u.csv"];
+    assert!(desk.done(&force).out.lines().any(|line| warned(&line)));
+}
+
+/// A preloaded lumped bearing without load: its balls press each other, and the play is the scene's.
+const PRELOADED: &str = r#"
+shaft.speed = "3000 rpm"
+[rotor]
+mass = "1 kg"
+diametral_inertia = "0.001 kg m^2"
+polar_inertia = "0.0005 kg m^2"
+stiffness = [0, 0, 1e6, 0, 0]
+[[bearing]]
+name = "A"
+station = "0 mm"
+model = "lumped"
+elements = 6
+ball_diameter = "6 mm"
+pitch_diameter = "20 mm"
+inner_conformity = 0.515
+outer_conformity = 0.515
+contact_angle = "0 deg"
+radial_play = "-13 um"
+"#;
+
+#[test]
+fn effects_on_a_preloaded_bearing_use_its_play() {
+    let desk = Desk::empty();
+    let pair = PRELOADED.split_once("[[bearing]]").unwrap();
+    let second = pair.1.replace("\"A\"", "\"B\"").replace("\"0 mm\"", "\"50 mm\"");
+    let first = pair.1.replace("\"0 mm\"", "\"-50 mm\"");
+    desk.put("scene.toml", format!("{}[[bearing]]{first}[[bearing]]{second}", pair.0));
+    // By hand: a ball of 0.88 g at 10 mm and 0.35 of the speed has 0.107 N, and 13 um give about 400 N.
+    let found = |name: &str| {
+        let text = desk.done(&["equilibrium", name]).out;
+        assert!(!text.contains("WARNING"), "{text}");
+        let json: Value = desk.done(&["equilibrium", name, "--format", "json"]).json();
+        let centrifugal = effect(&json, "centrifugal").unwrap();
+        assert_eq!(centrifugal["because"], "centrifugal force 0.03 % of the load of a ball", "{text}");
+        centrifugal["change"].as_f64().unwrap()
+    };
+    // The weight is carried by all balls, and the centrifugal forces of opposite balls balance each other.
+    assert!(found("scene.toml") < 1e-6);
+    // Without weight no force is left, and the change is that of the loads.
+    desk.put("light.toml", desk.read("scene.toml").replace("[rotor]", "[rotor]\ngravity = [0, 0, 0]"));
+    let change = found("light.toml");
+    assert!((5e-5..5e-4).contains(&change), "{change}");
+}
+
+/// Almost no load: the change is a multiple, with its reason.
+#[test]
+fn large_changes_are_multiples_with_a_reason() {
+    let desk = Desk::empty();
+    let weightless = ("mass = \"6 kg\"", "mass = \"6 kg\"\ngravity = [0, 0, 0]");
+    desk.put("scene.toml", scene(&[("\"60 N\"", "\"0.01 N\""), weightless]));
+    let text = desk.done(&["equilibrium", "scene.toml"]).out;
+    let line =
+        text.lines().find(|line| line.starts_with("DE: WARNING: centrifugal")).unwrap_or_else(|| panic!("{text}"));
+    assert!(
+        line.contains(" times the load of a ball; the bearing carries only ") && line.contains(" times ("),
+        "{line}"
+    );
+    let words = text
+        .lines()
+        .filter(|line| line.contains("WARNING") || line.contains("effects of"))
+        .flat_map(str::split_whitespace);
+    for number in words.filter_map(|word| word.trim_start_matches('(').parse::<f64>().ok()) {
+        assert!(number.abs() <= 1000.0, "{number}: {text}");
+    }
+}

@@ -328,6 +328,11 @@ fn recordings_that_cannot_be_simulated() {
         2,
         &["--resolution", "5 kg"],
     );
+    desk.refused(
+        &[&args[..], &["r.csv", "--as-recording", "--resolution", "5"]].concat(),
+        2,
+        &["--resolution: no unit: \"5\", expected \"5 um\" or \"5 mm\""],
+    );
     let bare = DEMO_SCENE.split("[recording]").next().unwrap().to_owned();
     desk.put("bare.toml", bare);
     let args = ["simulate", "bare.toml", "--duration", "1 s", "--rate", "10 kHz", "--as-recording", "-o", "r.csv"];

@@ -173,10 +173,24 @@ fn keys_that_cannot_be_swept_are_rejected() {
     refused("bearing.B.radial_play=1um..2um:3", 2, &["no such key in the scene: \"bearing.B.radial_play\""]);
     refused("shaft.speed=1mm..2mm:3", 2, &["invalid value: \"1 mm\"", "a speed of rotation"]);
     refused("bearing[0].elements=2..9:8", 2, &["invalid value: 2, expected a whole number from 3 to 64"]);
+    // A speed is usually in rpm, a play in um: a number without a unit has two likely readings.
+    let two =
+        "--over: no unit: \"shaft.speed=500..1000:3\", expected \"500rpm..1000rpm:3\" or \"500rad/s..1000rad/s:3\"";
+    refused("shaft.speed=500..1000:3", 2, &[two]);
+    refused("bearing.A.radial_play=3,10", 2, &["expected \"3um,10um\" or \"3mm,10mm\""]);
+    refused("bearing[0].radial_play=0.01", 2, &["expected \"0.01mm\" or \"0.01m\""]);
     refused("shaft.speed=0,0", 1, &["shaft.speed: shaft at standstill, expected a rotating shaft"]);
     desk.refused(
         &["sweep", "scene.toml", "-o", "a", "--over", SPEEDS, "--shard", "4/3"],
         2,
         &["--shard: invalid part: \"4/3\", expected K/N"],
     );
+}
+
+/// A force is usually in newtons, a contact stiffness in N/m^n, a number of elements has no unit.
+#[test]
+fn numbers_without_a_unit_are_si_where_that_is_usual() {
+    let desk = desk("tiwari-balanced");
+    sweep(&desk, &["--over", "bearing.A.elements=8", "--over", "rotor.mass=0.5,0.6", "-o", "a"]);
+    assert_eq!(column(&desk, "a.csv", "rotor.mass"), [Some(0.5), Some(0.6)]);
 }

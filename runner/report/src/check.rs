@@ -3,7 +3,7 @@
 use super::figures::rotor;
 use super::number::{alone, count, fixed};
 use super::text::broken;
-use ballrace_twin::check::{Checked, Implausibility, RecordingSummary, UnknownValue};
+use ballrace_twin::check::{Checked, Implausibility, ProbeCentre, RecordingSummary, UnknownValue};
 use ballrace_twin::outcome::{DrawnProbe, RotorDrawing};
 use std::fmt::Write;
 
@@ -86,6 +86,14 @@ fn of_recording(recording: &RecordingSummary) -> String {
         let sensitivity = alone(voltage.sensitivity_mv_per_um);
         let column = &reading.column;
         let _ = writeln!(out, "{column}: {sensitivity} mV/um, mean voltage {mean} V, offset {offset} V");
+    }
+    for ProbeCentre { column, mean_um, equilibrium_um, half_clearance_um, offset_um } in &recording.centres {
+        let [mean, equilibrium, offset] = [mean_um, equilibrium_um, offset_um].map(|um| fixed(*um, 1));
+        let clearance = half_clearance_um.map_or_else(String::new, |um| format!(", clearance +-{} um", fixed(um, 1)));
+        let text = format!(
+            "{column}: mean {mean} um{clearance}, static equilibrium {equilibrium} um; offset = \"{offset} um\" makes them equal"
+        );
+        paragraph(&mut out, "", &text, "  ");
     }
     if let Some(note) = &recording.run_out {
         paragraph(&mut out, "", &format!("1X without run-out: {note}"), "");

@@ -57,6 +57,7 @@ fn percent(x: f64) -> String {
         0.0 => "0 %".to_owned(),
         p if p < 0.01 => format!("{p:.1e} %"),
         p if p < 10.0 => format!("{p:.3} %"),
+        p if p > 1000.0 => "over 1000 %".to_owned(),
         p => format!("{p:.1} %"),
     }
 }

@@ -52,7 +52,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
             if let Some(path) = &args.report {
                 writeln!(out, "Written: {}", path.display())?;
             }
-            print_effects(&mut out, &effect_significance::of_scene(&scene)?, error)?;
+            print_effects(&mut out, &effect_significance::over_speeds(&scene, &speeds)?, error)?;
         }
     }
     Ok(out.flush()?)

@@ -4,7 +4,7 @@ use super::{Format, ReplayStatus, check_distinct_paths, standard_output};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report as report;
-use ballrace_twin::check::{Checked, check, unknown_values};
+use ballrace_twin::check::{Checked, Implausibility, check, unknown_values};
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::replay::open;
 use ballrace_twin::scene::Recording;
@@ -63,7 +63,15 @@ pub fn run(args: &Args, format: Format) -> Result<ReplayStatus> {
         bar.set_position(read);
     });
     bar.finish_and_clear();
-    let checked = checked?;
+    let mut checked = checked?;
+    if let Some(recording) = scene.recording.as_ref().filter(|recording| is_absent(recording)) {
+        checked.implausible.push(Implausibility {
+            subject: "recording.file".to_owned(),
+            found: format!("{}: no such file", recording.file.display()),
+            cause: "another name or folder".to_owned(),
+            remedy: "the path of the recording from the folder of the scene, or --recording".to_owned(),
+        });
+    }
     if let Some(path) = &args.svg {
         let Some(svg) = report::check::svg(&checked) else {
             bail!(UsageError(format!("{}: no [rotor] to draw", args.scene.display())));

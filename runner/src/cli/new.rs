@@ -9,7 +9,7 @@ use ballrace_twin::check::unknown_values;
 use ballrace_twin::draft::{Draft, draft};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::preview::preview;
-use ballrace_twin::scene::edit::with_values;
+use ballrace_twin::scene::edit::{dimension_of, with_values};
 use ballrace_twin::scene::units::{Dimension, parse};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -68,6 +68,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let values = args.set.iter().map(|option| entry(option)).collect::<Result<Vec<_>, _>>()?;
     let text = draft(&Draft { name, speed: args.speed.clone(), bearings, recording });
     let text = with_values(&text, &values).map_err(|e| UsageError(format!("--set: {e}")))?;
+    check_units(&text, args.output.as_deref().unwrap_or(Path::new("machine.toml")), &values)?;
     match &args.output {
         Some(output) => {
             AtomicFile::write(output, &text)?;
@@ -116,6 +117,21 @@ fn path_from(folder: &Path, path: &Path) -> Result<String> {
     );
     let text = relative.to_str().with_context(|| format!("{}: a name that is not UTF-8 text", path.display()))?;
     Ok(text.to_owned())
+}
+
+/// Checks that no value is a number without a unit where the usual unit is not that of SI.
+fn check_units(text: &str, file: &Path, values: &[(&str, &str)]) -> Result<(), UsageError> {
+    for (key, value) in values {
+        let Ok(number) = value.trim().parse::<f64>() else { continue };
+        let likely = dimension_of(text, file, key).and_then(|dimension| dimension.likely_units(number));
+        if let Some([first, second]) = likely {
+            let value = value.trim();
+            return Err(UsageError(format!(
+                "--set: no unit: \"{key}={value}\", expected \"{key}={value} {first}\" or \"{key}={value} {second}\""
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Returns key and value of an option `--set`.

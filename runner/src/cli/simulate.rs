@@ -95,7 +95,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     print(&summary, &plant.notes, format, error)
 }
 
-/// Parses the value of the option `name`: a quantity above 0, or 0 where that is allowed, with a unit, or a number in SI units.
+/// Parses the value of the option `name`: a quantity above 0, or 0 where that is allowed, with a unit, or a number in SI units where
+/// that is the usual unit.
 fn parse_option(name: &str, text: &str, dimension: Dimension, allows_zero: bool) -> Result<f64> {
     let invalid = |reason: String| UsageError(format!("{name}: {reason}"));
     let value = match text.parse::<f64>() {
@@ -106,6 +107,9 @@ fn parse_option(name: &str, text: &str, dimension: Dimension, allows_zero: bool)
     if !(is_in_range && value.is_finite()) {
         let range = if allows_zero { "of 0 or more" } else { "above 0" };
         bail!(invalid(format!("value out of range: {text:?}, expected {}", dimension.expected(range))));
+    }
+    if let (Ok(number), Some([first, second])) = (text.parse::<f64>(), dimension.likely_units(value)) {
+        bail!(invalid(format!("no unit: {text:?}, expected \"{number} {first}\" or \"{number} {second}\"")));
     }
     Ok(value)
 }

@@ -2,11 +2,10 @@
 
 use crate::catalogue::{BearingKind, Listed, scene_keys};
 use crate::recording::preview::{ColumnRole, NamedDirection, Preview, PreviewColumn};
+pub use crate::scene::edit::UNKNOWN;
 use std::fmt::Write;
 use toml_edit::Value;
 
-/// Value of a key that the user has to fill in.
-pub const UNKNOWN: &str = "?";
 /// Column at which comments begin.
 const COMMENT: usize = 38;
 

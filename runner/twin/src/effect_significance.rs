@@ -35,7 +35,7 @@ pub struct EffectSignificance {
     pub modelled: bool,
     /// Cause of the change.
     pub because: String,
-    /// Point of a sweep at which the change is largest, such as `shaft.speed = 6000 rpm`.
+    /// Speed of a ramp or a diagram, or point of a sweep, at which the change is largest, such as `shaft.speed = 6000 rpm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
 }
@@ -51,22 +51,28 @@ const FILM_ROUNDS: usize = 8;
 /// Largest number of secant steps.
 const SECANTS: usize = 12;
 
-/// Returns the significance of each effect on every bearing at the rotor's equilibrium at nominal speed.
+/// Force of a bearing over the sum of the loads on its balls below which they balance each other.
+const BALANCED: f64 = 1e-6;
+/// Shares beyond this are written as multiples, with the force as their reason.
+const MANY: f64 = 10.0;
+/// Largest multiple that is written.
+const TOO_MANY: f64 = 1000.0;
+/// Number of speeds over the range of a ramp or a diagram.
+const SPEEDS: usize = 9;
+/// Relative difference below which a change is the same at two speeds.
+const SAME_CHANGE: f64 = 1e-3;
+
+/// Returns the significance of each effect on every bearing at the rotor's static equilibrium, at the speed of the scene at which it is
+/// largest.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub fn at_rest(scene: &Scene, plant: &Plant) -> Result<Vec<EffectSignificance>> {
-    let mut all = Vec::new();
-    let bending = Bending::new(scene, plant)?;
-    for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
-        let u = plant.displacement(i, &plant.rest);
-        all.extend(of_bearing(scene, of, &u, &plant.resting(mounted, Phase::ZERO))?);
-        all.extend(bending.of(&of.name));
-    }
-    Ok(all)
+    over(&speeds_between(scene.shaft.speed.range()), |speed| of_plant(scene, plant, speed))
 }
 
-/// Returns the significance of each effect on every bearing: at the rotor's equilibrium, or without a rotor under the preload.
+/// Returns the significance of each effect on every bearing: at the rotor's equilibrium, or without a rotor under the preload, at the
+/// speed of the scene at which it is largest.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
@@ -74,11 +80,73 @@ pub fn of_scene(scene: &Scene) -> Result<Vec<EffectSignificance>> {
     if scene.rotor.is_some() || scene.system.is_some() {
         return at_rest(scene, &Plant::try_new(scene)?);
     }
+    over(&speeds_between(scene.shaft.speed.range()), |speed| {
+        let mut all = Vec::new();
+        for of in &scene.bearings {
+            let at = BearingKinematicState { inner_speed: speed, ..build::rotation_at(scene, of, 0.0)? };
+            all.extend(of_bearing(scene, of, &Displacement::default(), &at)?);
+        }
+        Ok(all)
+    })
+}
+
+/// Returns the significance of each effect on every bearing of a rotor, at the one of these speeds (rad/s) at which it is largest.
+///
+/// # Errors
+/// Returns an error if the kernel rejects a parameter.
+pub fn over_speeds(scene: &Scene, speeds: &[f64]) -> Result<Vec<EffectSignificance>> {
+    let ends = speeds.iter().fold((f64::MAX, f64::MIN), |(low, high), &speed| (low.min(speed), high.max(speed)));
+    let plant = Plant::try_new(scene)?;
+    over(&speeds_between(ends), |speed| of_plant(scene, &plant, speed))
+}
+
+/// Returns speeds from the lowest to the highest, rad/s.
+fn speeds_between((low, high): (f64, f64)) -> Vec<f64> {
+    if low >= high {
+        return vec![low];
+    }
+    let last = (SPEEDS - 1) as f64;
+    (0..SPEEDS).map(|i| low + (high - low) * (i as f64 / last)).collect()
+}
+
+/// Returns, for each bearing and effect, the entry at the speed with the largest change. An effect whose change depends on the speed
+/// names it.
+fn over(
+    speeds: &[f64],
+    mut at_speed: impl FnMut(f64) -> Result<Vec<EffectSignificance>>,
+) -> Result<Vec<EffectSignificance>> {
     let mut all = Vec::new();
-    for of in &scene.bearings {
-        let at =
-            BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..build::rotation_at(scene, of, 0.0)? };
-        all.extend(of_bearing(scene, of, &Displacement::default(), &at)?);
+    for &speed in speeds {
+        let at = Some(format!("shaft.speed = {} rpm", rpm(speed))).filter(|_| speeds.len() > 1);
+        all.extend(at_speed(speed)?.into_iter().map(|entry| EffectSignificance { at: at.clone(), ..entry }));
+    }
+    let mut worst = largest(all.iter().cloned());
+    for entry in &mut worst {
+        let same = |other: &&EffectSignificance| other.bearing == entry.bearing && other.effect == entry.effect;
+        let least = all.iter().filter(same).map(|other| other.change).fold(f64::INFINITY, f64::min);
+        if entry.change - least <= SAME_CHANGE * entry.change {
+            entry.at = None;
+        }
+    }
+    Ok(worst)
+}
+
+/// Returns the speed in revolutions per minute with at most six digits.
+fn rpm(speed: f64) -> String {
+    let rpm = speed * 30.0 / PI;
+    let rounded = (rpm * 1e3).round() / 1e3;
+    if rounded.abs() >= 100.0 { format!("{rounded:.0}") } else { format!("{rounded}") }
+}
+
+fn of_plant(scene: &Scene, plant: &Plant, speed: f64) -> Result<Vec<EffectSignificance>> {
+    let moved = if speed == plant.speed() { None } else { Some(plant.at_speed(speed)?) };
+    let plant = moved.as_ref().unwrap_or(plant);
+    let mut all = Vec::new();
+    let bending = Bending::new(scene, plant)?;
+    for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
+        let u = plant.displacement(i, &plant.rest);
+        all.extend(of_bearing(scene, of, &u, &plant.resting(mounted, Phase::ZERO))?);
+        all.extend(bending.of(&of.name));
     }
     Ok(all)
 }
@@ -93,23 +161,29 @@ pub fn of_bearing(
     u: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
 ) -> Result<Vec<EffectSignificance>> {
-    let Some(geometry) = build::geometry(of)? else { return Ok(vec![]) };
-    if matches!(of.geometry, Some(crate::scene::Geometry { fit: FreeAngle::DiametralClearance(s), .. }) if s < 0.0) {
+    if of.geometry.is_none() {
         return Ok(vec![]);
     }
-    let still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
+    let (still, interference) = with_own_play(of);
+    let Some(geometry) = build::geometry(&still)? else { return Ok(vec![]) };
     let built = build::bearing(scene, &still, Model::Angular)?;
     let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
     let (_, datum) = build::contact_geometry(&still, "angular")?;
     let angular = Angular::<f64, Exact, _>::try_new(geometry, build::places(&still), datum);
     let angular = angular.map_err(|e| build::named(&still, e))?;
-    let balls_at = |u: &Displacement<f64>| Balls::new(&still, &geometry, &angular, at, u);
+    let balls_at = |u: &Displacement<f64>| Balls::new(&still, &geometry, (&angular, interference), at, u);
     let loaded = balls_at(&(*u + offset));
     let right = loaded.sum(Ball::push);
-    let force = size(right);
-    if force <= 0.0 {
+    let on_balls = loaded.0.iter().map(|ball| ball.load).sum::<f64>();
+    if on_balls <= 0.0 {
         return Ok(vec![]);
     }
+    // The loads of opposite balls under preload balance each other but for rounding: the change is then that of their loads.
+    let is_balanced = size(right) < BALANCED * on_balls;
+    let force = if is_balanced { on_balls } else { size(right) };
+    let change_of_loads = |change: &dyn Fn(&Ball) -> [f64; 2]| {
+        loaded.0.iter().map(change).map(|[radial, axial]| radial.hypot(axial)).sum::<f64>() / on_balls
+    };
     // With a preload by force, the axial displacement follows so that the bearing carries the same force.
     let by_force = of.has_constant_preload_force();
     let pushed = |change: &dyn Fn(&Ball) -> [f64; 2]| {
@@ -128,7 +202,16 @@ pub fn of_bearing(
     // Without a lubricant there is no film to predict.
     let oil = of.lubricant.map(|f| Oil { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
     let inertia = Inertia::new(of, &geometry, at);
-    let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
+    let [centrifugal, gyroscopic] = if is_balanced {
+        let by_moment = |ball: &Ball| {
+            let ([a, b], [c, d]) = (inertia.change(ball, true), inertia.change(ball, false));
+            [a - c, b - d]
+        };
+        [change_of_loads(&|ball| inertia.change(ball, false)), change_of_loads(&by_moment)]
+    } else {
+        let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
+        [change(thrown, right), change(spun, thrown)]
+    };
     let solved = matches!(of.model, Model::QuasiStatic | Model::Tabulated);
     let named = of.name.clone();
     let entry = |effect, change, modelled, because: String| EffectSignificance {
@@ -136,33 +219,39 @@ pub fn of_bearing(
         effect,
         change,
         modelled,
-        because,
+        because: if change > MANY { format!("{because}; the bearing carries only {force:.1e} N") } else { because },
         at: None,
     };
     let worst = |ratio: &dyn Fn(&Ball) -> f64| loaded.0.iter().filter(|b| b.load > 0.0).map(ratio).fold(0.0, f64::max);
     let throw = worst(&|b| inertia.centrifugal(b) / b.load);
     let spin = worst(&|b| 2.0 * inertia.moment(b) / inertia.diameter / b.load);
     let film = oil.map(|oil| {
-        let wet = pushed(&|ball| ball.film(&geometry, oil, at));
+        let film = |ball: &Ball| ball.film(&geometry, oil, at);
+        let wet = if is_balanced { change_of_loads(&film) } else { change(pushed(&film), right) };
         let thick = worst(&|b| b.films(&geometry, oil, at, b.load) / b.approach);
         let because = format!("film {} of the approach", share(thick));
-        entry("film", change(wet, right), solved && fitted.film.is_some(), because)
+        entry("film", wet, solved && fitted.film.is_some(), because)
     });
     let fixed = loaded.fixed_angle(of.facing);
     let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
-    let pass = pass(&built, &(*u + offset), at, of.elements, force);
+    // Interference is beyond the angular model.
+    let pass = if interference > 0.0 {
+        pass(&build::bearing(scene, of, of.model)?, u, at, of.elements, force)
+    } else {
+        pass(&built, &(*u + offset), at, of.elements, force)
+    };
     let inertial = [
         entry(
             "centrifugal",
-            change(thrown, right),
+            centrifugal,
             solved && fitted.centrifugal,
-            format!("centrifugal force {} of the load of a ball", share(throw)),
+            format!("centrifugal force {}", share_of(throw, "the load of a ball")),
         ),
         entry(
             "gyroscopic",
-            change(spun, thrown),
+            gyroscopic,
             solved && fitted.gyroscopic,
-            format!("friction against the gyroscopic moment {} of the load of a ball", share(spin)),
+            format!("friction against the gyroscopic moment {}", share_of(spin, "the load of a ball")),
         ),
     ];
     let geometric = [
@@ -176,6 +265,22 @@ pub fn of_bearing(
     ];
     // A change that is not finite has no meaning.
     Ok(inertial.into_iter().chain(film).chain(geometric).filter(|entry| entry.change.is_finite()).collect())
+}
+
+/// Returns the bearing without inertia as the angular model takes it, with the radial play of the scene's own law, and the interference
+/// of the balls with both races, m: an angular model has none.
+fn with_own_play(of: &BearingScene) -> (BearingScene, f64) {
+    let mut still = BearingScene { model: Model::Angular, effects: Effects::default(), ..of.clone() };
+    let own = of.law.and_then(|law| law.radial_play).filter(|_| of.facing == Facing::Both);
+    let play = match (own, still.geometry.map(|geometry| geometry.fit)) {
+        (Some(play), _) => play,
+        (None, Some(FreeAngle::DiametralClearance(clearance))) => 0.5 * clearance,
+        (None, _) => return (still, 0.0),
+    };
+    if let Some(geometry) = &mut still.geometry {
+        geometry.fit = FreeAngle::DiametralClearance(2.0 * play.max(0.0));
+    }
+    (still, (-play).max(0.0))
 }
 
 /// Returns half the variation of the force over one ball pass, over the force.
@@ -227,12 +332,21 @@ fn root(f: impl Fn(f64) -> f64, first: f64) -> f64 {
     b
 }
 
+/// Returns a share in percent, beyond [`MANY`] as a multiple.
 fn share(x: f64) -> String {
     match x * 100.0 {
         0.0 => "0 %".to_owned(),
         percent if percent < 0.01 => "below 0.01 %".to_owned(),
+        _ if x > TOO_MANY => format!("over {TOO_MANY:.0} times"),
+        _ if x > MANY => format!("{x:.0} times"),
         percent => format!("{percent:.2} %"),
     }
+}
+
+/// Returns a share of `whole` in words.
+fn share_of(x: f64, whole: &str) -> String {
+    let of = if x > MANY { "" } else { "of " };
+    format!("{} {of}{whole}", share(x))
 }
 
 /// One ball under its static load, in its plane: radial outward and axial.
@@ -256,11 +370,12 @@ struct Ball {
 struct Balls(Vec<Ball>);
 
 impl Balls {
-    /// Computes the balls of `angular`, the bearing without inertia and surface deviations, for the ring displacement `u`.
+    /// Computes the balls of `angular`, the bearing without inertia and surface deviations, for the ring displacement `u`; the races
+    /// are closer by `interference`.
     fn new(
         of: &BearingScene,
         g: &BallBearingGeometry,
-        angular: &Angular<f64, Exact, Vec<ElementPosition<f64>>>,
+        (angular, interference): (&Angular<f64, Exact, Vec<ElementPosition<f64>>>, f64),
         at: &BearingKinematicState<f64>,
         u: &Displacement<f64>,
     ) -> Self {
@@ -279,15 +394,17 @@ impl Balls {
             angular.groove_centres(u, at, &mut centres);
         }
         let ball = |(j, centres): (usize, &GrooveCentres<f64>)| {
-            let [radial, axial] = centres.distance;
-            let load = point_contact_load(constants[2], centres.deflection);
+            let [free, axial] = centres.distance;
+            let radial = free + interference;
+            let approach = centres.deflection + (radial.hypot(axial) - free.hypot(axial));
+            let load = point_contact_load(constants[2], approach);
             let part = |k: f64| point_contact_approach(k, load);
             Ball {
                 azimuth: build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians(),
                 load,
                 angle: (sense * axial).atan2(radial),
                 free_angle,
-                approach: centres.deflection,
+                approach,
                 lengths: [lengths[0] + part(constants[0]), lengths[1] + part(constants[1])],
                 constants,
                 apart: radial.hypot(axial),
@@ -469,7 +586,8 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
         let of = || effects.iter().filter(|entry| entry.bearing == **name);
         let list = |modelled: bool| {
             let listed = of().filter(|entry| entry.modelled == modelled);
-            let listed: Vec<String> = listed.map(|entry| format!("{} {}", entry.effect, share(entry.change))).collect();
+            let listed: Vec<String> =
+                listed.map(|entry| format!("{} {}{}", entry.effect, share(entry.change), place(entry))).collect();
             if listed.is_empty() { "none".to_owned() } else { listed.join(", ") }
         };
         format!(
@@ -479,13 +597,13 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
         )
     };
     let warning = |entry: &EffectSignificance| {
-        let at = entry.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"));
         format!(
-            "{}: WARNING: {} is omitted and predicted to change the force by {} ({}){at}, more than {}",
+            "{}: WARNING: {} is omitted and predicted to change the force by {} ({}){}, more than {}",
             entry.bearing,
             entry.effect,
             share(entry.change),
             entry.because,
+            place(entry),
             share(error)
         )
     };
@@ -504,6 +622,11 @@ pub fn describe(effects: &[EffectSignificance], error: f64) -> Vec<String> {
     let dry =
         (!dry.is_empty()).then(|| format!("{}: film is not considered: the scene has no lubricant", dry.join(", ")));
     names.iter().map(line).chain(bends).chain(dry).chain(lacking.map(warning)).collect()
+}
+
+/// Returns where the change is largest, as the end of a sentence.
+fn place(entry: &EffectSignificance) -> String {
+    entry.at.as_ref().map_or_else(String::new, |at| format!(" at {at}"))
 }
 
 #[cfg(test)]

@@ -1,22 +1,28 @@
 //! Error of the written constants against the highest-fidelity model, over poses of the scene's bearings.
 
 use super::{Language, baked_model, c, preload_offset};
-use crate::error::Result;
+use crate::error::{BakeError, Error, Result};
 use crate::force;
 use crate::handle::{AnyBearing, AnyForceModel, ForceModel};
-use crate::plant::Plant;
+use crate::plant::{LARGEST_RESIDUAL, Plant};
+use crate::replay::range::{LARGEST_UNSEEN_FORCE, plausible_force};
 use crate::scene::build::{self, TableData};
 use crate::scene::{Bearing, Effects, Model, Scene};
 use crate::trade::FidelityLevel;
 use crate::trade::force::{apart, in_precision, rounded};
 use crate::trade::poses::{self, Pose, Poses, SAMPLES_PER_REVOLUTION, TURNS};
+use ballrace::bearing::Bearing as _;
 use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::{BearingKinematicState, Displacement, Exact, Wrench};
+use std::path::Path;
 
 /// Largest number of rows of a recording that are read: 80 s at 12.8 kHz.
 const MAX_ROWS: usize = 1 << 20;
 /// Largest number of samples of the transient of a computed motion: 64 revolutions.
 const MAX_SETTLING: u64 = (4.0 * TURNS * SAMPLES_PER_REVOLUTION) as u64;
+
+/// Number of poses of which one may be a spike.
+const SPIKES: usize = 100;
 
 /// Largest number of steps of the integrator.
 const MAX_STEPS: f64 = 1e5;
@@ -62,9 +68,11 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
         return Ok((source, computed(source)?));
     }
     for source in [PoseSource::Recording, PoseSource::Simulation] {
-        // A source without displacements is not an error here: the next source replaces it.
-        if let Ok(Some(poses)) = computed(source) {
-            return Ok((source, Some(poses)));
+        match computed(source) {
+            Ok(Some(poses)) => return Ok((source, Some(poses))),
+            Err(refused @ Error::Bake(_)) => return Err(refused),
+            // A source without displacements is not an error here: the next source replaces it.
+            Ok(None) | Err(_) => {}
         }
     }
     Ok((PoseSource::Checksum, None))
@@ -86,17 +94,77 @@ fn recorded(scene: &Scene) -> Result<Option<Poses>> {
     if !plant.layout.is_rigid() {
         return Ok(None);
     }
-    poses::measured(scene, &plant, recording, MAX_ROWS).map(Some)
+    check_equilibrium(scene, &plant)?;
+    let poses = poses::measured(scene, &plant, recording, MAX_ROWS)?;
+    check_position(scene, &plant, (&recording.file, &poses))?;
+    check_loads(scene, &plant, (&recording.file, &poses))?;
+    Ok(Some(poses))
 }
 
 fn simulated(scene: &Scene) -> Result<Poses> {
     let plant = Plant::try_new(scene)?;
+    check_equilibrium(scene, &plant)?;
     let mut span = poses::span(scene, &plant);
     span.settle = span.settle.min(MAX_SETTLING);
     let steps = f64::from(plant.substeps(1.0 / span.rate)?) * (span.settle + span.samples) as f64;
     // A higher rate limits the number of steps; a slow shaft then turns through fewer revolutions.
     span.rate *= (steps / MAX_STEPS).max(1.0);
-    poses::computed_over(scene, &plant, span)
+    let poses = poses::computed_over(scene, &plant, span)?;
+    check_loads(scene, &plant, (&scene.path, &poses))?;
+    Ok(poses)
+}
+
+/// Rejects a rotor that its bearings do not support: its motion has no bounds.
+fn check_equilibrium(scene: &Scene, plant: &Plant) -> Result<(), BakeError> {
+    if plant.residual <= LARGEST_RESIDUAL {
+        return Ok(());
+    }
+    Err(BakeError::NoEquilibrium { file: scene.path.clone(), residual: plant.residual, most: LARGEST_RESIDUAL })
+}
+
+/// Rejects a recorded position whose median force on a bearing is far beyond the loads on the rotor.
+fn check_position(scene: &Scene, plant: &Plant, (file, poses): (&Path, &Poses)) -> Result<(), BakeError> {
+    for (i, (mounted, poses)) in plant.bearings.iter().zip(poses).enumerate() {
+        let most = plausible_force(scene, plant, i);
+        let force = |pose: &Pose| {
+            let force = ForceModel::reaction(&mounted.bearing, &pose.u, &pose.at).wrench;
+            force.fx.hypot(force.fy).hypot(force.fz)
+        };
+        let mut forces: Vec<f64> = poses.iter().map(force).collect();
+        forces.sort_by(f64::total_cmp);
+        let found = forces.get(forces.len() / 2).copied().unwrap_or_default();
+        if found > most {
+            let (file, bearing) = (file.to_owned(), mounted.name.clone());
+            return Err(BakeError::Position { file, bearing, found, most, factor: LARGEST_UNSEEN_FORCE });
+        }
+    }
+    Ok(())
+}
+
+/// Rejects displacements that are no numbers or at which an element carries more than the static limit. Single readings of a recording
+/// may be spikes.
+fn check_loads(scene: &Scene, plant: &Plant, (file, poses): (&Path, &Poses)) -> Result<()> {
+    for ((of, mounted), poses) in scene.bearings.iter().zip(&plant.bearings).zip(poses) {
+        let bearing = || of.name.clone();
+        if poses.iter().any(|pose| !pose.u.is_finite()) {
+            let figure = "a displacement of the motion";
+            return Err(BakeError::NotFinite { file: file.to_owned(), bearing: bearing(), figure }.into());
+        }
+        let Some(most) = build::static_limit(of)? else { continue };
+        let mut on_elements = vec![0.0; mounted.elements];
+        let largest = |pose: &Pose| {
+            on_elements.fill(0.0);
+            mounted.bearing.element_loads(&pose.u, &pose.at, &mut on_elements);
+            on_elements.iter().copied().fold(0.0, f64::max)
+        };
+        let mut loads: Vec<f64> = poses.iter().map(largest).collect();
+        loads.sort_by(f64::total_cmp);
+        let found = loads.get(loads.len().saturating_sub(1 + loads.len() / SPIKES)).copied().unwrap_or_default();
+        if found > most {
+            return Err(BakeError::Overload { file: file.to_owned(), bearing: bearing(), found, most }.into());
+        }
+    }
+    Ok(())
 }
 
 /// A bearing with the written constants, evaluated on the desktop.

@@ -4,7 +4,7 @@ use super::accuracy::{Accuracy, BakedModel, PoseSource, accuracy, poses, totals}
 use super::embedded::escaped;
 use super::range::{Coverage, range};
 use super::{BakeOptions, Core, Language, identifier};
-use crate::error::Result;
+use crate::error::{BakeError, Result};
 use crate::handle::ForceModel;
 use crate::scene::build::TableData;
 use crate::scene::{Bearing, Facing, Scene};
@@ -134,6 +134,7 @@ impl Certificate {
             let totals = poses.as_ref().and_then(|poses| poses.get(index)).map(|poses| totals(poses, &baked.offset));
             let (range, coverage) = range((scene, of), &baked, totals.as_deref());
             let found = accuracy((scene, text), index, &baked, (poses.as_ref(), &range))?;
+            check_finite((scene, of), &found, &range)?;
             Ok(BearingCertificate::new(
                 of,
                 &baked,
@@ -187,6 +188,23 @@ impl Certificate {
     pub fn text(&self) -> String {
         let line = |field: &Field| format!("{}: {}", one_line(&field.name), one_line(&field.value));
         self.fields().iter().map(line).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Rejects figures that are no numbers.
+fn check_finite(
+    (scene, of): (&Scene, &Bearing),
+    found: &Accuracy,
+    range: &ChecksumRange,
+) -> std::result::Result<(), BakeError> {
+    let figures = [
+        (found.largest_load.is_finite(), "the largest load"),
+        (found.error.is_finite(), "the largest error"),
+        (range.centre.is_finite() && range.amplitude.is_finite(), "a displacement of the checksum"),
+    ];
+    match figures.into_iter().find(|(is_finite, _)| !is_finite) {
+        Some((_, figure)) => Err(BakeError::NotFinite { file: scene.path.clone(), bearing: of.name.clone(), figure }),
+        None => Ok(()),
     }
 }
 

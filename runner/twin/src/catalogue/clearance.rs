@@ -35,6 +35,14 @@ impl ClearanceClass {
         found.map_or_else(Self::default, |(class, _)| class)
     }
 
+    /// Returns true where the suffixes of a designation have a class of clearance that does not exist or has no values here, such as
+    /// `C8`: the letter and one digit.
+    pub(super) fn is_unknown(suffixes: &str) -> bool {
+        let pieces = suffixes.split('C').skip(1).filter(|piece| piece.starts_with(|c: char| c.is_ascii_digit()));
+        let is_class = |piece: &&str| piece.chars().take_while(char::is_ascii_digit).count() == 1;
+        pieces.filter(is_class).any(|piece| !piece.starts_with(['2', '3', '4', '5']))
+    }
+
     fn index(self) -> usize {
         Self::NAMED.iter().position(|(class, _)| *class == self).unwrap_or(1)
     }

@@ -46,7 +46,12 @@ impl UnknownBearing {
     #[must_use]
     pub fn expected(&self) -> String {
         let similar = if self.similar.is_empty() { "6205, 7206B, NU205".to_owned() } else { self.similar.join(", ") };
-        format!("a bearing of the catalogue, such as {similar} (ballrace new --list prints all)")
+        let class = if ClearanceClass::is_unknown(&self.found.to_ascii_uppercase()) {
+            ", with C2, CN, C3, C4 or C5"
+        } else {
+            ""
+        };
+        format!("a bearing of the catalogue, such as {similar}{class} (ballrace new --list prints all)")
     }
 }
 
@@ -71,7 +76,7 @@ impl std::error::Error for UnknownBearing {}
 /// ```
 ///
 /// # Errors
-/// Returns an error if the designation is not in the catalogue.
+/// Returns an error if the designation is not in the catalogue, or its class of clearance does not exist.
 pub fn find(designation: &str) -> Result<Listed, UnknownBearing> {
     let upper = designation.to_ascii_uppercase();
     let maker = MAKERS.iter().find(|maker| upper.trim_start().starts_with(**maker));
@@ -84,6 +89,9 @@ pub fn find(designation: &str) -> Result<Listed, UnknownBearing> {
     match entry {
         Some(entry) => {
             let suffixes = compact.get(entry.designation.len()..).unwrap_or_default();
+            if ClearanceClass::is_unknown(suffixes) {
+                return Err(UnknownBearing { found: designation.to_owned(), similar: vec![entry.designation] });
+            }
             Ok(Listed { entry, class: ClearanceClass::of_suffixes(suffixes) })
         }
         None => Err(UnknownBearing { found: designation.to_owned(), similar: similar(&compact) }),

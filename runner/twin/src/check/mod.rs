@@ -4,10 +4,12 @@
 //! The recording is read once. The only model used is the static equilibrium, which bounds the readings that the bearings allow.
 
 mod unknown;
+mod values;
 
 pub use crate::outcome::Implausibility;
 pub use crate::plausibility::{ReadingSummary, VoltageSummary};
 pub use unknown::{UnknownValue, unknown_values};
+pub use values::ProbeCentre;
 
 use crate::diagnosis::block::Block;
 use crate::error::Result;
@@ -79,6 +81,8 @@ pub struct RecordingSummary {
     pub speed_is_measured: bool,
     /// Readings of each column.
     pub readings: Vec<ReadingSummary>,
+    /// Mean of each radial probe beside the clearance; empty without a rotor.
+    pub centres: Vec<ProbeCentre>,
     /// Note on the run-out that is subtracted before 1X is computed; `None` without `run_out`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_out: Option<String>,
@@ -113,13 +117,14 @@ pub fn check(
         })
     });
     let bearings = bearings.collect::<Result<Vec<_>>>()?;
-    let (recording, implausible) = match reader {
+    let (recording, mut implausible) = match reader {
         Some(reader) => {
             let (summary, found) = read(scene, plant.as_ref(), reader, file, progress)?;
             (Some(summary), found)
         }
         None => (None, implausible_scene(scene)),
     };
+    implausible.extend(values::of_scene(scene, plant.as_ref())?);
     Ok(Checked {
         scene: scene.name.clone(),
         bearings,
@@ -181,7 +186,7 @@ fn read(
     let speed_is_measured = !matches!(recording.rotation, RotationSource::Scene);
     let rotation = rotation.err();
     let samples = block.into_samples();
-    let found = implausible(&Evidence {
+    let mut found = implausible(&Evidence {
         scene,
         rate_hz: rate,
         collected: &collected,
@@ -189,6 +194,12 @@ fn read(
         rotation: rotation.as_ref(),
         samples: &samples,
     });
+    let readings = collected.summary(recording);
+    // Readings in another unit also contradict noise and zero of the probes.
+    if found.is_empty() {
+        found = values::of_readings((scene, recording), plant, &readings);
+    }
+    let centres = plant.map_or_else(Vec::new, |plant| values::centres((scene, recording), plant, &readings));
     let summary = RecordingSummary {
         file: file.to_owned(),
         rate_hz: rate,
@@ -196,7 +207,8 @@ fn read(
         seconds: rows as f64 / reader.rate(),
         speed_rpm: collected.speeds().rpm(),
         speed_is_measured,
-        readings: collected.summary(recording),
+        readings,
+        centres,
         run_out: run_out.map(|run_out| run_out.note()),
         angle_source: tracker.source(),
         flaws: reader.flaws().summary(),

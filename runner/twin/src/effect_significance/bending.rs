@@ -1,6 +1,6 @@
 //! Significance of bending: bearing forces and 1X response of a flexible rotor against those of the same rotor without bending.
 
-use super::{EffectSignificance, size};
+use super::{EffectSignificance, share, size};
 use crate::flexible_rotor::Modes;
 use crate::plant::{Plant, PlantError, Result, response};
 use crate::scene::{Direction, Scene};
@@ -34,9 +34,9 @@ impl Bending {
         let changes: Vec<f64> = flexible.bearings.iter().zip(&rigid.bearings).map(|(a, b)| a.change(b)).collect();
         let largest = changes.iter().copied().fold(0.0, f64::max);
         let mut because = first_bending(plant)?;
-        because.push_str(&format!("; a rigid rotor changes the bearing forces by up to {}", percent(largest)));
+        because.push_str(&format!("; a rigid rotor changes the bearing forces by up to {}", share(largest)));
         if let Some(change) = response_change(&flexible.probes, &rigid.probes) {
-            because.push_str(&format!(" and the 1X response at the probes by up to {}", percent(change)));
+            because.push_str(&format!(" and the 1X response at the probes by up to {}", share(change)));
         }
         let entry = |(bearing, change): (&crate::scene::Bearing, f64)| EffectSignificance {
             bearing: bearing.name.clone(),
@@ -84,7 +84,7 @@ impl Loads {
     fn new(scene: &Scene, plant: &Plant) -> Result<Self> {
         let scales = plant.scales()?;
         let matrices = [&scales.mass, &scales.damping, &scales.gyroscopic, &plant.stiffness];
-        let q = response(matrices, &scales.unbalance, scene.shaft.speed.nominal());
+        let q = response(matrices, &scales.unbalance, plant.speed());
         let bearings = plant.bearings.iter().enumerate().map(|(i, mounted)| {
             let displacement = plant.displacement(i, &plant.rest);
             let at = plant.resting(mounted, Phase::ZERO);
@@ -103,10 +103,6 @@ impl Loads {
             probes: radial.map(|p| product(&plant.layout.probe_row(p), &q)).collect(),
         })
     }
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
 }
 
 fn product(row: &[f64], q: &DVector<Complex<f64>>) -> Complex<f64> {

@@ -27,6 +27,14 @@ pub enum SweepError {
         /// Form expected.
         expected: String,
     },
+    /// Numbers without a unit of a quantity whose usual unit is not that of SI.
+    #[error("--over: no unit: {found:?}, expected {expected}")]
+    NoUnit {
+        /// Text of the option.
+        found: String,
+        /// The two likely readings.
+        expected: String,
+    },
     /// A key that the scene does not have.
     #[error("--over: {0}")]
     Key(UnknownKey),
@@ -117,7 +125,10 @@ impl SweepError {
     /// Returns true where the options of the command are wrong.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
-        matches!(self, Self::Axis { .. } | Self::Key(_) | Self::Points { .. } | Self::Samples { .. })
+        matches!(
+            self,
+            Self::Axis { .. } | Self::NoUnit { .. } | Self::Key(_) | Self::Points { .. } | Self::Samples { .. }
+        )
     }
 }
 
@@ -289,6 +300,62 @@ pub enum BakeError {
         module: String,
         /// Names of the bearings.
         bearings: [String; 2],
+    },
+    /// A rotor that its bearings do not support.
+    #[error(
+        "{}: no equilibrium: {residual:.2e} of the load is not balanced, expected at most {most:.0e} in bake",
+        file.display()
+    )]
+    NoEquilibrium {
+        /// Scene file.
+        file: PathBuf,
+        /// Residual of the equilibrium over the load.
+        residual: f64,
+        /// Largest residual.
+        most: f64,
+    },
+    /// A displacement or force that is no number.
+    #[error("{}: bearing {bearing}: {figure} out of the range of numbers, expected finite values in bake", file.display())]
+    NotFinite {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Name of the value.
+        figure: &'static str,
+    },
+    /// A motion with loads beyond the static rating.
+    #[error(
+        "{}: bearing {bearing}: load of {found:.2e} N on an element, expected at most {most:.2e} N, the static limit of ISO 76",
+        file.display()
+    )]
+    Overload {
+        /// Scene or recording.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Largest load on an element, N.
+        found: f64,
+        /// Load on an element at the permissible static contact pressure, N.
+        most: f64,
+    },
+    /// A recording whose position is not that of the shaft in its bearings.
+    #[error(
+        "{}: bearing {bearing}: median force of {found:.2e} N at the recorded position, expected at most {most:.2e} N, the static force and \
+         {factor} times the loads on the rotor: the gap of the probes is in the readings (offset)",
+        file.display()
+    )]
+    Position {
+        /// The recording.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Median of the magnitude of the force, N.
+        found: f64,
+        /// Largest force, N.
+        most: f64,
+        /// Largest force over the loads on the rotor.
+        factor: f64,
     },
     /// An observer whose gains the scene does not determine.
     #[error("{}: [observer]: {found} in bake, expected {expected}", file.display())]

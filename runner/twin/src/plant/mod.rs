@@ -260,6 +260,16 @@ impl Plant {
         Ok(Some(plant))
     }
 
+    /// Returns the plant in static equilibrium at another shaft speed, rad/s, without notes.
+    ///
+    /// # Errors
+    /// As [`Plant::try_new`].
+    pub fn at_speed(&self, speed: f64) -> Result<Self> {
+        let mut plant = Self { speed, notes: vec![], ..self.clone() };
+        plant.settle()?;
+        Ok(plant)
+    }
+
     /// Returns the shaft speed of the equilibrium, rad/s.
     #[must_use]
     pub const fn speed(&self) -> f64 {

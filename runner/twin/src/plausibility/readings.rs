@@ -35,6 +35,9 @@ pub struct ReadingSummary {
     pub one_x: Option<[f64; 2]>,
     /// Samples with a reading.
     pub samples: u64,
+    /// Rms of the white noise, at most, from the quietest part; none of few readings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<f64>,
 }
 
 /// Sensitivity and mean voltage of a probe.
@@ -60,10 +63,47 @@ impl VoltageSummary {
     }
 }
 
+/// Least mean square of the third differences over blocks of consecutive readings: the motion of a shaft is slow beside the
+/// sampling rate, so that what remains is noise. White noise of the variance s^2 has third differences of 20 s^2.
+#[derive(Debug, Clone, Copy, Default)]
+struct Differences {
+    /// The last three readings.
+    last: [f64; 3],
+    readings: u64,
+    sum: f64,
+    least: Option<f64>,
+}
+
+impl Differences {
+    const BLOCK: u64 = 64;
+    const OF_WHITE_NOISE: f64 = 20.0;
+
+    fn add(&mut self, x: f64) {
+        let [c, b, a] = self.last;
+        self.last = [b, a, x];
+        self.readings += 1;
+        if self.readings <= 3 {
+            return;
+        }
+        self.sum += (x - 3.0 * a + 3.0 * b - c).powi(2);
+        if (self.readings - 3).is_multiple_of(Self::BLOCK) {
+            let mean = self.sum / Self::BLOCK as f64;
+            self.least = Some(self.least.map_or(mean, |least| least.min(mean)));
+            self.sum = 0.0;
+        }
+    }
+
+    /// Returns the rms of the noise.
+    fn noise(&self) -> Option<f64> {
+        self.least.map(|least| (least / Self::OF_WHITE_NOISE).sqrt())
+    }
+}
+
 /// Sums over one column.
 #[derive(Debug, Clone, Copy)]
 struct Sums {
     all: Moments,
+    differences: Differences,
     least: f64,
     greatest: f64,
     last: f64,
@@ -82,6 +122,7 @@ impl Default for Sums {
         let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         Self {
             all: Moments::default(),
+            differences: Differences::default(),
             least,
             greatest,
             last: f64::NAN,
@@ -102,6 +143,7 @@ impl Sums {
         self.falls &= is_first || x < self.last;
         self.last = x;
         self.all.add(x);
+        self.differences.add(x);
     }
 
     /// Returns cosine and sine amplitude of 1X.
@@ -208,6 +250,7 @@ impl Collector {
                     .one_x()
                     .map(|[cos, sin]| [cos.hypot(sin) * scale, sin.atan2(cos).to_degrees().rem_euclid(360.0)]),
                 samples: sums.all.count(),
+                noise: sums.differences.noise().map(|noise| noise * scale),
             }
         };
         probes.chain(sensors).chain(temperatures).zip(&self.columns).map(one).collect()

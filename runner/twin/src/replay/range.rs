@@ -7,7 +7,7 @@
 //! station: nothing bounds them.
 
 use super::notices::Notices;
-use crate::plant::{MountedBearing, PRESSURE_LIMIT, Plant};
+use crate::plant::{MountedBearing, Plant};
 use crate::plausibility::ReadingLimits;
 use crate::recording::flaws::{Flaw, FlawLedger, Position};
 use crate::recording::status::SampleStatus;
@@ -15,7 +15,6 @@ use crate::recording::{Row, Sample};
 use crate::scene::build::BuildError;
 use crate::scene::{Direction, Probe, Scene, build};
 use ballrace::bearing::Bearing as _;
-use ballrace::contact::hertz::Race;
 use ballrace::{Displacement, Phase};
 
 /// Factor on the limit of the bearings up to which readings are accepted.
@@ -23,7 +22,9 @@ const MARGIN: f64 = 3.0;
 /// Force of a bearing with unknown contact pressure at its limit, over the loads on the rotor.
 const LARGEST_FORCE: f64 = 1000.0;
 /// Axial force over the loads on the rotor up to which the observer's axial position is accepted without an axial probe.
-const LARGEST_UNSEEN_FORCE: f64 = 10.0;
+pub(crate) const LARGEST_UNSEEN_FORCE: f64 = 10.0;
+/// m/s^2
+pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
 /// First and last displacement of the search, m.
 const SEARCH: (f64, f64) = (1e-7, 1e-2);
 /// Ratio of successive displacements of the search.
@@ -67,13 +68,8 @@ impl ReadingRange {
         }
         let loads = loads(scene);
         let limits = scene.bearings.iter().zip(&plant.bearings).map(|(bearing, mounted)| {
-            let geometry = build::geometry(bearing)?;
-            let pressure_limit = geometry.map(|g| {
-                // The pressure grows with the third root of the load.
-                let unit = g.contact(Race::Inner).ellipse(1.0).2;
-                (PRESSURE_LIMIT / unit).powi(3)
-            });
-            Ok(Limit::new(plant, mounted, pressure_limit, LARGEST_FORCE * loads))
+            let element_load = build::geometry(bearing)?.and(build::static_limit(bearing)?);
+            Ok(Limit::new(plant, mounted, element_load, LARGEST_FORCE * loads))
         });
         let limits = limits.collect::<Result<Vec<_>, BuildError>>()?;
         let largest = probes.iter().map(|probe| MARGIN * at_probe(&limits, probe)).collect();
@@ -198,6 +194,27 @@ impl Limit {
             tilt: in_one_direction(reach(tilt, 10.0), reach(tilt, -10.0)),
         }
     }
+}
+
+/// Returns the largest plausible force on bearing `i` over a recording, N: that of the static equilibrium, in which a preload counts, and
+/// [`LARGEST_UNSEEN_FORCE`] times the loads on the rotor or its weight; infinite without a rotor.
+pub(crate) fn plausible_force(scene: &Scene, plant: &Plant, i: usize) -> f64 {
+    let weight = scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass * STANDARD_GRAVITY);
+    let Some(bearing) = plant.bearings.get(i).filter(|_| weight > 0.0) else { return f64::INFINITY };
+    let (u, at) = (plant.displacement(i, &plant.rest), plant.resting(bearing, Phase::ZERO));
+    let [x, y, z, ..] = bearing.bearing.reaction(&u, &at).wrench.to_array();
+    x.hypot(y).hypot(z) + LARGEST_UNSEEN_FORCE * loads(scene).max(weight)
+}
+
+/// Returns the largest magnitude of each probe's mean reading under the [`plausible_force`] of the bearings, m; infinite where nothing
+/// bounds it.
+pub(crate) fn positions(scene: &Scene, plant: &Plant, probes: &[Probe]) -> Vec<f64> {
+    if plant.layout.is_given() || scene.rotor.is_none() {
+        return vec![f64::INFINITY; probes.len()];
+    }
+    let limit = |(i, bearing)| Limit::new(plant, bearing, None, plausible_force(scene, plant, i));
+    let limits: Vec<Limit> = plant.bearings.iter().enumerate().map(limit).collect();
+    probes.iter().map(|probe| at_probe(&limits, probe)).collect()
 }
 
 /// Returns the largest magnitude of an axial position without an axial probe. Innovations do not correct it, so it may diverge

@@ -1,7 +1,15 @@
 //! Change of single values in the text of a scene; comments and order of the text stay.
 
+use super::read::read_str;
+use super::units::Dimension;
 use serde_json::Value as Json;
+use std::path::Path;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
+
+/// Value of a key that the user has to fill in.
+pub const UNKNOWN: &str = "?";
+/// A quantity whose unit no dimension has.
+const NO_UNIT: &str = "1 unit-unknown";
 
 /// One part of a key: a name, or an index of a list.
 enum Part<'a> {
@@ -54,6 +62,27 @@ pub fn with_values(text: &str, values: &[(&str, &str)]) -> Result<String, Unknow
         put(&mut document, key.trim(), value.parse().unwrap_or_else(|_| Value::from(value)))?;
     }
     Ok(document.to_string())
+}
+
+/// Returns the dimension of the quantity at `key`; none where the scene reads no quantity there, or where it has other errors. Values
+/// that are still open in a draft are no errors.
+#[must_use]
+pub fn dimension_of(text: &str, file: &Path, key: &str) -> Option<Dimension> {
+    let mut document: DocumentMut = text.parse().ok()?;
+    put(&mut document, key.trim(), Value::from(NO_UNIT)).ok()?;
+    let open = text.matches(UNKNOWN).count();
+    for _ in 0..=open {
+        // The reader reports the dimension that it expects where the unit is unknown.
+        let error = read_str(&document.to_string(), file).err()?;
+        let dimension = Dimension::of_expected(&error.expected);
+        if error.found.contains(NO_UNIT) {
+            return dimension;
+        }
+        // A value that is still open and no quantity is a list, such as the damping of a rotor.
+        let example = || Value::from([1.0; 5].into_iter().collect::<Array>());
+        put(&mut document, &error.key, dimension.map_or_else(example, |one| Value::from(one.example()))).ok()?;
+    }
+    None
 }
 
 /// Returns a value of a scene from one of JSON; none for `null`.

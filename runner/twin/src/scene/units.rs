@@ -213,6 +213,33 @@ impl Dimension {
         }
     }
 
+    /// Returns the two units that a bare number on a command line most likely has, the more likely one first; none where the usual
+    /// unit is that of SI, and for 0, which is the same in both.
+    #[must_use]
+    pub fn likely_units(self, number: f64) -> Option<[&'static str; 2]> {
+        match self {
+            _ if number == 0.0 => None,
+            Self::Speed => Some(["rpm", "rad/s"]),
+            Self::Angle => Some(["deg", "rad"]),
+            Self::Length if number.abs() < 1.0 => Some(["mm", "m"]),
+            Self::Length => Some(["um", "mm"]),
+            Self::Pressure => Some(["GPa", "Pa"]),
+            Self::Unbalance => Some(["g mm", "kg m"]),
+            Self::Sensitivity => Some(["mV/um", "V/m"]),
+            _ => None,
+        }
+    }
+
+    /// Returns an example of a quantity.
+    pub(super) fn example(self) -> &'static str {
+        self.row().example
+    }
+
+    /// Returns the dimension that an error about a unit expects.
+    pub(super) fn of_expected(expected: &str) -> Option<Self> {
+        FIXED.into_iter().find(|dimension| dimension.expected("") == expected)
+    }
+
     fn fits(self, powers: Powers) -> bool {
         let row = self.row();
         let near = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance;

@@ -59,16 +59,42 @@ impl Axis {
         Ok(Self { key: key.trim().to_owned(), values: numbers, unit })
     }
 
-    /// Returns the values in SI, of the dimension that they have; numbers without a unit are SI.
+    /// Returns the values in SI, of the dimension that they have. Numbers without a unit are SI where that is the usual unit.
     ///
     /// # Errors
-    /// A unit of another dimension.
+    /// A unit of another dimension; no unit where the usual one is not that of SI.
     pub fn in_si(&self, dimension: Dimension) -> Result<Vec<f64>, Mismatch> {
+        if let Some(expected) = self.likely(dimension) {
+            return Err(Mismatch { found: format!("{:?} (has no unit)", self.range("")), expected });
+        }
         let in_si = |value: &f64| match self.unit.as_str() {
             "" => Ok(*value),
             unit => units::parse(&format!("{value} {unit}"), dimension),
         };
         self.values.iter().map(in_si).collect()
+    }
+
+    /// Returns the two likely readings of numbers without a unit, none where they are not ambiguous.
+    pub(super) fn likely(&self, dimension: Dimension) -> Option<String> {
+        let largest = self.values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let [first, second] = dimension.likely_units(largest).filter(|_| self.unit.is_empty())?;
+        Some(format!("{:?} or {:?}", self.range(first), self.range(second)))
+    }
+
+    /// Returns the values in `unit`, as the command line writes them.
+    pub(super) fn range(&self, unit: &str) -> String {
+        match self.values.as_slice() {
+            [from, .., to] if self.values.len() > 2 && self.is_even() => {
+                format!("{from}{unit}..{to}{unit}:{}", self.values.len())
+            }
+            all => all.iter().map(|value| format!("{value}{unit}")).collect::<Vec<_>>().join(","),
+        }
+    }
+
+    /// Returns true where all steps between the values are the same.
+    fn is_even(&self) -> bool {
+        let steps: Vec<f64> = self.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.iter().all(|step| (step - steps[0]).abs() <= 1e-9 * steps[0].abs())
     }
 
     /// Returns the value as a scene writes it.

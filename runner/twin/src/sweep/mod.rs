@@ -13,7 +13,7 @@ pub use tables::{csv, parquet, sections};
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Error, Result, SweepError};
 use crate::scene::Scene;
-use crate::scene::edit::put;
+use crate::scene::edit::{dimension_of, put};
 use crate::scene::read::read_str;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -79,19 +79,31 @@ const MAX_NUMBERS: usize = 1 << 27;
 const NUMBERS_OF_POINT: usize = 256;
 
 impl Plan {
-    /// Checks the number of points, before memory for them is allocated.
+    /// Checks the units of the axes, and the number of points before memory for them is allocated.
     ///
     /// # Errors
-    /// Results of more than 2^27 numbers.
+    /// Results of more than 2^27 numbers; numbers without a unit where the usual unit is not that of SI.
     pub fn checked(self) -> Result<Self> {
         let both_ways = if self.follow == Follow::Both { 2 } else { 1 };
         let most = MAX_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
         let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
         if points.is_some_and(|points| points <= most) {
+            self.check_units()?;
             return Ok(self);
         }
         let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
         Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods }.into())
+    }
+
+    fn check_units(&self) -> Result<(), SweepError> {
+        for axis in self.axes.iter().filter(|axis| axis.unit.is_empty()) {
+            let dimension = dimension_of(&self.text, &self.path, &axis.key);
+            if let Some(expected) = dimension.and_then(|dimension| axis.likely(dimension)) {
+                let found = format!("{}={}", axis.key, axis.range(""));
+                return Err(SweepError::NoUnit { found, expected });
+            }
+        }
+        Ok(())
     }
 
     /// Returns the number of points.
@@ -204,9 +216,13 @@ impl Plan {
         points.dedup_by_key(|row| row.point);
         let mut all = Vec::new();
         for row in points {
-            let at = Some(self.named(&row.values));
+            let point = self.named(&row.values);
+            let at = |effect: &EffectSignificance| match &effect.at {
+                Some(speed) => format!("{point}, {speed}"),
+                None => point.clone(),
+            };
             let of_point = effect_significance::of_scene(&self.scene(&row.values)?)?;
-            all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: at.clone(), ..effect }));
+            all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: Some(at(&effect)), ..effect }));
         }
         Ok(effect_significance::largest(all))
     }

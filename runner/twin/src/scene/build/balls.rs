@@ -15,7 +15,9 @@ use ballrace::bearing::surface::{Surface, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Grid, Table, TableDomain, Tabulated, fill_table};
 use ballrace::bearing::{Bearing, ElementLayout, ElementPosition, Mirrored, Reaction};
 use ballrace::contact::hertz::Race;
+use ballrace::contact::line::roller_stiffness;
 use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Returns the parameters of the balls' inertia.
@@ -245,6 +247,34 @@ pub fn point_contact_approach(stiffness: f64, load: f64) -> f64 {
 
 /// Permissible static contact pressure of ball bearings, Pa (ISO 76); the default upper limit of a table.
 pub const PRESSURE_LIMIT: f64 = 4.2e9;
+/// Permissible static contact pressure of roller bearings, Pa (ISO 76).
+pub const ROLLER_PRESSURE_LIMIT: f64 = 4.0e9;
+/// Young's modulus (Pa) and Poisson's ratio of the rollers of the catalogue.
+const ROLLER_STEEL: [f64; 2] = [206e9, 0.3];
+
+/// Returns the load on an element at the permissible static contact pressure of ISO 76, N: of balls, and of the rollers of the catalogue
+/// with the length that their stiffness has by [`roller_stiffness`]; none where the contact is not known.
+///
+/// # Errors
+/// A bearing geometry that the kernel rejects.
+pub fn static_limit(of: &BearingScene) -> Result<Option<f64>, BuildError> {
+    if let Some(geometry) = super::geometry(of)? {
+        // The pressure grows with the third root of the load.
+        let unit = geometry.contact(Race::Inner).ellipse(1.0).2;
+        return Ok(Some((PRESSURE_LIMIT / unit).powi(3)));
+    }
+    let entry = of.catalogue.as_ref().map(|catalogue| catalogue.listed.entry);
+    let stiffness = of.law.and_then(|law| law.stiffness);
+    let (Some(entry), Some(stiffness)) = (entry, stiffness) else { return Ok(None) };
+    let length = (stiffness / roller_stiffness(1.0)).powf(9.0 / 8.0);
+    let [roller, pitch] = [entry.element_diameter, entry.pitch_diameter].map(|diameter| diameter * 1e-3);
+    let radius = 1.0 / (2.0 / roller + 2.0 / (pitch - roller));
+    let [youngs_modulus, poissons_ratio] = ROLLER_STEEL;
+    let modulus = youngs_modulus / (2.0 * (1.0 - poissons_ratio * poissons_ratio));
+    // A Hertzian line contact: p^2 = Q E / (pi l R).
+    Ok(Some(PI * length * radius * ROLLER_PRESSURE_LIMIT.powi(2) / modulus))
+}
+
 /// Contact angles to either side of the free one, rad.
 const TABLE_ANGLES: f64 = 0.4;
 /// Squares of the speeds about a constant one; inertia loads are linear in the square, and the constant speed is a node.
