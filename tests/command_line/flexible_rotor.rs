@@ -83,3 +83,77 @@ fn a_rigid_rotor_is_a_bar() {
     let outcome: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     assert!(outcome.get("rotor").is_none());
 }
+
+/// A shaft with an overhung disk, at `rpm`; `more` are further lines of the rotor.
+fn overhung(rpm: u32, more: &str) -> Desk {
+    let bearing = |name: &str, station: f64, [x, y]: [&str; 2]| {
+        format!(
+            "[[bearing]]\nname = \"{name}\"\nstation = {station}\nmodel = \"linear\"\nelements = 9\nstiffness_matrix = \
+             [[{x}, 0, 0, 0, 0], [0, {y}, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0]]\n"
+        )
+    };
+    let desk = Desk::empty();
+    desk.put(
+        "scene.toml",
+        format!(
+            "name = \"overhung\"\n[shaft]\nspeed = \"{rpm} rpm\"\n[rotor]\nsections = [\n\
+             {{ from = 0, to = 0.7, outer_diameter = 0.040 }},\n{{ from = 0.7, to = 0.9, outer_diameter = 0.030 }},\n]\n\
+             disks = [\n{{ station = 0.35, mass = 15, diametral_inertia = 0.06, polar_inertia = 0.115 }},\n\
+             {{ station = 0.88, mass = 6, diametral_inertia = 0.018, polar_inertia = 0.034 }},\n]\n\
+             youngs_modulus = 211e9\npoissons_ratio = 0.3\ndensity = 7810\ngravity = [0, 0, 0]\n{more}\n\
+             proportional_damping = {{ stiffness = 2e-5 }}\n\
+             unbalance = [{{ moment = \"100 g mm\", angle = \"30 deg\", station = 0.35 }}]\n{}{}",
+            bearing("a", 0.05, ["2e7", "3e7"]),
+            bearing("b", 0.65, ["5e7", "4e7"])
+        ),
+    );
+    desk
+}
+
+/// An overhung disk turns about its diameter: the reduction is within its stated error at speed, with the gyroscopic effect, and every
+/// command states the error.
+#[test]
+fn a_rotor_with_an_overhung_disk_is_reduced_by_its_error_at_speed() {
+    let desk = overhung(2400, "");
+    let few: Value = desk.done(&["campbell", "scene.toml", "--speeds", "2400rpm", "--format", "json"]).json();
+    assert!(number(&few, "/0/rotor/frequency_error_percent") <= 0.5, "{}", few[0]["rotor"]);
+    assert!(number(&few, "/0/rotor/coordinates") > 15.0, "{}", few[0]["rotor"]);
+    let fast: Value = desk.done(&["campbell", "scene.toml", "--speeds", "12000rpm", "--format", "json"]).json();
+    let finest = overhung(2400, "coordinates = 31");
+    let many: Value =
+        finest.done(&["campbell", "scene.toml", "--speeds", "2400rpm,12000rpm", "--format", "json"]).json();
+    // Overdamped pairs of many coordinates are no whirl.
+    let whirling = |found: &Value| -> Vec<f64> {
+        let modes = list(found, "modes").iter().filter(|mode| number(mode, "/damping_ratio") < 0.9);
+        modes.map(|mode| number(mode, "/frequency_hz")).take(6).collect()
+    };
+    for (few, many) in [(&few[0], &many[0]), (&fast[0], &many[1])] {
+        for (few, many) in whirling(few).iter().zip(whirling(many)) {
+            assert!((few / many - 1.0).abs() < 5e-3, "{few} {many} Hz");
+        }
+    }
+    for arguments in [
+        &["campbell", "scene.toml", "--speeds", "2400rpm"][..],
+        &["check", "scene.toml"],
+        &["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "--output", "r.csv"],
+    ] {
+        let text = desk.done(arguments).out;
+        assert!(text.contains("Reduced model: "), "{arguments:?}: {text}");
+        assert!(!text.contains("by more than allowed"), "{arguments:?}: {text}");
+    }
+}
+
+/// Too few coordinates are named with their error.
+#[test]
+fn too_few_coordinates_are_a_warning() {
+    let desk = overhung(2400, "coordinates = 9");
+    for arguments in [
+        &["campbell", "scene.toml", "--speeds", "2400rpm"][..],
+        &["check", "scene.toml"],
+        &["equilibrium", "scene.toml"],
+        &["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "--output", "r.csv"],
+    ] {
+        let text = desk.done(arguments).out.replace('\n', " ");
+        assert!(text.contains("The reduced rotor of 9 coordinates differs"), "{arguments:?}: {text}");
+    }
+}

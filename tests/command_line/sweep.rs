@@ -1,6 +1,6 @@
 //! `ballrace sweep`: its points are those of `simulate`, and a sweep in parts is the sweep in one.
 
-use crate::support::{Desk, numbers};
+use crate::support::{Desk, numbers, swap};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
@@ -193,4 +193,18 @@ fn numbers_without_a_unit_are_si_where_that_is_usual() {
     let desk = desk("tiwari-balanced");
     sweep(&desk, &["--over", "bearing.A.elements=8", "--over", "rotor.mass=0.5,0.6", "-o", "a"]);
     assert_eq!(column(&desk, "a.csv", "rotor.mass"), [Some(0.5), Some(0.6)]);
+}
+
+/// Without `--settle`, a transient that decays slower than the damping of the rotor is awaited: a balanced rotor has no subharmonics
+/// where its Lyapunov exponent is far below 0.
+#[test]
+fn a_slow_transient_is_no_subharmonic() {
+    let desk = desk("tiwari-balanced");
+    let scene = swap(&desk.read("scene.toml"), "radial_play = \"3 um\"", "radial_play = \"1 um\"");
+    desk.put("scene.toml", scene);
+    let over = "shaft.speed=8000rpm,8200rpm,8400rpm,8600rpm";
+    desk.done(&["sweep", "scene.toml", "--over", over, "--lyapunov", "-o", "a"]);
+    let (periods, exponents) = (column(&desk, "a.csv", "period"), column(&desk, "a.csv", "lyapunov_per_s"));
+    assert!(exponents.iter().all(|exponent| exponent.unwrap() < -10.0), "{exponents:?}");
+    assert_eq!(periods, [Some(1.0); 4], "{exponents:?}");
 }

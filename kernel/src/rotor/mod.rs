@@ -92,7 +92,7 @@ pub struct RotorState<T, const D: usize, const N: usize> {
     pub q: [T; D],
     /// Velocities of the coordinates, per second.
     pub velocity: [T; D],
-    /// Accelerations of the coordinates; [`Newmark`] uses them in the next step.
+    /// Accelerations of the coordinates; [`Newmark`] uses them in the next step, [`Newmark::start`] computes the first ones.
     pub acceleration: [T; D],
     /// Angles of the bearing components at the shaft angle `shaft_angle`.
     pub component_angles: [ComponentAngles; N],

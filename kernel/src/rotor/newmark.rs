@@ -1,7 +1,7 @@
 //! Newmark method with beta = 1/4, gamma = 1/2 (trapezoidal rule: no numerical damping, unconditionally stable for a linear
 //! system) and a fixed number of Newton steps with the analytic tangent of the bearings.
 
-use super::vector::{add, add_scaled};
+use super::vector::{add, add_scaled, all_finite};
 use super::{ForceElement, Integrator, RotorBearingSystem, RotorState, SecondOrderSystem, ShaftMotion, accept, solve};
 use crate::scalar::Scalar;
 use crate::status::Status;
@@ -17,6 +17,28 @@ pub struct Newmark<T> {
     pub step: T,
     /// Newton steps per time step; 3 reach the rounding of `f64` for smooth contact at usual time steps.
     pub newton_steps: u8,
+}
+
+impl<T: Scalar> Newmark<T> {
+    /// Sets the acceleration of `state` by the equation of motion, with the shaft motion at the start of the next step.
+    ///
+    /// A state whose coordinates or velocities were set from outside has no valid acceleration; without it, the first step is of order 1.
+    /// A result that is not finite leaves the state unchanged.
+    pub fn start<R: SecondOrderSystem<T, D>, C: ForceElement<T, D>, const D: usize, const N: usize>(
+        system: &RotorBearingSystem<R, C, N>,
+        state: &mut RotorState<T, D, N>,
+        shaft: &ShaftMotion<T>,
+    ) {
+        let parts = system.advance_components(&state.component_angles, shaft.angle.since(state.shaft_angle));
+        let bearings = system.bearing_forces(&state.q, &system.kinematic_states(&parts, shaft));
+        let mut force = system.rotor.excitation(shaft);
+        add(&mut force, &bearings.force);
+        add(&mut force, &system.rotor.internal_force(&state.q, &state.velocity, shaft.speed));
+        let acceleration = system.rotor.acceleration(&force);
+        if all_finite(&acceleration) {
+            state.acceleration = acceleration;
+        }
+    }
 }
 
 impl<T: Scalar> Integrator<T> for Newmark<T> {

@@ -188,7 +188,7 @@ class Scene:
         over : mapping
             Key to values: a range such as ``"500rpm..10000rpm:200"`` or a list; the first key varies fastest.
         settle : float or str, optional
-            Transient at each point, s; from the rotor's damping by default.
+            Transient at each point, s; by default from the rotor's damping, longer until it has died out.
         periods : int
             Section periods measured at each point.
         section : {"ball-pass", "shaft"}

@@ -4,8 +4,10 @@ use super::figures::{Shape, diagram, mode_shapes, rotor};
 use super::html::typeset;
 use super::number::{count, fixed};
 use super::page::{self, Column, Fact, Page, PageSection, Table};
+use super::words::reduced_rotor;
 use anyhow::Result;
 use ballrace_twin::campbell::{AtSpeed, CriticalSpeed, ModeBranch, ModeShape, Whirl, branches, critical_speeds};
+use ballrace_twin::outcome::RotorOutcome;
 use ballrace_twin::replay::outcome::RotorDrawing;
 use std::fmt::Write;
 
@@ -26,7 +28,23 @@ pub fn text(scene: &str, all: &[AtSpeed]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{:8.0} rpm {}", at.speed_rpm, modes.join(" "));
     }
+    if let Some(rotor) = largest_reduction_error(all) {
+        out.push('\n');
+        out.push_str(&reduction(&rotor));
+    }
     out
+}
+
+/// Returns the reduced rotor at the speed with the largest error of its frequencies; `None` for a rotor that does not bend.
+fn largest_reduction_error(all: &[AtSpeed]) -> Option<RotorOutcome> {
+    let error = |rotor: &RotorOutcome| rotor.frequency_error_percent;
+    all.iter().filter_map(|at| at.rotor).max_by(|a, b| error(a).total_cmp(&error(b)))
+}
+
+/// Returns the reduced rotor with its error, and a warning about too large an error.
+fn reduction(rotor: &RotorOutcome) -> String {
+    let lines = [Some(reduced_rotor(rotor)), rotor.excess_error()];
+    lines.into_iter().flatten().map(|line| line + "\n").collect()
 }
 
 /// Returns the HTML page, one file without external references: the diagram with connected modes, the critical speeds, the natural
@@ -58,7 +76,8 @@ pub fn html(scene: &str, all: &[AtSpeed], drawing: Option<&RotorDrawing>, shapes
         sections,
         footer: "Damped natural frequencies, linearised at the static equilibrium of each speed. Damping: share of critical damping. \
                  Whirl: forward in the sense of rotation, backward against it, straight along a line."
-            .to_owned(),
+            .to_owned()
+            + &largest_reduction_error(all).map_or_else(String::new, |rotor| format!(" {}", reduction(&rotor).trim_end())),
         ..Page::default()
     })
 }

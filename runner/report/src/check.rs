@@ -3,6 +3,7 @@
 use super::figures::rotor;
 use super::number::{alone, count, fixed};
 use super::text::broken;
+use super::words;
 use ballrace_twin::check::{Checked, Implausibility, ProbeCentre, RecordingSummary, UnknownValue};
 use ballrace_twin::outcome::{DrawnProbe, RotorDrawing};
 use std::fmt::Write;
@@ -28,6 +29,9 @@ pub fn text(checked: &Checked) -> String {
     }
     if let Some(recording) = &checked.recording {
         out.push_str(&of_recording(recording));
+    }
+    if let Some(rotor) = &checked.rotor {
+        paragraph(&mut out, "\n", &words::reduced_rotor(rotor), "");
     }
     for note in &checked.notes {
         paragraph(&mut out, "\n", note, "");

@@ -67,6 +67,9 @@ pub fn text(settled: &StaticEquilibrium) -> String {
                 line(&mut out, &format!("{lead:<15}{part}"));
             }
         }
+        for part in rotor.excess_error().iter().flat_map(|warning| broken(warning, WIDTH)) {
+            line(&mut out, &part);
+        }
     }
     if !settled.natural_frequencies_hz.is_empty() {
         line(&mut out, "");

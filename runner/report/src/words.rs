@@ -258,6 +258,13 @@ fn probe(probe: &ProbeOutcome) -> String {
     format!("{}{}, {looks}", probe.name, at_station(probe.station_mm, 1))
 }
 
+/// Returns the reduced model of a flexible rotor with its error, as a line of text.
+#[must_use]
+pub fn reduced_rotor(of: &RotorOutcome) -> String {
+    let [_, (name, model)] = rotor(of);
+    format!("{name}: {model}")
+}
+
 /// Formats a whole number of hertz as a count.
 fn rate(hz: f64) -> String {
     if (1.0..1e15).contains(&hz) && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }

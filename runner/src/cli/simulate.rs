@@ -3,10 +3,11 @@
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
-use ballrace_report::number::counted;
+use ballrace_report::{self as report, number::counted};
 use ballrace_twin::effect_significance::{self, EffectSignificance};
 use ballrace_twin::motion::instruments::Instruments;
 use ballrace_twin::motion::{self, ResponseSample, Span};
+use ballrace_twin::outcome::RotorOutcome;
 use ballrace_twin::output::{AtomicFile, quoted};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::recording::write::Writer;
@@ -64,6 +65,8 @@ struct Summary {
     output: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     recording: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rotor: Option<RotorOutcome>,
     #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
@@ -92,7 +95,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if args.as_recording {
         summary.recording = Some(args.output.display().to_string());
     }
-    print(&summary, &plant.notes, format, error)
+    print(&summary, &plant.simulation_notes(&scene, 1.0 / span.rate)?, format, error)
 }
 
 /// Parses the value of the option `name`: a quantity above 0, or 0 where that is allowed, with a unit, or a number in SI units where
@@ -160,12 +163,13 @@ impl Measured {
 }
 
 fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured: Option<Measured>) -> Result<Summary> {
-    let steps_per_sample = plant.substeps(1.0 / span.rate)?;
+    let steps_per_sample = plant.for_simulation().substeps(1.0 / span.rate)?;
     let mut file = AtomicFile::create(path)?;
     let cannot_write = || format!("{}: this file cannot be written", path.display());
     writeln!(file, "{}", header(plant)).with_context(cannot_write)?;
     let total = span.settle + span.samples;
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
+    let overflow = Overflow { advice: plant.unstable_step(1.0 / span.rate)? };
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
     let mut position = span.settle;
     let start = Instant::now();
@@ -177,6 +181,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
             span,
             |_| {},
             |now| {
+                overflow.check(now)?;
                 for (i, x) in now.plant.pose(now.twin.coordinates()).to_array().into_iter().take(3).enumerate() {
                     (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
                 }
@@ -191,7 +196,12 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
             },
         );
         let (file, waiting_time) = rows.finish().with_context(cannot_write)?;
-        Ok::<_, anyhow::Error>((run?.0, file, waiting_time))
+        let (held, _) = run?;
+        // The steps of the transient, and the last one, are not visited.
+        if held > 0 {
+            bail!(overflow.error(counted(held, "step") + " without a result"));
+        }
+        Ok::<_, anyhow::Error>((held, file, waiting_time))
     })?;
     let seconds = (start.elapsed() - waiting_time).as_secs_f64();
     bar.finish_and_clear();
@@ -211,8 +221,32 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
         times_real_time: total as f64 / span.rate / seconds,
         output: path.display().to_string(),
         recording: None,
+        rotor: plant.rotor_outcome(scene),
         significance: effect_significance::at_rest(scene, plant)?,
     })
+}
+
+/// Speed of sound in steel, m/s: a motion that is faster has no physical meaning, and is that of an unstable system or step.
+const FASTEST: f64 = 5000.0;
+
+/// Detection of a motion that overflows.
+struct Overflow {
+    /// Warning about a step that is not stable.
+    advice: Option<String>,
+}
+
+impl Overflow {
+    fn check(&self, now: &ResponseSample<'_>) -> Result<()> {
+        match now.twin.rates().iter().find(|rate| rate.abs() > FASTEST) {
+            Some(rate) => bail!(self.error(format!("{:.1e} m/s at {:.6} s", rate.abs(), now.time))),
+            None => Ok(()),
+        }
+    }
+
+    fn error(&self, found: String) -> String {
+        let advice = self.advice.as_deref().unwrap_or("Damping below 0 or a step that is too long is a usual cause.");
+        format!("the motion overflows: {found}, expected at most {FASTEST} m/s. {advice}")
+    }
 }
 
 /// Writer of rows on a thread of its own, because formatting numbers takes longer than computing them.
@@ -324,8 +358,8 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
                 "Computed in {:.2} s, {:.1} times real time.",
                 summary.computing_seconds, summary.times_real_time
             )?;
-            if summary.held_samples > 0 {
-                writeln!(out, "Overflow in {}: the last valid state is held.", counted(summary.held_samples, "step"))?;
+            if let Some(rotor) = &summary.rotor {
+                writeln!(out, "{}", report::reduced_rotor(rotor))?;
             }
             for note in notes {
                 writeln!(out, "{note}")?;

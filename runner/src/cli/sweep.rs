@@ -27,7 +27,7 @@ pub struct Args {
     /// Base name of the results: NAME.csv, NAME.parquet, NAME-sections.csv, NAME.html; NAME.journal while the sweep runs.
     #[arg(short, long, value_name = "NAME")]
     output: PathBuf,
-    /// Transient at each point that is simulated but not measured, e.g. "1 s" [default: from the rotor's damping].
+    /// Transient at each point that is simulated but not measured, e.g. "1 s" [default: from the rotor's damping, longer until neighbouring motions have contracted].
     #[arg(long, value_name = "T")]
     settle: Option<String>,
     /// Number of section periods measured at each point.

@@ -9,6 +9,7 @@ pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes
 
 use crate::eigenvalues::{eigenvalues, resolution};
 use crate::flexible_rotor::ReducedRotor;
+use crate::outcome::RotorOutcome;
 use crate::plant::{Plant, PlantError, Result};
 use crate::scene::{Scene, Speed};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -22,6 +23,9 @@ pub struct AtSpeed {
     pub speed_rpm: f64,
     /// Modes, lowest frequency first; unsupported directions have none.
     pub modes: Vec<Mode>,
+    /// The flexible rotor and the error of its reduced model at this speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
 }
 
 /// One mode.
@@ -90,8 +94,9 @@ pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
     }
     let at = |&speed: &f64| -> Result<AtSpeed> {
         let turning = at_speed(&scene, speed);
-        let modes = modes(&Plant::try_new(&turning)?, speed, true)?;
-        Ok(AtSpeed { speed_rpm: speed * 60.0 / TAU, modes })
+        let plant = Plant::try_new(&turning)?;
+        let modes = modes(&plant, speed, true)?;
+        Ok(AtSpeed { speed_rpm: speed * 60.0 / TAU, modes, rotor: plant.rotor_outcome(&turning) })
     };
     speeds.iter().map(at).collect()
 }

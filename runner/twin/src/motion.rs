@@ -56,6 +56,8 @@ pub struct ResponseSample<'a> {
     pub turned: f64,
     /// Motion of the shaft.
     pub drive: ShaftMotion<f64>,
+    /// Number of steps so far that overflowed and were held.
+    pub held: u64,
     /// The twin at this time.
     pub twin: &'a dyn Twin,
     /// The plant with its bearings.
@@ -118,7 +120,7 @@ pub fn run<E: From<Error>>(
         let drive = sample.shaft_motion();
         if i >= span.settle {
             let turned = sample.total_revolutions();
-            visit(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
+            visit(&ResponseSample { time, turned, drive, held, twin: twin.as_ref(), plant })?;
         }
         held += u64::from(twin.step(&drive).is_held());
     }

@@ -158,7 +158,7 @@ mod tests {
                 mode(65.0, Whirl::Straight),
             ];
             modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-            AtSpeed { speed_rpm: speed, modes }
+            AtSpeed { speed_rpm: speed, modes, rotor: None }
         };
         (0..=10).map(at).collect()
     }
@@ -194,8 +194,8 @@ mod tests {
     fn a_mode_that_appears_begins_a_branch() {
         let mode = |frequency_hz: f64| Mode { frequency_hz, damping_ratio: 0.0, whirl: Whirl::Straight };
         let diagram = [
-            AtSpeed { speed_rpm: 0.0, modes: vec![mode(10.0)] },
-            AtSpeed { speed_rpm: 60.0, modes: vec![mode(10.1), mode(40.0)] },
+            AtSpeed { speed_rpm: 0.0, modes: vec![mode(10.0)], rotor: None },
+            AtSpeed { speed_rpm: 60.0, modes: vec![mode(10.1), mode(40.0)], rotor: None },
         ];
         let lengths: Vec<usize> = branches(&diagram).iter().map(|branch| branch.points.len()).collect();
         assert_eq!(lengths, [2, 1]);

@@ -13,7 +13,7 @@ pub use values::ProbeCentre;
 
 use crate::diagnosis::block::Block;
 use crate::error::Result;
-use crate::outcome::{ClearanceOutcome, RotorDrawing};
+use crate::outcome::{ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{Plant, mounting_notes};
 use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
@@ -41,6 +41,9 @@ pub struct Checked {
     pub implausible: Vec<Implausibility>,
     /// Notes on estimated values.
     pub notes: Vec<String>,
+    /// The flexible rotor and the error of its reduced model; `None` for another rotor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
     /// Drawing of the rotor; `None` without a rotor.
     #[serde(skip)]
     pub drawing: Option<RotorDrawing>,
@@ -130,6 +133,7 @@ pub fn check(
         bearings,
         recording,
         implausible,
+        rotor: plant.as_ref().and_then(|plant| plant.rotor_outcome(scene)),
         notes: plant.map_or_else(|| mounting_notes(scene), |plant| Ok(plant.notes))?,
         drawing: RotorDrawing::new(scene),
     })

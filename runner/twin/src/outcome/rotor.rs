@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// Largest relative errors of a reduced rotor: natural frequencies, static deflection and response.
+pub const ALLOWED_REDUCTION_ERRORS: [f64; 3] = [5e-3, 1e-2, 1e-2];
+
 /// Mass and inertia of a flexible rotor, and the error of its reduced model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -26,6 +29,28 @@ pub struct RotorOutcome {
     pub deflection_error_percent: f64,
     /// The same of the 1X response at the nominal speed.
     pub response_error_percent: f64,
+}
+
+impl RotorOutcome {
+    /// Returns the errors of the reduced model.
+    const fn errors(&self) -> [f64; 3] {
+        [self.frequency_error_percent, self.deflection_error_percent, self.response_error_percent]
+    }
+
+    /// Returns the warning about a reduced model with larger errors than allowed; `None` for one within them.
+    #[must_use]
+    pub fn excess_error(&self) -> Option<String> {
+        let errors = self.errors();
+        let [frequency, deflection, response] = ALLOWED_REDUCTION_ERRORS.map(|share| 100.0 * share);
+        if errors.iter().zip([frequency, deflection, response]).all(|(error, allowed)| *error <= allowed) {
+            return None;
+        }
+        Some(format!(
+            "The reduced rotor of {} coordinates differs from its finite-element model by more than allowed: natural frequencies up to \
+             {:.0} Hz {:.2} % (allowed {frequency} %), static deflection {:.2} % ({deflection} %), 1X response {:.2} % ({response} %).",
+            self.coordinates, self.highest_line_hz, errors[0], errors[1], errors[2]
+        ))
+    }
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ use crate::eigenvalues::eigenvalues;
 use crate::outcome::{ClearanceOutcome, RotorOutcome};
 use crate::scene::build;
 use crate::scene::{
-    Bearing, FromCatalogue, Integration, Linear, Method, Model, PreloadAmount, PreloadState, Rotor, Scene, Speed,
+    Bearing, Clock, FromCatalogue, Integration, Linear, Method, Model, PreloadAmount, PreloadState, Rotor, Scene, Speed,
 };
 use ballrace::bearing::Bearing as _;
 use ballrace::contact::hertz::Race;
@@ -153,17 +153,46 @@ impl Plant {
                 ));
             }
         }
-        if let Some(step) = self.integration.step
-            && let Some(limit) = self.stable_step()?
-            && step > limit
-        {
-            self.notes.push(format!(
-                "The step of {:.3} us is beyond {:.3} us, up to which the integrator is stable at rest: the motion overflows.",
-                step * 1e6,
-                limit * 1e6
-            ));
-        }
+        self.notes.extend(self.rotor_outcome(scene).and_then(|rotor| rotor.excess_error()));
+        self.notes.extend(self.unstable_in_replay(scene)?);
         Ok(())
+    }
+
+    /// Returns the warning about the step as a replay of the scene's recording takes it. A scene without a rate has no steps before it is
+    /// simulated.
+    fn unstable_in_replay(&self, scene: &Scene) -> Result<Option<String>> {
+        let Some(recording) = &scene.recording else { return Ok(None) };
+        let Clock::Rate(rate) = recording.clock else { return Ok(None) };
+        self.unstable_step(f64::from(recording.average) / rate)
+    }
+
+    /// Returns the notes for a simulation with this sample period.
+    ///
+    /// # Errors
+    /// As [`Plant::unstable_step`].
+    pub fn simulation_notes(&self, scene: &Scene, sample_period: f64) -> Result<Vec<String>> {
+        let of_replay = self.unstable_in_replay(scene)?;
+        let others = self.notes.iter().filter(|note| of_replay.as_ref() != Some(note));
+        Ok(others.cloned().chain(self.unstable_step(sample_period)?).collect())
+    }
+
+    /// Returns the warning about a given step that is not stable at rest, as it is taken in the sample period; `None` for a stable one.
+    ///
+    /// # Errors
+    /// As [`Plant::substeps`] and [`Plant::stable_step`].
+    pub fn unstable_step(&self, sample_period: f64) -> Result<Option<String>> {
+        if self.integration.step.is_none() {
+            return Ok(None);
+        }
+        let taken = self.step(sample_period)?.0.length;
+        let limit = self.stable_step()?.filter(|limit| taken > *limit);
+        Ok(limit.map(|limit| {
+            format!(
+                "The step of {:.3} us is beyond {:.3} us, up to which the integrator is stable at rest: the motion may overflow.",
+                taken * 1e6,
+                limit * 1e6
+            )
+        }))
     }
 
     /// Returns the largest stable integration step with the stiffness of the equilibrium, s; none where it has no limit.

@@ -2,17 +2,25 @@
 
 use super::error::Result;
 use super::system::{Body, Rows, add_loads};
-use super::{Layout, MountedBearing, Plant};
+use super::{Layout, MAX_OBSERVED, MountedBearing, Plant};
+use crate::eigenvalues::eigenvalues;
 use crate::flexible_rotor::{FreeRotor, Modes, ReducedRotor};
+use crate::outcome::ALLOWED_REDUCTION_ERRORS;
 use crate::scene::{Direction, FlexibleRotor, Rotor, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Largest number of elastic coordinates in each plane.
-const MAX_ELASTIC: usize = 5;
-/// Largest relative errors of frequencies, static deflection and response.
-const ALLOWED: [f64; 3] = [5e-3, 1e-2, 1e-2];
+const MAX_ELASTIC: usize = 13;
+/// Number of elastic coordinates in each plane that a rotor may have beside any number of supports and balls.
+const ALWAYS_ELASTIC: usize = 5;
+/// Natural frequency below which a direction is not held, Hz.
+const HELD: f64 = 1.0;
+/// Modes of the finite-element model in which the gyroscopic effect is computed: those up to this multiple of the highest line ...
+const GYROSCOPIC_RANGE: f64 = 4.0;
+/// ... and as many more.
+const GYROSCOPIC_MODES: usize = 20;
 /// Highest line of interest: harmonics of the shaft speed, and of the balls' pass over the inner race.
 const SHAFT_HARMONICS: f64 = 20.0;
 const PASS_HARMONICS: f64 = 3.0;
@@ -24,7 +32,7 @@ pub struct ReductionError {
     pub full_coordinates: usize,
     /// Highest line of interest, Hz.
     pub highest_line: f64,
-    /// Largest relative error of the natural frequencies up to it.
+    /// Largest relative error of the natural frequencies up to it, at rest, at the nominal and at the highest speed.
     pub frequency: f64,
     /// Largest error of the static displacement of bearings and probes over the largest displacement.
     pub deflection: f64,
@@ -35,7 +43,7 @@ pub struct ReductionError {
 impl ReductionError {
     fn is_allowed(&self) -> bool {
         let all = [self.frequency, self.deflection, self.response];
-        all.iter().zip(ALLOWED).all(|(error, allowed)| *error <= allowed)
+        all.iter().zip(ALLOWED_REDUCTION_ERRORS).all(|(error, allowed)| *error <= allowed)
     }
 }
 
@@ -95,12 +103,13 @@ impl Plant {
     /// Adds elastic coordinates to a flexible rotor until its error is small.
     pub(super) fn refine(&mut self, scene: &Scene) -> Result<()> {
         let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(()) };
+        let mut known = None;
         loop {
             let Some(rotor) = self.layout.flexible() else { return Ok(()) };
-            let error = self.reduction_error(scene, rotor)?;
+            let error = self.reduction_error(scene, rotor, &mut known)?;
             self.reduction = Some(error);
             let count = rotor.elastic();
-            if drawn.coordinates.is_some() || error.is_allowed() || count >= MAX_ELASTIC {
+            if drawn.coordinates.is_some() || error.is_allowed() || count >= self.most_elastic(count) {
                 return Ok(());
             }
             let free = rotor.free.clone();
@@ -111,21 +120,49 @@ impl Plant {
         }
     }
 
+    /// Returns the largest number of elastic coordinates in each plane, of which the plant has `count`: more would be too many for an
+    /// observer.
+    fn most_elastic(&self, count: usize) -> usize {
+        let others = self.layout.order - 2 * count;
+        (MAX_OBSERVED.saturating_sub(others) / 2).clamp(ALWAYS_ELASTIC, MAX_ELASTIC)
+    }
+
     /// Compares the reduced rotor with the finite-element model, both on the bearings' tangents at equilibrium.
-    fn reduction_error(&self, scene: &Scene, rotor: &ReducedRotor) -> Result<ReductionError> {
+    ///
+    /// The modes of the finite-element model in `known` are used again where the tangents of the bearings have hardly changed.
+    fn reduction_error(
+        &self,
+        scene: &Scene,
+        rotor: &ReducedRotor,
+        known: &mut Option<KnownModes>,
+    ) -> Result<ReductionError> {
         let full = Full::new(self, scene, rotor)?;
         let scales = self.scales()?;
         let highest_line = highest_line(scene, &self.bearings);
         let n = self.layout.order;
         let small = [&scales.mass, &self.stiffness].map(symmetric);
-        let whole = [&full.mass, &full.stiffness].map(symmetric);
-        let (few, many) = (Modes::try_new(&small[0], &small[1])?, Modes::try_new(&whole[0], &whole[1])?);
-        let frequency = few
-            .frequencies(0)
-            .zip(many.frequencies(0))
-            .take_while(|(_, of_full)| *of_full < highest_line)
-            .map(|(few, many)| if many > 1.0 { (few / many - 1.0).abs() } else { 0.0 })
-            .fold(0.0, f64::max);
+        let few = Modes::try_new(&small[0], &small[1])?;
+        let many = match known.take().filter(|known| known.are_near(&full.tangents)) {
+            Some(known) => known,
+            None => {
+                let whole = [&full.mass, &full.stiffness].map(symmetric);
+                KnownModes { modes: Modes::try_new(&whole[0], &whole[1])?, tangents: full.tangents.clone() }
+            }
+        };
+        let many = &known.insert(many).modes;
+        let (from, to) = scene.shaft.speed.range();
+        let mut speeds = vec![0.0, self.speed.abs(), from.abs().max(to.abs())];
+        speeds.dedup();
+        let mut frequency = 0.0_f64;
+        for speed in speeds {
+            let whirl =
+                |modes: &Modes, gyroscopic: &DMatrix<f64>| whirl_frequencies(modes, gyroscopic, speed, highest_line);
+            let (few, many) = (whirl(&few, &scales.gyroscopic)?, whirl(many, &full.gyroscopic)?);
+            let of_interest = many.iter().take_while(|of_full| **of_full < highest_line).enumerate();
+            // A mode that the reduced rotor lacks has no frequency.
+            let error = |(i, many): (usize, &f64)| few.get(i).map_or(1.0, |few| (few / many - 1.0).abs());
+            frequency = of_interest.map(error).fold(frequency, f64::max);
+        }
         let load = DVector::from_vec(scales.load.clone());
         let deflected = self.stiffness.clone().lu().solve(&load).unwrap_or_else(|| DVector::zeros(n));
         let deflected_full = full.stiffness.clone().lu().solve(&full.load);
@@ -153,6 +190,29 @@ impl Plant {
             response,
         })
     }
+}
+
+/// Returns the natural frequencies of the held directions with the gyroscopic effect at `speed` (rad/s), Hz, lowest first.
+///
+/// The system of `modes` is projected on those up to a multiple of `highest` (Hz), because the others hardly change them.
+fn whirl_frequencies(modes: &Modes, gyroscopic: &DMatrix<f64>, speed: f64, highest: f64) -> Result<Vec<f64>> {
+    let n = modes.squares.len();
+    let near = modes.frequencies(0).take_while(|f| *f < GYROSCOPIC_RANGE * highest).count();
+    let kept = n.min(near + GYROSCOPIC_MODES);
+    if speed == 0.0 {
+        return Ok(modes.frequencies(0).take(kept).filter(|f| *f > HELD).collect());
+    }
+    let shapes = modes.shapes.columns(0, kept);
+    let coupling = speed * shapes.transpose() * gyroscopic * shapes;
+    let mut system = DMatrix::zeros(2 * kept, 2 * kept);
+    system.view_mut((0, kept), (kept, kept)).fill_with_identity();
+    for i in 0..kept {
+        system[(kept + i, i)] = -modes.squares[i];
+    }
+    system.view_mut((kept, kept), (kept, kept)).copy_from(&(-coupling));
+    let mut all: Vec<f64> = eigenvalues(&system)?.iter().map(|value| value.im / TAU).filter(|f| *f > HELD).collect();
+    all.sort_by(f64::total_cmp);
+    Ok(all)
 }
 
 /// Returns the largest difference of the pairs over the largest of their first values.
@@ -194,6 +254,22 @@ pub fn response(
     dynamic.lu().solve(&force).unwrap_or_else(|| DVector::zeros(n))
 }
 
+/// Modes of the finite-element model on the bearings' tangents.
+struct KnownModes {
+    modes: Modes,
+    tangents: Vec<DMatrix<f64>>,
+}
+
+impl KnownModes {
+    /// Returns true where `tangents` change the frequencies by less than a hundredth of the allowed error.
+    fn are_near(&self, tangents: &[DMatrix<f64>]) -> bool {
+        // A frequency changes by at most half as much as its stiffness.
+        let share = 2.0 * 0.01 * ALLOWED_REDUCTION_ERRORS[0];
+        self.tangents.len() == tangents.len()
+            && self.tangents.iter().zip(tangents).all(|(a, b)| (a - b).norm() <= share * b.norm())
+    }
+}
+
 /// The finite-element model on the tangents of the bearings: coordinates of both planes, along the axis, then supports and balls.
 struct Full {
     mass: DMatrix<f64>,
@@ -205,6 +281,8 @@ struct Full {
     /// Displacement at bearings and radial probes by its coordinates, and by those of the reduced rotor.
     points: Vec<Rows>,
     observed: Vec<Rows>,
+    /// Tangent stiffness of each bearing.
+    tangents: Vec<DMatrix<f64>>,
 }
 
 impl Full {
@@ -268,6 +346,7 @@ impl Full {
         load.rows_mut(own, rest).copy_from_slice(&scales.load[first..]);
         let mut points = vec![];
         let mut observed = vec![];
+        let mut tangents = vec![];
         for (i, bearing) in plant.bearings.iter().enumerate() {
             let mut at = rows(bearing.station);
             let Some(own_rows) = plant.layout.attached(i) else { continue };
@@ -279,7 +358,8 @@ impl Full {
             let (_, tangent) = ballrace::bearing::Bearing::reaction_and_stiffness(&bearing.bearing, &u, &state);
             let map = DMatrix::from_fn(at.len(), n, |i, j| at[i][j]);
             let tangent = DMatrix::from_fn(at.len(), at.len(), |i, j| tangent[(i, j)]);
-            stiffness += map.transpose() * tangent * &map;
+            stiffness += map.transpose() * &tangent * &map;
+            tangents.push(tangent);
             points.push(at);
             observed.push(own_rows.clone());
         }
@@ -287,7 +367,7 @@ impl Full {
             points.push(rows(station));
             observed.push(plant.layout.rows(station));
         }
-        Ok(Self { mass, damping, gyroscopic, stiffness, load, unbalance, points, observed })
+        Ok(Self { mass, damping, gyroscopic, stiffness, load, unbalance, points, observed, tangents })
     }
 }
 

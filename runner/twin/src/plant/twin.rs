@@ -85,6 +85,7 @@ impl SystemTask<Box<dyn Twin>> for StartTask {
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
+            is_started: false,
             registers: SimdDispatch::detect(),
         })
     }
@@ -98,6 +99,8 @@ struct Moving<S, C, const D: usize, const N: usize> {
     coordinates: usize,
     step: Step,
     substeps: u32,
+    /// False where coordinates or rates were set, and the acceleration does not belong to them.
+    is_started: bool,
     registers: SimdDispatch,
 }
 
@@ -106,6 +109,13 @@ impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D:
 {
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
         let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
+        if !self.is_started {
+            // The other integrators carry no acceleration from step to step.
+            if matches!(step.method, Method::Newmark { .. }) {
+                Newmark::start(machine, &mut self.state, drive);
+            }
+            self.is_started = true;
+        }
         let (steady, state) = (&mut self.steady, &mut self.state);
         self.registers.run(
             #[inline(always)]
@@ -133,6 +143,7 @@ impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D:
         self.machine.bearings.get(i).map_or_else(Wrench::default, |b| b.reaction(&self.state.q, at).wrench)
     }
     fn place(&mut self, coordinates: &[f64], rates: &[f64]) {
+        self.is_started = false;
         for (to, from) in [(&mut self.state.q, coordinates), (&mut self.state.velocity, rates)] {
             for (entry, &x) in to.iter_mut().zip(from) {
                 *entry = x;
@@ -140,6 +151,7 @@ impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D:
         }
     }
     fn turn_cage(&mut self, i: usize, by: Phase) {
+        self.is_started = false;
         if let Some(parts) = self.state.component_angles.get_mut(i) {
             parts.cage = parts.cage.wrapping_add(by);
         }

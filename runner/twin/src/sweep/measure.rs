@@ -1,7 +1,7 @@
 //! One point of a sweep: the steady-state motion of the scene's rotor and its measures.
 
 use crate::effect_significance::{self, EffectSignificance};
-use crate::error::{Result, SweepError};
+use crate::error::{Error, Result, SweepError};
 use crate::motion::{self, MAX_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
@@ -16,6 +16,10 @@ const A_PERIOD: usize = 128;
 const LONGEST_PERIOD: usize = 12;
 /// Largest distance after one period of a motion that repeats, over its size.
 const SAME: f64 = 2e-3;
+/// Contraction of neighbouring motions after which a transient has died out.
+const DIED_OUT: f64 = 1e-5;
+/// Longest transient that is awaited, in multiples of its estimate by the damping.
+const LONGEST_TRANSIENT: u64 = 20;
 /// Number of values of the spectrum for the waterfall, and the section frequencies that they span.
 const SPECTRUM: (usize, f64) = (160, 4.0);
 /// Distance of the neighbouring motion for the Lyapunov exponent, over the motion's size.
@@ -24,7 +28,7 @@ const NEIGHBOUR: f64 = 1e-7;
 /// Options of every point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measure {
-    /// Transient at the start, s; from the damping where absent.
+    /// Transient at the start, s; where absent, that of the damping, and longer until neighbouring motions have contracted.
     pub settle: Option<f64>,
     /// Number of section periods.
     pub periods: usize,
@@ -110,7 +114,12 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
     if settle > MAX_SAMPLES {
         return Err(SweepError::Samples { found: settle, rate, most: MAX_SAMPLES }.into());
     }
-    let span = Span { rate, settle: settle as u64, samples: (options.periods * A_PERIOD) as u64 };
+    let settle = settle as u64;
+    let mut settling = options.settle.is_none().then(|| Settling::new(settle));
+    // The contraction is measured on samples that are visited.
+    let (hidden, visible) = if settling.is_some() { (0, settle * LONGEST_TRANSIENT) } else { (settle, 0) };
+    let measured = options.periods * A_PERIOD;
+    let span = Span { rate, settle: hidden, samples: visible + measured as u64 + 1 };
     let mut path = Path::default();
     let mut neighbour = Neighbour::default();
     let begin = |twin: &mut dyn Twin| {
@@ -118,10 +127,30 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
             twin.place(&state.coordinates, &state.rates);
         }
     };
-    let (held, twin) = motion::run(scene, &plant, span, begin, |now| {
+    let mut end = None;
+    let found = motion::run(scene, &plant, span, begin, |now| {
+        if let Some(transient) = &mut settling {
+            if transient.goes_on(now, 1.0 / rate)? {
+                return Ok(());
+            }
+            settling = None;
+        }
+        if path.len() == measured {
+            let (coordinates, rates) = (now.twin.coordinates().to_vec(), now.twin.rates().to_vec());
+            end = Some((now.held, State { coordinates, rates }));
+            return Err(Stop::Measured);
+        }
         path.add(now);
-        if options.lyapunov { neighbour.follow(now, 1.0 / rate) } else { Ok(()) }
-    })?;
+        if options.lyapunov { Ok(neighbour.follow(now, 1.0 / rate)?) } else { Ok(()) }
+    });
+    let (held, end) = match (found, end) {
+        (_, Some(end)) => end,
+        (Err(Stop::Failed(error)), None) => return Err(error),
+        (Ok((held, twin)), None) => {
+            (held, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() })
+        }
+        (Err(Stop::Measured), None) => return Err(SweepError::Standstill { file: scene.path.clone() }.into()),
+    };
     let shaft = scene.shaft.speed.nominal() / TAU;
     let figures = Figures {
         speed_rpm: shaft * 60.0,
@@ -135,7 +164,57 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
         spectrum: path.spectrum(options.periods),
         effects: effect_significance::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
     };
-    Ok((figures, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() }))
+    Ok((figures, end))
+}
+
+/// Reason why a run ends before its span.
+enum Stop {
+    /// All periods are measured.
+    Measured,
+    Failed(Error),
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Transient at the start: over where neighbouring motions have contracted, or do not contract.
+struct Settling {
+    neighbour: Neighbour,
+    /// Samples of the estimate by the damping.
+    estimate: u64,
+    samples: u64,
+    /// Growth of the distance at the end of the last estimate.
+    grown: f64,
+}
+
+impl Settling {
+    fn new(estimate: u64) -> Self {
+        Self { neighbour: Neighbour { along: 2, ..Neighbour::default() }, estimate, samples: 0, grown: 0.0 }
+    }
+
+    /// Returns true where the sample belongs to the transient.
+    fn goes_on(&mut self, now: &ResponseSample<'_>, period: f64) -> Result<bool> {
+        let is_section = self.samples.is_multiple_of(A_PERIOD as u64);
+        if self.samples >= self.estimate && is_section {
+            let grown = self.neighbour.grown;
+            let has_died_out = grown <= DIED_OUT.ln();
+            // A motion that does not contract over the estimate, such as a chaotic one, has no transient that dies out.
+            let ends = self.samples.is_multiple_of(self.estimate);
+            let is_lasting = ends && grown >= self.grown;
+            if ends {
+                self.grown = grown;
+            }
+            if has_died_out || is_lasting || self.samples >= self.estimate * LONGEST_TRANSIENT {
+                return Ok(false);
+            }
+        }
+        self.neighbour.follow(now, period)?;
+        self.samples += 1;
+        Ok(true)
+    }
 }
 
 fn spread(x: &[f64]) -> f64 {
@@ -154,6 +233,10 @@ impl Path {
         for (along, x) in self.along.iter_mut().zip(now.plant.pose(now.twin.coordinates()).to_array()) {
             along.push(x * 1e6);
         }
+    }
+
+    fn len(&self) -> usize {
+        self.along[0].len()
     }
 
     /// Returns the amplitude along X and Y at a frequency in cycles a sample, under a Hann window.
@@ -204,6 +287,8 @@ struct Neighbour {
     grown: f64,
     time: f64,
     size: f64,
+    /// Number of coordinates in which the second twin starts away from the first, at least 1.
+    along: usize,
     /// Frequency by which rates are divided to compare them with displacements, rad/s.
     frequency: f64,
 }
@@ -216,8 +301,8 @@ impl Neighbour {
             self.frequency = now.plant.highest_frequency();
             self.size = now.twin.coordinates().iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(1e-9);
             let mut coordinates = now.twin.coordinates().to_vec();
-            if let Some(first) = coordinates.first_mut() {
-                *first += NEIGHBOUR * self.size;
+            for coordinate in coordinates.iter_mut().take(self.along.max(1)) {
+                *coordinate += NEIGHBOUR * self.size;
             }
             twin.place(&coordinates, now.twin.rates());
             twin.step(&now.drive);
