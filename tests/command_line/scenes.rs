@@ -181,13 +181,14 @@ fn cage_runout_brings_side_bands() {
     let cage = 50.0 * 0.398_723_404;
     let at = |offset: &str| {
         let response = Response::of(&shipped("harsha-cage-runout", &[("\"50 um\"", offset)]), 25_600.0, 102_400, 1.0);
-        [7, 8, 9, 10, 11].map(|k| response.line("v", f64::from(k) * cage))
+        ([7, 8, 9, 10, 11].map(|k| response.line("v", f64::from(k) * cage)), response.line("u", cage))
     };
-    let (round, beside) = (at("0"), at("\"50 um\""));
+    let ((round, _), (beside, at_cage)) = (at("0"), at("\"50 um\""));
     println!("lines at 7 to 11 times the cage, um: round {round:.6?}, beside {beside:.6?}");
     assert!(round[2] > 1e3 * round[1] && round[2] > 1e3 * round[3], "{round:?}");
     for i in [1, 3] {
         assert!(beside[i] > 100.0 * round[i] && beside[i] > 1e-4 * beside[2], "{beside:?}");
+        assert!(at_cage > 5.0 * beside[i], "{at_cage} um at the cage speed, {beside:?}");
     }
 }
 
