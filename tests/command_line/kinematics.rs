@@ -65,3 +65,56 @@ fn the_outer_ball_pass_is_followed_at_its_order() {
     let measured = number(&outcome, "/probes/0/ball_pass/0/measured_um");
     assert!((measured - 2.0).abs() < 0.2, "{measured} um at order {order}");
 }
+
+/// A roller bearing of the catalogue between two shafts: the cage by pure rolling, `(w_i (1 - gamma) + w_o (1 + gamma))/2`, also where the
+/// outer ring is the faster.
+#[test]
+fn the_cage_of_a_roller_bearing_follows_a_turning_outer_ring() {
+    // NU204: 11 rollers; cage at rest of the outer ring 0.3902.
+    for (outer, cage, outer_race) in [(0.5, 0.695, 2.143), (-1.2, -0.343, 9.431), (1.2, 1.122, 0.858)] {
+        let text = format!(
+            "[shaft]\nspeed = \"3000 rpm\"\nouter_speed = \"{} rpm\"\n[[bearing]]\nname = \"inter-shaft\"\nstation = 0\n\
+             bearing = \"NU204\"\n",
+            3000.0 * outer
+        );
+        let found = Desk::with(&text, "").done(&["check", "scene.toml", "--format", "json"]).json::<Value>();
+        let order = |i: usize| number(&found, &format!("/bearings/0/orders/{i}"));
+        assert!((order(2) - cage).abs() < 1e-3, "{outer}: cage {}", order(2));
+        assert!((order(0) - outer_race).abs() < 2e-3, "{outer}: outer race {}", order(0));
+        assert!((order(1) - 11.0 * (1.0 - order(2)).abs()).abs() < 1e-9, "{outer}: inner race {}", order(1));
+    }
+    // The same in firmware.
+    let scene = "[shaft]\nspeed = \"3000 rpm\"\nouter_speed = \"3600 rpm\"\n[rotor]\nmass = 1\ndiametral_inertia = 1e-3\n\
+                 polar_inertia = 1e-3\nstiffness = [0, 0, 1e6, 1e4, 1e4]\n[[bearing]]\nname = \"a\"\nstation = 0\nbearing = \"NU204\"\n";
+    let desk = Desk::with(scene, "");
+    desk.done(&["bake", "scene.toml", "-o", "a.h", "--language", "c"]);
+    let header = desk.read("a.h");
+    let ratio = header.lines().find_map(|line| line.split_once("CAGE_RATIO (")).unwrap().1;
+    let ratio: f64 = ratio.trim_end_matches(')').parse().unwrap();
+    assert!((ratio - 1.122).abs() < 1e-3, "{ratio}");
+}
+
+/// A roller bearing of the catalogue is linearised at the equilibrium of the lumped model.
+#[test]
+fn a_roller_bearing_of_the_catalogue_is_linearised() {
+    let scene = |model: &str| {
+        let bearing = |name: &str, station: &str| {
+            format!("[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nbearing = \"NU204\"\n{model}\n")
+        };
+        "[shaft]\nspeed = \"3000 rpm\"\n[rotor]\nmass = \"10 kg\"\ndiametral_inertia = 0.05\npolar_inertia = 0.02\n\
+         load = [0, \"-900 N\", 0, 0, 0]\nstiffness = [0, 0, 1e6, 0, 0]\n"
+            .to_owned()
+            + &bearing("A", "-100")
+            + &bearing("B", "100")
+    };
+    let stiffness = |model: &str| {
+        let found =
+            Desk::with(&scene(model), "").done(&["equilibrium", "scene.toml", "--format", "json"]).json::<Value>();
+        [0, 1].map(|i| number(&found, &format!("/bearings/0/stiffness/{i}/{i}")))
+    };
+    let (linear, lumped) = (stiffness("model = \"linear\"\nlinearise = \"lumped\""), stiffness("model = \"lumped\""));
+    // The springs are the mean over the cage's positions, of which the lumped model shows one: across the load they differ more.
+    for (linear, lumped, most) in [(linear[0], lumped[0], 0.6), (linear[1], lumped[1], 0.1)] {
+        assert!((linear / lumped - 1.0).abs() < most, "{linear} N/m, {lumped} N/m lumped");
+    }
+}

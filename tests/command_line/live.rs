@@ -54,7 +54,7 @@ pub fn listening(desk: &Desk, protocol: &str, more: &[&str]) -> (Child, u16) {
 }
 
 pub fn outcome(child: Child) -> Value {
-    let output = crate::live_start::ended(child, Duration::from_secs(60));
+    let output = crate::live_start::ended(child);
     let err = String::from_utf8_lossy(&output.stderr);
     assert!(matches!(output.status.code(), Some(0 | 3)), "{:?} {err}", output.status);
     assert_eq!(err, "");

@@ -121,7 +121,7 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
         if let Err(error) = sent {
             let (after, events) = (since.elapsed(), rig.desk.read("events.jsonl"));
             terminate(child.id());
-            panic!("{error} after {after:?}: {events}{:?}", crate::live_start::ended(child, Duration::from_secs(60)));
+            panic!("{error} after {after:?}: {events}{:?}", crate::live_start::ended(child));
         }
         index += RATE / 10;
         std::thread::sleep(Duration::from_millis(10));

@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 /// Longest time that a test waits for a condition.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Time within which a monitor ends that does not compute on: a busy machine takes seconds.
+pub const PROMPT: Duration = Duration::from_secs(15);
+
 /// Repeats `get` until it returns something.
 pub fn wait<T>(what: &str, mut get: impl FnMut() -> Option<T>) -> T {
     let since = Instant::now();
@@ -35,12 +38,12 @@ pub fn terminate(id: u32) {
     assert!(Command::new("kill").args(["-TERM", &id.to_string()]).status().unwrap().success());
 }
 
-/// Waits for the end of a process, whose output is read meanwhile; kills it where it does not end within `most`.
-pub fn ended(child: Child, most: Duration) -> Output {
+/// Waits for the end of a process, whose output is read meanwhile; kills it where it does not end.
+pub fn ended(child: Child) -> Output {
     let (done, over) = std::sync::mpsc::channel::<()>();
     let id = child.id().to_string();
     let watchdog = std::thread::spawn(move || {
-        let late = over.recv_timeout(most) == Err(std::sync::mpsc::RecvTimeoutError::Timeout);
+        let late = over.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout);
         if late {
             let _ = Command::new("kill").args(["-KILL", &id]).status();
         }
@@ -48,7 +51,7 @@ pub fn ended(child: Child, most: Duration) -> Output {
     });
     let output = child.wait_with_output().unwrap();
     drop(done);
-    assert!(!watchdog.join().unwrap(), "the program did not end within {most:?}: {output:?}");
+    assert!(!watchdog.join().unwrap(), "the program did not end within {PATIENCE:?}: {output:?}");
     output
 }
 
@@ -208,7 +211,7 @@ pub fn at_rest_with_gap(gap: f64) -> Desk {
 fn a_long_gap_at_standstill_is_not_integrated() {
     let desk = at_rest_with_gap(600.0);
     let child = desk.command(&["replay", "scene.toml", "--format", "json"]).spawn().unwrap();
-    let output = ended(child, Duration::from_secs(20));
+    let output = ended(child);
     let outcome: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(number(&outcome, "/record/compared"), 4096.0);
     let notes = list(&outcome, "notes");

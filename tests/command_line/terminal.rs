@@ -10,9 +10,6 @@ use std::num::NonZeroU16;
 use std::process::Child;
 use std::time::{Duration, Instant};
 
-/// Longest time from the end of the terminal to the end of the program.
-const WITHIN: Duration = Duration::from_secs(1);
-
 /// Longest time in which a text appears.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -77,7 +74,7 @@ fn ends(end: impl FnOnce(Screen, u32)) -> Desk {
     wait_for_event(&desk, "events.jsonl", "source-silent");
     let id = child.id();
     end(screen, id);
-    let output = ended(child, WITHIN);
+    let output = ended(child);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert_eq!(kinds(&desk, "events.jsonl"), ["source-connected", "source-silent"]);
     assert!(desk.read("state/state.json").contains("resume"));
@@ -117,7 +114,7 @@ fn the_demonstration_has_no_end() {
     }
     assert!(child.try_wait().unwrap().is_none());
     drop(screen);
-    let output = ended(child, WITHIN);
+    let output = ended(child);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
@@ -127,7 +124,7 @@ fn the_largest_terminal_is_drawn_in_part() {
     let (mut screen, child) = demonstration(u16::MAX, u16::MAX);
     screen.wait_for("STARTING");
     drop(screen);
-    let output = ended(child, WITHIN);
+    let output = ended(child);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
@@ -136,5 +133,5 @@ fn a_small_terminal_shows_the_least_size() {
     let (mut screen, child) = demonstration(40, 10);
     screen.wait_for("60 x 22");
     drop(screen);
-    ended(child, WITHIN);
+    ended(child);
 }

@@ -50,7 +50,6 @@ pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {
         if let Some(middle) = middle {
             add("radial_play", um(0.5 * middle), &format!("half of the mean of {clearance}"), true);
         }
-        add("cage_ratio", format!("{:.5}", entry.orders().cage), source, estimated);
         return keys;
     }
     add("ball_diameter", mm(entry.element_diameter), source, estimated);

@@ -29,9 +29,9 @@ pub enum BuildError {
     /// A load that the kernel rejects.
     #[error(transparent)]
     Load(#[from] InvalidParameter),
-    /// A cage that is not slower than the shaft.
+    /// A cage that is not slower than the faster ring.
     #[error(
-        "{}: bearing {bearing}: cage too fast: {found:.3} times the shaft speed, expected less than the shaft speed",
+        "{}: bearing {bearing}: cage too fast: {found:.3} times the shaft speed, expected less than the speed of the faster ring",
         file.display()
     )]
     CageRatio {

@@ -78,16 +78,24 @@ pub fn rolling_speed(gamma: f64, inner_speed: f64, outer_speed: f64) -> f64 {
     outer_speed + 0.5 * (inner_speed - outer_speed) * (1.0 - gamma)
 }
 
-/// Returns the orders of pure rolling with the outer ring at rest.
+/// Returns the orders of pure rolling with the outer ring at rest, by the geometry or by the diameters of the catalogue.
 fn rolling(bearing: &BearingScene, geometry: Option<BallBearingGeometry>) -> Option<Orders> {
-    geometry.map(|g| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter))
+    let of_geometry = |g: BallBearingGeometry| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter);
+    let of_catalogue = || {
+        let entry = bearing.catalogue.as_ref()?.listed.entry;
+        let ratio = entry.element_diameter / entry.pitch_diameter;
+        let gamma = ratio * entry.contact_angle.to_radians().cos();
+        // Orders of a roller's spin are not used.
+        Some(Orders { ball_spin: 0.0, ..orders(bearing.elements, gamma, ratio) })
+    };
+    geometry.map(of_geometry).or_else(of_catalogue)
 }
 
 /// Returns the kinematics of a bearing: with the scene's `cage_ratio`, or by pure rolling at the free contact angle.
 ///
 /// # Errors
 /// An outer ring that turns under a shaft whose speed changes, because no ratio is then constant; a cage that is not slower
-/// than the shaft.
+/// than the faster ring.
 pub fn kinematics(scene: &Scene, bearing: &BearingScene) -> Result<Kinematics, BuildError> {
     kinematics_of(scene, bearing, geometry(bearing)?)
 }
@@ -103,11 +111,12 @@ pub fn kinematics_of(
 ) -> Result<Kinematics, BuildError> {
     let n = bearing.elements as f64;
     let rolling = rolling(bearing, geometry);
-    let spin = rolling.map(|o| o.ball_spin);
+    let spin = rolling.filter(|_| geometry.is_some()).map(|o| o.ball_spin);
     let outer = outer_ratio(scene)?;
     let cage = CageSpeed::new(bearing, rolling.as_ref());
     let cage_ratio = cage.inner + outer * cage.outer;
-    if cage_ratio.abs() >= 1.0 {
+    // A cage turns with a speed between those of the rings.
+    if cage_ratio.abs() >= outer.abs().max(1.0) {
         return Err(BuildError::CageRatio {
             file: scene.path.clone(),
             bearing: bearing.name.clone(),
@@ -117,7 +126,7 @@ pub fn kinematics_of(
     let orders = Orders {
         cage: cage_ratio,
         outer_race: n * (cage_ratio - outer).abs(),
-        inner_race: n * (1.0 - cage_ratio),
+        inner_race: n * (1.0 - cage_ratio).abs(),
         ball_spin: spin.unwrap_or(0.0) * (1.0 - outer).abs(),
     };
     let rolling_cage_ratio = rolling.map_or(cage_ratio, |o| o.cage + outer * (1.0 - o.cage));

@@ -123,7 +123,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         model,
         elements,
         first_element_azimuth: table.read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
-        cage_ratio: cage_ratio(table, model, geometry.is_some())?,
+        cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(super::catalogue::KEY))?,
         axial: table.read("axial", axial)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
         defect: defects(table, model, elements)?,
@@ -441,10 +441,10 @@ fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Optio
     Err(table.required("elements", &expected)?.refuse(expected))
 }
 
-fn cage_ratio(table: &Table<'_>, model: Model, has_geometry: bool) -> Read<Option<f64>> {
+fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<Option<f64>> {
     let range = "0 or more and below 1 (cage speed / shaft speed)";
     let given = table.read("cage_ratio", |n| n.number(range, |x| (0.0..1.0).contains(&x)))?;
-    if given.is_some() || has_geometry || model == Model::Linear {
+    if given.is_some() || has_rolling_speed || model == Model::Linear {
         return Ok(given);
     }
     let expected = format!("{range}; without geometry it must be given (0 for elements at rest)");

@@ -30,10 +30,11 @@ fn expansion(table: &Table<'_>) -> Read<Option<Expansion>> {
     let listed = find(designation).map_err(|unknown| node.refuse(unknown.expected()))?;
     // A model, a fit or a law of the scene's own replaces the keys of the catalogue that do not go together with it.
     let has_fit = FIT.iter().any(|key| table.has(key));
-    let has_model = table.read("model", |node| Ok(node.text("").is_ok_and(|model| model != "lumped")))?;
+    let is = |key: &str, name: &str| table.read(key, |node| Ok(node.text("").is_ok_and(|text| text == name)));
+    let is_lumped = is("model", "lumped")?.unwrap_or(true) || is("linearise", "lumped")? == Some(true);
     let (mut defaults, mut estimated) = (toml_edit::Table::new(), Vec::new());
     for key in scene_keys(&listed) {
-        let is_replaced = has_fit && FIT.contains(&key.key) || has_model == Some(true) && LUMPED.contains(&key.key);
+        let is_replaced = has_fit && FIT.contains(&key.key) || !is_lumped && LUMPED.contains(&key.key);
         if !is_replaced && let Ok(value) = key.value.parse::<Value>() {
             defaults.insert(key.key, value.into());
             if key.is_estimated && !table.has(key.key) {
