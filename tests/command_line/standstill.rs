@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::io::Write;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::live::{connected, frame, kinds, listening, rows};
 use crate::live_start::{PROMPT, at_rest_with_gap, ended, terminate, wait_for_event};
