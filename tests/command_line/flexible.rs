@@ -56,6 +56,9 @@ fn forces_are_closer(recording: &str, outcome: &Value, forces: &[Vec<f64>]) {
         let error = (square / count).sqrt();
         let straight = (bearing["force_measured"][1]["mean"].as_f64().unwrap() - mean / count).abs();
         assert!(3.0 * error < straight, "{recording}: {error} N, {straight} N from the straight line");
+        // The error of the straight line is known without the truth.
+        let stated = bearing["straight_line_error"][1].as_f64().unwrap();
+        assert!((stated / straight - 1.0).abs() < 0.2, "{recording}: stated {stated} N, {straight} N is true");
     }
 }
 
@@ -77,6 +80,27 @@ fn the_twin_of_a_flexible_rotor_in_good_order() {
         assert!((lag + 180.0).rem_euclid(360.0) - 180.0 < 10.0, "{}: {lag} deg", probe["name"]);
     }
     forces_are_closer("healthy", &outcome, &forces);
+}
+
+/// The report shows the forces of the observer and not those of a straight line between the planes of the probes, which are seven times too large.
+#[test]
+fn forces_of_a_flexible_rotor_are_those_of_the_observer() {
+    let desk = Desk::empty();
+    let (scene, file) = (recorded("flexible/scene.toml"), recorded("flexible/healthy.npy"));
+    let text = desk.done(&["replay", &scene, "--recording", &file, "--report", "r.html"]).out;
+    let (_, forces) = text.split_once("FORCES ON THE INNER RINGS").unwrap();
+    let (forces, _) = forces.split_once("ORDERS").unwrap();
+    assert!(forces.contains("observer") && !forces.contains("measured"), "{forces}");
+    assert!(forces.split_whitespace().collect::<Vec<_>>().join(" ").contains("a straight line between the planes"));
+    let truth = truth("healthy");
+    for b in 0..2 {
+        let mean = truth.iter().map(|row| row[5 * b + 1]).sum::<f64>() / truth.len() as f64;
+        let line = forces.lines().filter(|line| line.contains("FY, N ")).nth(b).unwrap();
+        let shown: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
+        assert!((shown / mean - 1.0).abs() < 0.2, "{line}: {mean} N is true");
+    }
+    let html = desk.read("r.html");
+    assert!(html.contains("from the observer") && !html.contains("from measured displacement"));
 }
 
 #[test]

@@ -7,6 +7,7 @@ pub(crate) use broken::{broken, with_data};
 pub(crate) use snapshots::with_snapshots;
 
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
+use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -198,6 +199,7 @@ fn bearing(name: &str, station: f64) -> BearingOutcome {
         force_measured: force,
         force_estimated: force,
         force_twin: force.map(|f| ForceFigures { min: 0.97 * f.min, noise_sigma: None, ..f }),
+        straight_line_error: None,
         largest_element_load_n: 31.4,
         contact_lost_samples: 0,
         held_samples: 12,
@@ -312,6 +314,7 @@ fn force_trace(name: &str) -> ForceTrace {
     let twin = [0, 1, 2].map(|axis| curve(axis, 0.0));
     ForceTrace {
         name: name.to_owned(),
+        source: Source::Displacement,
         time: times(),
         measured,
         twin,
@@ -329,6 +332,7 @@ fn element_loads(name: &str) -> ElementLoads {
     };
     ElementLoads {
         name: name.to_owned(),
+        source: Source::Displacement,
         mean: loads(14.0),
         largest: loads(26.0),
         twin_mean: loads(14.8),

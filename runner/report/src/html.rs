@@ -5,6 +5,7 @@ use super::number::{NONE, alone, count, decimals, fixed, maybe, microseconds};
 use super::page::{self, Cell, Column, Fact, Level, Page, PageSection, Row, Table, Verdict, steps};
 use super::words;
 use anyhow::Result;
+use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, Diagnosis, FaultKind, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
 };
@@ -482,7 +483,11 @@ fn bearings(bearings: &[BearingOutcome]) -> Table {
     let order = |order: f64| if order > 0.0 { fixed(order, 3) } else { DASH.to_owned() };
     let row = |bearing: &BearingOutcome| {
         let (orders, largest) = (&bearing.orders, bearing.largest_element_load_n);
-        let remarks = words::remarks(bearing.contact_lost_samples, bearing.held_samples).join("; ");
+        let remarks = words::straight_line(bearing)
+            .into_iter()
+            .chain(words::remarks(bearing.contact_lost_samples, bearing.held_samples))
+            .collect::<Vec<_>>()
+            .join("; ");
         [
             bearing.name.clone(),
             bearing.model.clone(),
@@ -513,8 +518,9 @@ fn bearings(bearings: &[BearingOutcome]) -> Table {
 }
 
 fn forces(bearings: &[BearingOutcome]) -> Table {
+    let source = bearings.first().map_or(Source::Displacement, |bearing| words::shown_forces(bearing).0);
     let mut table = Table {
-        groups: vec![(3, ""), (4, "from measured displacement"), (3, "twin")],
+        groups: vec![(3, ""), (4, words::force_source(source)), (3, "twin")],
         columns: vec![
             Column::name("Bearing"),
             Column::name(""),
@@ -531,7 +537,7 @@ fn forces(bearings: &[BearingOutcome]) -> Table {
     };
     for bearing in bearings {
         for (i, (name, unit)) in COMPONENTS.into_iter().enumerate() {
-            let (measured, twin) = (&bearing.force_measured[i], &bearing.force_twin[i]);
+            let (measured, twin) = (&words::shown_forces(bearing).1[i], &bearing.force_twin[i]);
             let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
             let digits = decimals(values);
             let mut cells = values.map(|value| typeset(&fixed(value, digits))).to_vec();

@@ -2,6 +2,7 @@
 
 use super::number::{NONE, alone, counted, decimals, fixed, maybe, microseconds, shortened};
 use super::words;
+use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{BearingOutcome, Motion, Outcome, ProbeOutcome, Quantiles, Timing};
 
 /// Width at which sentences are broken.
@@ -239,8 +240,12 @@ fn forces(page: &mut Page, outcome: &Outcome) {
         return;
     }
     page.title("FORCES ON THE INNER RINGS");
+    let source = match words::shown_forces(&outcome.bearings[0]).0 {
+        Source::Displacement => "measured",
+        Source::Observer => "observer",
+    };
     let heads: [&[&str]; 2] = [
-        &["bearing", "", "measured", "", "", "noise", "twin", "", ""],
+        &["bearing", "", source, "", "", "noise", "twin", "", ""],
         &["", "", "mean", "least", "largest", "1 sigma", "mean", "least", "largest"],
     ];
     let rows: Vec<Vec<String>> = outcome.bearings.iter().flat_map(force_rows).collect();
@@ -248,6 +253,7 @@ fn forces(page: &mut Page, outcome: &Outcome) {
     for bearing in &outcome.bearings {
         let mut sentences =
             vec![format!("{}, largest load on one element {} N", bearing.model, alone(bearing.largest_element_load_n))];
+        sentences.extend(words::straight_line(bearing));
         sentences.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
         page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", sentences.join("; ")));
     }
@@ -255,7 +261,7 @@ fn forces(page: &mut Page, outcome: &Outcome) {
 
 fn force_rows(bearing: &BearingOutcome) -> Vec<Vec<String>> {
     let row = |i: usize| {
-        let (measured, twin) = (&bearing.force_measured[i], &bearing.force_twin[i]);
+        let (measured, twin) = (&words::shown_forces(bearing).1[i], &bearing.force_twin[i]);
         let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
         let digits = decimals(values);
         let mut cells: Vec<String> = values.iter().map(|value| fixed(*value, digits)).collect();

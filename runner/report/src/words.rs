@@ -1,9 +1,10 @@
 //! Texts shared by the HTML page and the terminal.
 
 use super::number::{alone, at_station, count, counted, fixed};
+use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
-    RotorOutcome, SourceFigures, Standing, Timing,
+    BearingOutcome, ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, ForceFigures, Observation, Outcome,
+    OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing,
 };
 use ballrace_twin::verdict;
 
@@ -344,6 +345,35 @@ pub(super) fn normaliser(probes: &[ProbeOutcome]) -> String {
             .collect::<Vec<_>>()
             .join(" "),
     }
+}
+
+/// Returns the words for the displacement of the forces that are not the twin's.
+pub(super) const fn force_source(source: Source) -> &'static str {
+    match source {
+        Source::Displacement => "from measured displacement",
+        Source::Observer => "from the observer",
+    }
+}
+
+/// Returns the forces of a bearing that the report shows beside the twin's, with their source: the observer's where the straight line between
+/// the planes of the probes has an error.
+pub(super) const fn shown_forces(bearing: &BearingOutcome) -> (Source, &[ForceFigures; 5]) {
+    match bearing.straight_line_error {
+        None => (Source::Displacement, &bearing.force_measured),
+        Some(_) => (Source::Observer, &bearing.force_estimated),
+    }
+}
+
+/// Returns the sentence on the error of the straight line between the planes of the probes; none where it has none.
+pub(super) fn straight_line(bearing: &BearingOutcome) -> Option<String> {
+    let [x, y, z, ..] = bearing.straight_line_error?;
+    Some(format!(
+        "a straight line between the planes of the probes would be wrong by FX {} N, FY {} N, FZ {} N rms, as the rotor bends or its \
+         supports move",
+        alone(x),
+        alone(y),
+        alone(z)
+    ))
 }
 
 /// Returns remarks about lost contact and held forces of one bearing.

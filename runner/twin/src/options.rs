@@ -39,14 +39,14 @@ pub enum BackgroundSchedule {
     Samples(u64),
 }
 
-/// Source of the forces in the forces file.
+/// Displacement of the forces in the forces file and in the figures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Source {
     /// Bearing model at the displacement estimated by the observer, free of probe noise.
     #[default]
     Observer,
-    /// Bearing model at the displacement measured by the probes.
+    /// Bearing model at the displacement measured by the probes: on the straight line between their planes.
     Displacement,
 }
 

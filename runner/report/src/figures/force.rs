@@ -7,6 +7,8 @@ use super::canvas::{
 use super::line::{Point, Thinning, pieces, zipped};
 use super::trace::Clock;
 use super::{Context, Figure, Picture, PointBudget};
+use crate::words;
+use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{ForceTrace, Pictures};
 
 const HEIGHT: f64 = 96.0;
@@ -36,7 +38,7 @@ pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Picture {
     let time: Vec<f64> = force.time.iter().map(|t| t * clock.scale).collect();
     let panels: Vec<Panel> = (0..3).map(|i| Panel::new(force, i, &time, budget.path())).collect();
     let is_banded = panels.iter().any(|panel| !panel.band.is_empty());
-    let legend = legend(is_banded);
+    let legend = &legend(force.source, is_banded);
     let axes: Vec<Axis> =
         panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 5, title)).collect();
     let top = legend_height(gutter(&axes.iter().collect::<Vec<_>>()), legend) + 8.0;
@@ -51,27 +53,28 @@ pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Picture {
     });
     Picture {
         title: format!("Force on the inner ring of bearing {} over time", force.name),
-        note: note(is_banded),
+        note: note(force.source, is_banded),
         drawing,
         ..Picture::default()
     }
 }
 
-fn legend(is_banded: bool) -> &'static [(Key, &'static str)] {
-    const ALL: [(Key, &str); 3] = [
-        (Key::Line(MEASURED_LINE), "from measured displacement"),
-        (Key::Line(TWIN_LINE), "twin"),
-        (Key::Band(BAND), "\u{b1} 1 sigma of probe noise"),
-    ];
-    if is_banded { &ALL } else { &ALL[..2] }
+fn legend(source: Source, is_banded: bool) -> Vec<(Key, &'static str)> {
+    let mut legend = vec![(Key::Line(MEASURED_LINE), words::force_source(source)), (Key::Line(TWIN_LINE), "twin")];
+    legend.extend(is_banded.then_some((Key::Band(BAND), "\u{b1} 1 sigma of probe noise")));
+    legend
 }
 
-fn note(is_banded: bool) -> String {
-    if is_banded { String::new() } else { "The noise of the probes is not known, so no band is drawn.".to_owned() }
+fn note(source: Source, is_banded: bool) -> String {
+    match (source, is_banded) {
+        (Source::Displacement, false) => "The noise of the probes is not known, so no band is drawn.".to_owned(),
+        _ => String::new(),
+    }
 }
 
 /// One component.
 struct Panel {
+    source: Source,
     measured: Vec<Point>,
     twin: Vec<Point>,
     /// Lower and upper edge, piece by piece.
@@ -81,6 +84,7 @@ struct Panel {
 impl Panel {
     fn new(force: &ForceTrace, axis: usize, time: &[f64], thinning: Thinning) -> Self {
         Self {
+            source: force.source,
             measured: zipped(time, &force.measured[axis]),
             twin: zipped(time, &force.twin[axis]),
             band: band(time, &force.measured[axis], &force.sigma[axis], thinning),
@@ -99,7 +103,7 @@ impl Panel {
                 canvas.polygon(&around, BAND);
             }
         });
-        frame.series(canvas, ("from measured displacement", &self.measured), budget.time(), MEASURED_LINE);
+        frame.series(canvas, (words::force_source(self.source), &self.measured), budget.time(), MEASURED_LINE);
         frame.series(canvas, ("twin", &self.twin), budget.time(), TWIN_LINE);
         frame.note_if_empty(canvas, &[&self.measured, &self.twin]);
     }

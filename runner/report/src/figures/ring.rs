@@ -7,6 +7,7 @@ use super::canvas::{
 };
 use super::line::{Point, pieces};
 use super::{Context, Figure, Picture, PointBudget};
+use crate::words;
 use ballrace_twin::replay::outcome::{ElementLoads, Pictures};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -42,8 +43,10 @@ impl Figure for ElementLoadPlots {
 
 /// Draws the loads on the elements of one bearing.
 pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
+    let source = words::force_source(loads.source);
+    let mean = format!("mean, {source}");
     let legend = [
-        (Key::Line(MEASURED_LINE), "mean, from measured displacement"),
+        (Key::Line(MEASURED_LINE), mean.as_str()),
         (Key::Line(TWIN_LINE), "mean, twin"),
         (Key::Line(RESIDUAL_LINE), "largest"),
     ];
@@ -67,10 +70,10 @@ pub(super) fn loads(loads: &ElementLoads, budget: PointBudget) -> Picture {
     });
     Picture {
         title: format!("Load on the elements of bearing {}", loads.name),
-        note:
-            "Left: load of the element that passes at each azimuth. Right: element 1 from the measured displacement, \
-               every turn of the cage drawn over the ones before. Azimuth from +X towards +Y."
-                .to_owned(),
+        note: format!(
+            "Left: load of the element that passes at each azimuth. Right: element 1 {source}, every turn of the cage drawn over the \
+             ones before. Azimuth from +X towards +Y."
+        ),
         drawing,
         ..Picture::default()
     }

@@ -461,13 +461,17 @@ pub struct BearingOutcome {
     pub station_mm: f64,
     /// Orders per turn: cage, outer race, inner race, ball spin; 0 when unknown.
     pub orders: BearingOrders,
-    /// FX, FY, FZ (N), MX, MY (N m) on the inner ring, from the measured displacement.
+    /// FX, FY, FZ (N), MX, MY (N m) on the inner ring, from the measured displacement: of a straight line between the planes of the probes,
+    /// unless the scene has a `[system]`.
     pub force_measured: [ForceFigures; 5],
     /// The same at the position that the observer takes to be behind the probes' noise.
     pub force_estimated: [ForceFigures; 5],
     /// The same of the twin.
     pub force_twin: [ForceFigures; 5],
-    /// Largest load on one element, N, from the measured displacement.
+    /// Rms error of the forces from the straight line, computed in the twin; none where the rotor does not bend and no outer ring moves, so that
+    /// the line has no error. Where present, the report shows `force_estimated` in place of `force_measured`.
+    pub straight_line_error: Option<[f64; 5]>,
+    /// Largest load on one element, N, at the displacement of the forces that the report shows.
     pub largest_element_load_n: f64,
     /// Samples in which no element carried load.
     pub contact_lost_samples: u64,

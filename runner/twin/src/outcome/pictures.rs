@@ -1,6 +1,7 @@
 //! Data of the figures of a report.
 
 use super::RotorDrawing;
+use crate::options::Source;
 
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
 #[derive(Debug, Clone, Default)]
@@ -286,7 +287,9 @@ pub struct ForceTrace {
     pub name: String,
     /// Time of each sample, s.
     pub time: Vec<f64>,
-    /// FX, FY, FZ from the measured displacement, N.
+    /// Displacement of `measured`.
+    pub source: Source,
+    /// FX, FY, FZ at the displacement of `source`, N.
     pub measured: [Vec<f64>; 3],
     /// The same of the twin.
     pub twin: [Vec<f64>; 3],
@@ -301,7 +304,9 @@ pub struct ElementLoads {
     pub name: String,
     /// Azimuth bins around the ring, rad (centre of each).
     pub azimuth: Vec<f64>,
-    /// Mean load of the element passing there, N, from the measured displacement.
+    /// Displacement of the loads that are not the twin's.
+    pub source: Source,
+    /// Mean load of the element passing there, N.
     pub mean: Vec<f64>,
     /// Largest load there, N.
     pub largest: Vec<f64>,

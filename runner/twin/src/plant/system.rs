@@ -90,6 +90,12 @@ impl Layout {
         self.order == RIGID && matches!(*self.body, Body::Rigid)
     }
 
+    /// Returns true where the rotor does not bend and no outer ring moves: the displacement of every bearing is on the rotor's straight line.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        matches!(*self.body, Body::Rigid) && self.supports.is_empty()
+    }
+
     /// Returns true for a system that the scene gives by its matrices; the meaning of its coordinates is unknown.
     #[must_use]
     pub fn is_given(&self) -> bool {

@@ -19,10 +19,10 @@ use super::totals::Totals;
 use super::twin::TwinStart;
 use crate::diagnosis::block::Block;
 use crate::error::Result;
-use crate::options::Options;
+use crate::options::{Options, Source};
 use crate::output::OutputError;
 use crate::plant::{AXIAL, Plant, Twin};
-use crate::probes::Plane;
+use crate::probes::{Plane, reading};
 use crate::recording::status::SampleStatus;
 use crate::scene::{Probe, Scene};
 use ballrace::Displacement;
@@ -78,6 +78,8 @@ impl<'a> Evaluator<'a> {
         options: &Options,
     ) -> Result<Self> {
         let bearings = plant.bearings.as_slice();
+        let is_straight = plant.layout.is_given() || plant.layout.is_straight();
+        let source = if is_straight { Source::Displacement } else { Source::Observer };
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
         let names = || probes.iter().map(|p| p.column.clone()).collect();
         let column = |bearing: usize| (0..probes.len()).map(|probe| location.column(&plant, bearing, probe)).collect();
@@ -90,11 +92,11 @@ impl<'a> Evaluator<'a> {
             readings: ReadingsStage::new(names(), options.live),
             location,
             displacements: Vec::with_capacity(bearings.len()),
-            force: ForceStage::new(bearings, rate, options.live && options.forces.is_none()),
+            force: ForceStage::new(bearings, rate, is_straight, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
             block: Some(Block::default()),
             deflection: MeanDeflection::new(&plant),
-            figures: FigureCollector::new(probes, planes.to_vec(), bearings, rate, scene.shaft.speed),
+            figures: FigureCollector::new(probes, planes.to_vec(), (bearings, source), rate, scene.shaft.speed),
             limits,
             seconds: options
                 .live
@@ -171,10 +173,16 @@ impl<'a> Evaluator<'a> {
         }
         let plant = &self.plant;
         let position = self.location.position(readings, twin, twin.get(AXIAL).copied().unwrap_or_default());
+        let is_error_due = !self.force.is_straight() && ForceStage::is_noise_band_due(sample.row.index);
+        let straight = is_error_due.then(|| {
+            let readings: Vec<f64> = self.rows.iter().map(|row| reading(row, twin)).collect();
+            self.location.position(&readings, twin, twin.get(AXIAL).copied().unwrap_or_default())
+        });
         let of = |i: usize| Displacements {
             measured: position.at_bearing(plant, i),
             twin: plant.displacement(i, twin),
             observer: (!observer.is_empty()).then(|| plant.displacement(i, observer)),
+            straightened: straight.as_ref().map(|line| line.at_bearing(plant, i)),
         };
         self.displacements.extend((0..plant.bearings.len()).map(of));
     }

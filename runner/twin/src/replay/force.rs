@@ -26,9 +26,11 @@ pub struct EvaluatedForce {
     pub twin: [f64; 5],
     /// At the displacement of the observer; `measured` where the observer is not trusted.
     pub estimated: [f64; 5],
+    /// That of the figures: `measured`, or the observer's where the displacement is not on a straight line; none where that is missing.
+    pub shown: Option<[f64; 5]>,
     /// Standard deviation of `measured` due to probe noise; NaN where unknown.
     pub sigma: [f64; 5],
-    /// Status flags of `measured`.
+    /// Status flags of `measured`; the loss of contact is that of `shown`.
     pub status: Status,
 }
 
@@ -41,6 +43,8 @@ pub(super) struct Displacements {
     pub(super) twin: Displacement<f64>,
     /// As the observer estimates it; none where it is not trusted.
     pub(super) observer: Option<Displacement<f64>>,
+    /// In the twin on the straight line between its own readings; only where its error is due.
+    pub(super) straightened: Option<Displacement<f64>>,
 }
 
 /// Evaluates the forces of a replay and accumulates them.
@@ -52,17 +56,21 @@ pub(super) struct ForceStage {
     force_decimation: u64,
     /// Decimation factor of all forces and their sums, a multiple of `force_decimation`.
     report_decimation: u64,
+    /// The displacements are on a straight line between the planes of the probes.
+    is_straight: bool,
 }
 
 impl ForceStage {
-    /// Creates the stage. `decimated` limits the work in live operation.
-    pub(super) fn new(bearings: &[MountedBearing], rate: f64, decimated: bool) -> Self {
+    /// Creates the stage. `straight`: the displacements of the bearings are on a straight line between the planes of the probes, or are not derived
+    /// from one; `decimated` limits the work in live operation.
+    pub(super) fn new(bearings: &[MountedBearing], rate: f64, straight: bool, decimated: bool) -> Self {
         let force_decimation = if decimated { (rate / LIVE_FORCE_RATE).ceil() as u64 } else { 1 };
         Self {
-            bearings: bearings.iter().map(|b| BearingForces::new(b.elements)).collect(),
+            bearings: bearings.iter().map(|b| BearingForces::new(b.elements, straight)).collect(),
             evaluated: Vec::new(),
             force_decimation,
             report_decimation: force_decimation * if decimated { 4 } else { 1 },
+            is_straight: straight,
         }
     }
 
@@ -95,6 +103,11 @@ impl ForceStage {
     /// Returns true where all forces of the sample `index` are evaluated and enter the sums.
     pub(super) const fn is_reported(&self, index: u64) -> bool {
         index.is_multiple_of(self.report_decimation)
+    }
+
+    /// Returns true where the displacements are on a straight line between the planes of the probes.
+    pub(super) const fn is_straight(&self) -> bool {
+        self.is_straight
     }
 
     /// Returns true where the noise band of the sample `index` is due after the first revolutions.
@@ -148,19 +161,23 @@ pub struct BearingForces {
     estimated: RunningTogether<5>,
     sigma: [Running; 5],
     contact_lost: u64,
-    /// Number of samples with a force at the measured displacement.
+    /// Number of samples with `EvaluatedForce::shown`.
     evaluated: u64,
     /// Number of samples in which the bearing carries no load in the twin.
     twin_contact_lost: u64,
     held_samples: u64,
-    /// Loads of the elements at the present sample, at the measured displacement and in the twin.
+    /// The displacement is on a straight line between the planes of the probes.
+    is_straight: bool,
+    /// Error of the force on the straight line in the twin.
+    straight_line_error: [Running; 5],
+    /// Loads of the elements at the present sample, at the displacement of `EvaluatedForce::shown` and in the twin.
     loads: [Vec<f64>; 2],
     /// Loads by azimuth.
     pub around: Vec<LoadSums>,
 }
 
 impl BearingForces {
-    fn new(elements: usize) -> Self {
+    fn new(elements: usize, is_straight: bool) -> Self {
         Self {
             held: LastValidWrench::new(),
             measured: Default::default(),
@@ -171,6 +188,8 @@ impl BearingForces {
             evaluated: 0,
             twin_contact_lost: 0,
             held_samples: 0,
+            is_straight,
+            straight_line_error: Default::default(),
             loads: [vec![0.0; elements], vec![0.0; elements]],
             around: vec![LoadSums::default(); AZIMUTH_BINS],
         }
@@ -192,23 +211,38 @@ impl BearingForces {
             return EvaluatedForce { measured: measured.to_array(), status, ..none };
         }
         let [loads, twin_loads] = &mut self.loads;
-        let (measured, status) = self.held.update(displacements.measured.is_finite(), || {
+        let (measured, mut status) = self.held.update(displacements.measured.is_finite(), || {
             bearing.bearing.reaction_and_loads(&displacements.measured, at, loads)
         });
         let measured = measured.to_array();
         let twin = bearing.bearing.reaction_and_loads(&displacements.twin, at, twin_loads).wrench.to_array();
-        let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
-        EvaluatedForce { measured, twin, estimated, status, ..none }
+        if self.is_straight {
+            let estimated = displacements.observer.map_or(measured, |q| force_at(bearing, &q, at));
+            let shown = (!status.is_held()).then_some(measured);
+            return EvaluatedForce { measured, twin, estimated, shown, status, ..none };
+        }
+        let observer = displacements.observer.map(|q| bearing.bearing.reaction_and_loads(&q, at, loads));
+        let is_lost = observer.as_ref().is_some_and(|force| force.status.contains(Status::CONTACT_LOST));
+        status =
+            Status::from_bits(status.bits() & !Status::CONTACT_LOST.bits()).union(Status::CONTACT_LOST.when(is_lost));
+        if let Some(straightened) = &displacements.straightened {
+            let force = force_at(bearing, straightened, at);
+            self.straight_line_error.iter_mut().zip(force).zip(twin).for_each(|((sum, f), twin)| sum.add(f - twin));
+        }
+        let shown = observer.map(|force| force.wrench.to_array());
+        EvaluatedForce { measured, twin, estimated: shown.unwrap_or(measured), shown, status, ..none }
     }
 
     /// Adds a sample and the loads of its evaluation to the sums; returns the load on element 1.
     fn add(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) -> f64 {
         self.contact_lost += u64::from(sample.status.contains(Status::CONTACT_LOST));
-        self.evaluated += u64::from(!sample.status.is_held());
+        self.evaluated += u64::from(sample.shown.is_some());
         self.twin_contact_lost += u64::from(sample.twin == [0.0; 5]);
         self.held_samples += u64::from(sample.status.is_held());
         self.twin.add(&sample.twin);
-        self.estimated.add(&sample.estimated);
+        if self.is_straight || sample.shown.is_some() {
+            self.estimated.add(&sample.estimated);
+        }
         if !sample.status.is_held() {
             self.measured.add(&sample.measured);
             for (sum, sigma) in self.sigma.iter_mut().zip(sample.sigma).filter(|(_, sigma)| sigma.is_finite()) {
@@ -216,25 +250,24 @@ impl BearingForces {
             }
         }
         self.add_element_loads(bearing, sample, cage);
-        let first = self.loads[usize::from(sample.status.is_held())].first();
+        let first = self.loads[usize::from(sample.shown.is_none())].first();
         first.copied().unwrap_or(0.0)
     }
 
-    /// Returns the shares of samples in which no element carries load, at the measured displacement and in the twin.
+    /// Returns the shares of samples in which no element carries load, at the displacement of `EvaluatedForce::shown` and in the twin.
     #[must_use]
     pub fn unloaded_shares(&self) -> [f64; 2] {
         let twin = self.twin.of(0).count();
         [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }
 
-    /// Adds the loads of the last evaluation by azimuth: those in the twin and, where the sample is not held, those at the measured
-    /// displacement.
+    /// Adds the loads of the last evaluation by azimuth: those in the twin and those of `EvaluatedForce::shown`.
     fn add_element_loads(&mut self, bearing: &MountedBearing, sample: &EvaluatedForce, cage: Phase) {
-        let ([loads, twin_loads], is_held) = (&self.loads, sample.status.is_held());
+        let ([loads, twin_loads], is_shown) = (&self.loads, sample.shown.is_some());
         for ((&load, &twin_load), azimuth) in loads.iter().zip(twin_loads).zip(bearing.azimuths(cage)) {
             let at = &mut self.around[((u128::from(azimuth.0) * AZIMUTH_BINS as u128) >> 64) as usize];
             at.add_twin(twin_load);
-            if !is_held {
+            if is_shown {
                 at.add(load);
             }
         }
@@ -262,6 +295,7 @@ impl BearingForces {
             force_measured: std::array::from_fn(|i| figures(self.measured.of(i), Some(&self.sigma[i]))),
             force_estimated: std::array::from_fn(|i| figures(self.estimated.of(i), None)),
             force_twin: std::array::from_fn(|i| figures(self.twin.of(i), None)),
+            straight_line_error: (!self.is_straight).then(|| self.straight_line_error.each_ref().map(Running::rms)),
             largest_element_load_n: self.around.iter().map(LoadSums::largest).fold(0.0, f64::max),
             contact_lost_samples: self.contact_lost,
             held_samples: self.held_samples,
@@ -344,8 +378,9 @@ mod tests {
         let at = BearingKinematicState::from(Phase::from_radians(cage.to_radians()));
         let loads = element_loads(bearing, &displacement, &at);
         let (azimuth, _) = loads.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-        let mut forces = BearingForces::new(bearing.elements);
-        let displacements = Displacements { measured: displacement, twin: Displacement::default(), observer: None };
+        let mut forces = BearingForces::new(bearing.elements, true);
+        let displacements =
+            Displacements { measured: displacement, twin: Displacement::default(), observer: None, straightened: None };
         let force = forces.evaluate(bearing, &displacements, true, &at);
         forces.add(bearing, &force, at.cage);
         let load = |bin: &usize| forces.around[*bin].mean();

@@ -5,6 +5,7 @@ use super::comparison::Comparison;
 use super::excerpt::ExcerptCollector;
 use super::force::{AZIMUTH_BINS, BearingForces, EvaluatedForce};
 use super::trend::Trend;
+use crate::options::Source;
 use crate::outcome::{
     Block, ElementLoads, FilteredOrbit, ForceTrace, FullSpectrum, HalfSpectrum, MarkedLine, Orbit, Pictures, Trace,
 };
@@ -35,14 +36,21 @@ pub struct FigureCollector {
 }
 
 impl FigureCollector {
-    /// Creates the collector for the probes and bearings of a replay at a sample rate and the scene's speed.
+    /// Creates the collector for the probes and bearings of a replay, with the `source` of the forces, at a sample rate and the scene's speed.
     #[must_use]
-    pub fn new(probes: &[Probe], planes: Vec<Plane>, mounted: &[MountedBearing], rate: f64, speed: Speed) -> Self {
+    pub fn new(
+        probes: &[Probe],
+        planes: Vec<Plane>,
+        (mounted, source): (&[MountedBearing], Source),
+        rate: f64,
+        speed: Speed,
+    ) -> Self {
         let traces = probes.iter().map(|p| Trace { name: p.column.clone(), ..Trace::default() }).collect();
         let orbits = planes.iter().map(|p| orbit(p, probes)).collect();
-        let forces = mounted.iter().map(|s| ForceTrace { name: s.name.clone(), ..ForceTrace::default() }).collect();
+        let forces =
+            mounted.iter().map(|s| ForceTrace { name: s.name.clone(), source, ..ForceTrace::default() }).collect();
         let element_loads =
-            mounted.iter().map(|s| ElementLoads { name: s.name.clone(), ..ElementLoads::default() }).collect();
+            mounted.iter().map(|s| ElementLoads { name: s.name.clone(), source, ..ElementLoads::default() }).collect();
         let pictures = Pictures { traces, orbits, forces, element_loads, ..Pictures::default() };
         let trend = Trend::new(probes.len(), planes.clone());
         let cascade = Spectra::new(probes, &planes, rate, speed);
@@ -94,8 +102,7 @@ impl FigureCollector {
         {
             trace.time.push(time);
             for i in 0..3 {
-                let measured = if force.status.is_held() { f64::NAN } else { force.measured[i] };
-                trace.measured[i].push(measured);
+                trace.measured[i].push(force.shown.map_or(f64::NAN, |shown| shown[i]));
                 trace.twin[i].push(force.twin[i]);
                 if force.sigma[i].is_finite() {
                     trace.sigma[i].push(force.sigma[i]);

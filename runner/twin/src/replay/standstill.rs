@@ -188,6 +188,7 @@ fn without_forces(bearing: BearingOutcome) -> BearingOutcome {
         force_measured: none,
         force_estimated: none,
         force_twin: none,
+        straight_line_error: None,
         largest_element_load_n: f64::NAN,
         ..bearing
     }
