@@ -67,12 +67,53 @@ fn largest_error(cases: &[&Case], cage: f64, digits: usize, options: &[&str]) ->
     cases.iter().map(error).fold(0.0, f64::max)
 }
 
+/// The points of a housing do not turn with the cage.
+fn is_golden_at(case: &Case, cage: f64) -> bool {
+    case.housing_displacement.is_none() || cage == 0.0
+}
+
+/// A housing squeezed to an ellipse at points that are fixed in it is an outer race with two waves: also for balls between the points.
+#[test]
+fn balls_pass_the_points_of_a_housing() {
+    let [wave, housing] = [false, true].map(|is_housing| {
+        let amplitude = 5e-6;
+        let shape = if is_housing {
+            let point = |j: i32| {
+                let (sin, cos) = (f64::from(j) * std::f64::consts::FRAC_PI_4).sin_cos();
+                let outward = amplitude * (cos * cos - sin * sin);
+                format!("[{:?}, {:?}, 0]", outward * cos, outward * sin)
+            };
+            format!("housing_displacement = [{}]", (0..8).map(point).collect::<Vec<_>>().join(", "))
+        } else {
+            format!("waviness = [{{ surface = \"outer\", order = 2, amplitude = {amplitude:?} }}]")
+        };
+        let desk = Desk::empty();
+        desk.put(
+            "scene.toml",
+            format!(
+                "[shaft]\nspeed = \"1500 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 8\n\
+                 cage_ratio = 0.4\nstiffness = 6e8\nexponent = 1.1111\nradial_play = \"2 um\"\n{shape}\n"
+            ),
+        );
+        let row = |angle: f64| format!("1e-6,-2e-6,0,0,0,{angle:?}\n");
+        let rows: String = (0..12).map(|i| row(0.13 * f64::from(i))).collect();
+        forces(&desk, &format!("u,v,w,thu,thv,cage_angle\n{rows}"), 17, &["--precision", "f64"])
+    });
+    assert_eq!(wave.len(), 12);
+    for ((wave, _), (housing, _)) in wave.iter().zip(&housing) {
+        let error = relative_to_largest(housing, wave);
+        assert!(error < 1e-9, "{housing:?}, expected {wave:?}");
+    }
+    let change = (wave[0].0[0] - wave[3].0[0]).abs() / wave[0].0[0].abs().max(1.0);
+    assert!(change > 0.1, "the force depends on the angle of the cage: {change}");
+}
+
 #[test]
 fn golden_cases_in_double_precision() {
     let all = cases();
     assert_eq!(all.len(), 120);
-    let all: Vec<&Case> = all.iter().collect();
     for cage in [0.0, 2.25] {
+        let all: Vec<&Case> = all.iter().filter(|case| is_golden_at(case, cage)).collect();
         let error = largest_error(&all, cage, 17, &["--precision", "f64"]);
         println!("force, f64, cage at {cage} rad: {error:.2e}");
         assert!(error < 1e-12, "{error:e}");
@@ -82,8 +123,8 @@ fn golden_cases_in_double_precision() {
 #[test]
 fn golden_cases_in_single_precision() {
     let all = cases();
-    let all: Vec<&Case> = all.iter().collect();
     for cage in [0.0, 2.25] {
+        let all: Vec<&Case> = all.iter().filter(|case| is_golden_at(case, cage)).collect();
         let error = largest_error(&all, cage, 9, &["--precision", "f32"]);
         println!("force, f32, cage at {cage} rad: {error:.2e}");
         assert!(error < 5e-6, "{error:e}");

@@ -4,13 +4,15 @@
 //! leaves tangents and element loads of three arithmetics out of the compiled program.
 
 mod force_model;
+mod housing;
 mod lumped;
 
 pub use force_model::{AnyForceModel, ForceModel};
+pub use housing::HousingShape;
 use lumped::{Elements, Lumped};
 
 use crate::simd::Dispatched;
-use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, Mirrored, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 use std::sync::Arc;
@@ -59,8 +61,8 @@ pub trait BearingHandle<T: Scalar>: Sized {
     fn mirrored(self) -> Self;
     /// Returns elements of one kind.
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements;
-    /// Returns the handle of radial and axial elements together; `housing` is empty if the outer ring is rigid.
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Vec<HousingPoint<T>>) -> Self;
+    /// Returns the handle of radial and axial elements together; `housing` is none if the outer ring is rigid.
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self;
 }
 
 impl<T: Scalar> BearingHandle<T> for AnyBearing<T> {
@@ -78,7 +80,7 @@ impl<T: Scalar> BearingHandle<T> for AnyBearing<T> {
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements {
         Box::new(elements)
     }
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Vec<HousingPoint<T>>) -> Self {
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self {
         Self(Arc::new(Lumped { radial, axial, housing }))
     }
 }

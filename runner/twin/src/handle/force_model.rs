@@ -1,9 +1,9 @@
 //! Forces of a bearing without its tangent.
 
 use super::lumped::{ElementForces, Lumped};
-use super::{AnyBearing, BearingHandle, Shared};
+use super::{AnyBearing, BearingHandle, HousingShape, Shared};
 use crate::simd::Dispatched;
-use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
+use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, LastValidWrench, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Status, Wrench};
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl<T: Scalar, B: CageFrame<T> + Send + Sync> ForceModel<T> for Dispatched<B> {
     }
 }
 
-impl<T: Scalar> ForceModel<T> for Lumped<T, dyn ElementForces<T>> {
+impl<T: Scalar> ForceModel<T> for Lumped<dyn ElementForces<T>> {
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.force(u, at)
     }
@@ -85,7 +85,7 @@ impl<T: Scalar> BearingHandle<T> for AnyForceModel<T> {
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements {
         Box::new(elements)
     }
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Vec<HousingPoint<T>>) -> Self {
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self {
         Self(Arc::new(Lumped { radial, axial, housing }))
     }
 }

@@ -1,5 +1,6 @@
 //! Radial and axial elements in parallel, on a rigid or displaced housing.
 
+use super::housing::HousingShape;
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
@@ -31,26 +32,34 @@ pub trait Elements<T: Scalar>: ElementForces<T> + Bearing<T> + FlexibleRing<T> {
 impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> Elements<T> for B {}
 
 /// Radial and axial elements together, and Hajzman's flexible outer ring with given `q_S`.
-pub(super) struct Lumped<T, E: ?Sized> {
+pub(super) struct Lumped<E: ?Sized> {
     pub(super) radial: Box<E>,
     pub(super) axial: Option<Box<E>>,
-    /// Empty where the outer ring is rigid.
-    pub(super) housing: Vec<HousingPoint<T>>,
+    /// None where the outer ring is rigid.
+    pub(super) housing: Option<HousingShape>,
 }
 
-impl<T: Scalar, E: ElementForces<T> + ?Sized> Lumped<T, E> {
+impl<E: ?Sized> Lumped<E> {
     fn kinds(&self) -> impl Iterator<Item = &E> {
         [Some(&self.radial), self.axial.as_ref()].into_iter().flatten().map(Box::as_ref)
     }
 
-    pub(super) fn force(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        let mut housing = self.housing.clone();
+    /// Returns the housing at every element; empty where the outer ring is rigid.
+    fn housing_at<T: Scalar>(&self, at: &BearingKinematicState<T>) -> Vec<HousingPoint<T>> {
+        self.housing.as_ref().map_or_else(Vec::new, |shape| shape.at_elements(at.cage))
+    }
+
+    pub(super) fn force<T: Scalar>(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>
+    where
+        E: ElementForces<T>,
+    {
+        let mut housing = self.housing_at(at);
         let one = |kind: &E| kind.force_and_housing(u, at, &mut housing);
         self.kinds().map(one).fold(Reaction::default(), |sum, one| sum + one)
     }
 }
 
-impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
+impl<T: Scalar> Bearing<T> for Lumped<dyn Elements<T>> {
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.force(u, at)
     }
@@ -60,7 +69,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
-        let mut housing = self.housing.clone();
+        let mut housing = self.housing_at(at);
         let one = |kind: &dyn Elements<T>| match housing.as_mut_slice() {
             [] => kind.reaction_and_stiffness(u, at),
             points => kind.reaction_and_stiffness_flexible(u, at, points),
@@ -70,7 +79,7 @@ impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
     }
 
     fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
-        if !self.housing.is_empty() {
+        if self.housing.is_some() {
             self.element_loads(u, at, loads);
             return self.force(u, at);
         }
@@ -78,12 +87,13 @@ impl<T: Scalar> Bearing<T> for Lumped<T, dyn Elements<T>> {
         self.axial.iter().fold(radial, |sum, axial| sum + axial.reaction(u, at))
     }
 
-    /// Computes the loads of the radial elements, which show the load zone; on a displaced housing, the size of the reaction at each point.
+    /// Computes the loads of the radial elements, which show the load zone; on a displaced housing, the size of the reaction
+    /// of the housing on each element.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        if self.housing.is_empty() {
+        if self.housing.is_none() {
             return self.radial.element_loads(u, at, loads);
         }
-        let mut points = self.housing.clone();
+        let mut points = self.housing_at(at);
         for kind in self.kinds() {
             kind.reaction_flexible(u, at, &mut points);
         }

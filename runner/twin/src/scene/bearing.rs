@@ -26,7 +26,8 @@ pub struct Bearing {
     pub law: Option<Law>,
     /// `axial = {...}` of the lumped model: separate axial elements.
     pub axial: Option<Axial>,
-    /// `housing_displacement = [[x, y, z], ...]`: displacement of the outer ring at each element, m; empty when rigid.
+    /// `housing_displacement = [[x, y, z], ...]`: displacement of the outer ring, m, at points fixed in the
+    /// housing: those of the elements with the cage at angle 0; empty when rigid.
     pub housing_displacement: Vec<[f64; 3]>,
     /// Source of the linear model; only with `model = "linear"`.
     pub linear: Option<Linear>,

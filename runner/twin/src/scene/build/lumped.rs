@@ -1,9 +1,8 @@
 //! The lumped model: radial and axial elements with any contact law, on a rigid or displaced housing.
 
-use super::{BuildError, blocked_places, facing, geometry, invalid, named, uneven};
-use crate::handle::BearingHandle;
+use super::{BuildError, blocked_places, element_azimuth, facing, geometry, invalid, named, uneven};
+use crate::handle::{BearingHandle, HousingShape};
 use crate::scene::{Bearing as BearingScene, Facing, FreeAngle};
-use ballrace::bearing::flexible::HousingPoint;
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{Math, Scalar};
@@ -110,9 +109,11 @@ fn axial_elements<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M> + 'static, H
     Ok(H::elements(axial))
 }
 
-fn housing<T: Scalar>(scene: &BearingScene) -> Vec<HousingPoint<T>> {
+/// Returns the shape of the housing in the frame of the bearing; none where it is rigid.
+fn housing(scene: &BearingScene) -> Option<HousingShape> {
     let mirror = scene.facing == Facing::MinusZ;
     let point = |&[x, y, z]: &[f64; 3]| if mirror { [x, -y, -z] } else { [x, y, z] };
-    let displaced = |p| HousingPoint { displacement: point(p).map(T::from_f64), reaction: [T::ZERO; 3] };
-    scene.housing_displacement.iter().map(displaced).collect()
+    let points: Vec<[f64; 3]> = scene.housing_displacement.iter().map(point).collect();
+    let azimuths = (0..points.len()).map(|j| element_azimuth(scene, j)).collect();
+    (!points.is_empty()).then(|| HousingShape::new(azimuths, &points))
 }

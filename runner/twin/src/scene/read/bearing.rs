@@ -411,8 +411,8 @@ fn axial(node: &Node<'_>) -> Read<Axial> {
 
 fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
     let expected = format!(
-        "a list of {elements} entries [x, y, z], the displacement of the outer ring at each rolling element, \
-         such as [\"1 um\", 0, 0]"
+        "a list of {elements} entries [x, y, z], the displacement of the outer ring where each rolling element is with the \
+         cage at angle 0, such as [\"1 um\", 0, 0]"
     );
     let list = node.list(&expected)?;
     if list.len() != elements {
