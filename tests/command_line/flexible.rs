@@ -208,6 +208,33 @@ fn wrong_drawings_are_refused() {
     }
 }
 
+/// A drawing in thousands of pieces is the same rotor, and more than a drawing has are refused.
+#[test]
+fn a_rotor_of_many_sections() {
+    let pieces = |count: usize| {
+        let section = |i: usize| {
+            let [from, to] =
+                [i, i + 1].map(|end| format!("{:.6} mm", 65.6 + (246.2 - 65.6) * end as f64 / count as f64));
+            format!("{{ from = \"{from}\", to = \"{to}\", outer_diameter = \"30 mm\" }},")
+        };
+        let whole = "{ from = \"65.6 mm\", to = \"246.2 mm\", outer_diameter = \"30 mm\" },";
+        swap(&scene(), whole, &(0..count).map(section).collect::<String>())
+    };
+    let frequencies = |text: &str| {
+        let desk = Desk::empty();
+        desk.put("scene.toml", text);
+        let found = desk.done(&["campbell", "scene.toml", "--speeds", "3000 rpm..3000 rpm:1", "--format", "json"]);
+        let found: Value = serde_json::from_str(&found.out).unwrap();
+        found[0]["modes"].as_array().unwrap().iter().map(|m| m["frequency_hz"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    for (few, many) in frequencies(&scene()).iter().zip(&frequencies(&pieces(2000))).take(8) {
+        assert!((few / many - 1.0).abs() < 5e-3, "{few} {many} Hz");
+    }
+    let desk = Desk::empty();
+    desk.put("scene.toml", pieces(10_001));
+    desk.refused(&["check", "scene.toml"], 2, &["scene.toml:", "10005 sections", "at most 10000"]);
+}
+
 /// A rigid rotor on supports is replayed and diagnosed too: its recording is the program's own.
 #[test]
 fn supports_are_observed() {

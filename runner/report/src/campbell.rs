@@ -28,9 +28,33 @@ pub fn text(scene: &str, all: &[AtSpeed]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{:8.0} rpm {}", at.speed_rpm, modes.join(" "));
     }
+    out.push_str(&critical_text(&critical_speeds(&branches(all))));
     if let Some(rotor) = largest_reduction_error(all) {
         out.push('\n');
         out.push_str(&reduction(&rotor));
+    }
+    out
+}
+
+/// Returns the critical speeds as lines of text.
+fn critical_text(critical: &[CriticalSpeed]) -> String {
+    if critical.is_empty() {
+        return "\nNo mode crosses 1X or 2X in this range of speeds.\n".to_owned();
+    }
+    let mut out =
+        "\nCritical speeds, by linear interpolation between these speeds; unbalance excites forward modes at 1X\n"
+            .to_owned();
+    for one in critical {
+        let (mode, whirl) = (format!("N{}", one.mode), one.whirl.name());
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{:8.0} rpm  {:.0}X  {mode:<4} {whirl:<8} {:9.2} Hz, damping {:.2} %",
+            one.speed_rpm,
+            one.order,
+            one.frequency_hz,
+            100.0 * one.damping_ratio
+        );
     }
     out
 }

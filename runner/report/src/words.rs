@@ -156,16 +156,19 @@ pub(super) fn severity(diagnosis: &Diagnosis) -> &'static str {
 /// Returns the facts that precede the figures: name and value.
 pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let record = &outcome.record;
-    let mut facts = vec![
-        ("Machine", outcome.scene.clone()),
-        ("Recording", outcome.recording.clone()),
+    let mut facts = vec![("Machine", outcome.scene.clone()), ("Recording", outcome.recording.clone())];
+    if let Some(file) = &outcome.file {
+        let modified = file.modified.replace('T', " ").replace('Z', " UTC");
+        facts.push(("File", format!("changed on {modified}, {} bytes, SHA-256 {}", count(file.bytes), file.sha256)));
+    }
+    facts.extend([
         ("Speed", speed(record)),
         ("Rotation", rotation(record).to_owned()),
         ("Shaft angle from", record.angle_source.clone()),
         ("Rate", format!("{} Hz", rate(record.rate_hz))),
         ("Duration", format!("{} s, {} turns", fixed(record.duration_s, 3), fixed(record.turns, 1))),
         ("Samples", samples(record)),
-    ];
+    ]);
     facts.extend(setting(outcome));
     if !outcome.probes.is_empty() {
         facts.push(("Condition number", condition(&outcome.observation)));
@@ -389,14 +392,14 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
 }
 
 /// Remark where a simpler model has a smaller residual than the twin.
-pub(super) const BEATEN: &str = "WORSE: a simpler model leaves over 2 % less than the twin. Where the twin leaves far more than the probe noise, the machine may have a fault or differ from the scene.";
+pub(super) const BEATEN: &str = "worse: a simpler model leaves over 2 % less than the twin, which is the machine of the scene without a fault. With a fault this is so; without one, the machine differs from its scene.";
 
 /// Returns the word for the standing of the twin against a simpler model.
 pub(super) const fn standing(standing: Standing) -> &'static str {
     match standing {
         Standing::Better => "better",
         Standing::Same => "same",
-        Standing::Worse => "WORSE",
+        Standing::Worse => "worse",
     }
 }
 

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
-use ballrace_twin::replay::outcome::Outcome;
+use ballrace_twin::replay::outcome::{Outcome, RecordingFile};
 use ballrace_twin::replay::{self, Options, Progress, Source};
 use ballrace_twin::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -92,7 +92,8 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    write_results(args, outcome?, report.as_deref(), format)
+    let file = RecordingFile::of(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    write_results(args, Outcome { file, ..outcome? }, report.as_deref(), format)
 }
 
 /// Replays in real time.

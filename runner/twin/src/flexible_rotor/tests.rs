@@ -314,3 +314,54 @@ fn a_reduced_rotor_passes_its_first_critical_speed_as_the_finite_element_model_d
     assert!((speed / expected_speed - 1.0).abs() < 1e-3, "{speed} instead of {expected_speed}");
     assert!((size / expected - 1.0).abs() < 1e-3, "{size} instead of {expected}");
 }
+
+/// A shaft with a stepped contour, drawn in `pieces` sections for each step, and disks that are not at nodes of a coarse mesh.
+fn stepped(pieces: usize) -> FlexibleRotor {
+    let steps = [0.04, 0.05, 0.035, 0.045];
+    let length = 0.25;
+    let section = |i: usize| {
+        let (from, to) = (i as f64 / pieces as f64 * length, (i + 1) as f64 / pieces as f64 * length);
+        let diameter = steps[i / pieces];
+        Section { from, to, outer_diameter: diameter, outer_diameter_to: diameter, inner_diameter: 0.01 }
+    };
+    let disk = |station: f64| Disk { station, mass: 4.0, diametral_inertia: 0.02, polar_inertia: 0.04, size: None };
+    FlexibleRotor {
+        sections: (0..steps.len() * pieces).map(section).collect(),
+        disks: [0.123_456, 0.5, 0.777_7].map(disk).to_vec(),
+        youngs_modulus: 2.1e11,
+        poissons_ratio: 0.3,
+        density: 7850.0,
+        proportional_damping: [0.0; 2],
+        modal_damping: 0.0,
+        load_station: 0.0,
+        coordinates: None,
+    }
+}
+
+/// Condensed elements between the nodes: thousands of sections have the frequencies, mass and polar inertia of few, with the nodes of few.
+#[test]
+fn many_sections_are_condensed() {
+    let kept = [0.05, 0.9];
+    let few = FreeRotor::try_new(&stepped(1), &kept, 2000.0).unwrap();
+    for pieces in [20, 500] {
+        let rotor = stepped(pieces);
+        let many = FreeRotor::try_new(&rotor, &kept, 2000.0).unwrap();
+        assert!(many.mesh.stations.len() < 120, "{} nodes", many.mesh.stations.len());
+        for station in kept.iter().chain(rotor.disks.iter().map(|disk| &disk.station)) {
+            assert!((many.mesh.stations[many.mesh.node(*station)] - station).abs() < 1e-9);
+        }
+        let pairs = [(&few.bending, &many.bending, 2), (&few.axial, &many.axial, 1)];
+        for (few, many, rigid) in pairs {
+            for (i, (a, b)) in few.frequencies(rigid).zip(many.frequencies(rigid)).take(4).enumerate() {
+                assert!((a / b - 1.0).abs() < 2e-3, "{pieces} pieces, mode {i}: {a} Hz, {b} Hz");
+            }
+        }
+        let turned = |mesh: &super::Mesh| {
+            let rotation =
+                DVector::from_fn(mesh.polar.nrows(), |i, _| if i % 2 == 0 { mesh.stations[i / 2] } else { 1.0 });
+            (rotation.transpose() * &mesh.polar * &rotation)[(0, 0)]
+        };
+        assert!((turned(&many.mesh) / turned(&few.mesh) - 1.0).abs() < 1e-9);
+        assert!((many.mesh.axial_mass.sum() / few.mesh.axial_mass.sum() - 1.0).abs() < 1e-9);
+    }
+}

@@ -6,6 +6,7 @@ pub mod baseline;
 mod calibration;
 mod diagnosis;
 mod fault_figures;
+mod file;
 mod implausibility;
 mod pictures;
 mod rotor;
@@ -19,6 +20,7 @@ pub use diagnosis::{
     VibrationLine,
 };
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
+pub use file::RecordingFile;
 pub use implausibility::Implausibility;
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit,
@@ -42,6 +44,9 @@ pub struct Outcome {
     pub scene: String,
     /// File name of the recording.
     pub recording: String,
+    /// The file of the recording; none of a live source, a folder of files or the built-in recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<RecordingFile>,
     /// Version of this program.
     pub version: String,
     /// Verdict as a sentence.

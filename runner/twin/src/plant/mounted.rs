@@ -114,5 +114,7 @@ fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBea
 
 fn describe(bearing: &BearingScene) -> String {
     let damage = if bearing.defect.is_empty() { "" } else { ", damaged" };
-    format!("{}, {} elements{damage}", bearing.model.name(), bearing.elements)
+    let designation =
+        bearing.catalogue.as_ref().map_or_else(String::new, |used| format!("{}, ", used.listed.entry.designation));
+    format!("{designation}{}, {} elements{damage}", bearing.model.name(), bearing.elements)
 }

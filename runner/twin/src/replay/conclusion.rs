@@ -208,6 +208,7 @@ impl Pipeline<'_> {
         };
         list::fill(&mut probes, &pictures.blocks, record.speed_changes());
         Ok(Outcome {
+            file: None,
             scene: scene.name.clone(),
             recording: facts.name.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),

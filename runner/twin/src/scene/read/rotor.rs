@@ -15,6 +15,9 @@ const COMMON: [&str; 8] =
 const RIGID: [&str; 3] = ["mass", "diametral_inertia", "polar_inertia"];
 const FLEXIBLE: [&str; 6] = ["sections", "disks", "youngs_modulus", "poissons_ratio", "density", "modal_damping"];
 
+/// Largest number of sections of a rotor, and of disks.
+const MOST_SECTIONS: usize = 10_000;
+const MOST_DISKS: usize = 1000;
 /// Largest gap between two sections that is taken for rounding, m.
 const ROUNDING: f64 = 1e-6;
 
@@ -90,7 +93,7 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
 }
 
 fn sections(node: &Node<'_>, expected: &str) -> Read<Vec<Section>> {
-    let list = node.list(expected)?;
+    let list = limited(node.list(expected)?, MOST_SECTIONS, node, "sections")?;
     let mut sections: Vec<Section> = Vec::new();
     for node in &list {
         let table = node.table(&["from", "to", "outer_diameter", "outer_diameter_to", "inner_diameter"])?;
@@ -121,8 +124,17 @@ fn sections(node: &Node<'_>, expected: &str) -> Read<Vec<Section>> {
     Ok(sections)
 }
 
+/// Returns the list if it has at most `most` entries.
+fn limited<T>(list: Vec<T>, most: usize, node: &Node<'_>, what: &str) -> Read<Vec<T>> {
+    if list.len() > most {
+        return Err(node.fail(format!("{} {what}", list.len()), format!("at most {most}")));
+    }
+    Ok(list)
+}
+
 fn disks(node: &Node<'_>, sections: &[Section], density: f64) -> Read<Vec<Disk>> {
     let list = node.list("a list of tables { station, mass, diametral_inertia, polar_inertia }")?;
+    let list = limited(list, MOST_DISKS, node, "disks")?;
     list.iter().map(|node| disk(node, sections, density)).collect()
 }
 
