@@ -29,6 +29,29 @@ fn a_film_is_predicted_only_with_a_lubricant() {
     assert!(text.contains("\nNDE: film is not considered: the scene has no lubricant"), "{text}");
 }
 
+/// An isothermal film at a high speed is far too thick: the heating of its inlet is named where it changes the force.
+#[test]
+fn heating_of_the_inlet_is_named_at_high_speed() {
+    let oil = OIL.replace("0.04 Pa s", "0.1 Pa s") + "\neffects = [\"film\"]";
+    for (speed, is_large) in [("300 rpm", false), ("30000 rpm", true)] {
+        let desk = Desk::empty();
+        let edits = [("model = \"angular\"", "model = \"quasi-static\""), ("poissons_ratio = 0.3", oil.as_str())];
+        desk.put("scene.toml", scene(&edits).replace("3000 rpm", speed));
+        let json: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+        let heating = effect(&json, "inlet-heating").unwrap();
+        assert_eq!(heating["modelled"], false);
+        let text = desk.done(&["equilibrium", "scene.toml"]).out;
+        let warned = text.contains("WARNING: inlet-heating is omitted");
+        assert_eq!(warned, is_large, "{speed}: {text}");
+        if is_large {
+            // L = 0.1 Pa s 0.04 1/K (28.4 m/s)^2 / 0.14 W/(m K) = 23: 1/(1 + 0.213 L^0.64) = 0.39, less 1 to 25 % by the pressure.
+            let (_, share) = text.split_once("heating of the inlet reduces the film of a mineral oil to ").unwrap();
+            let share: f64 = share.split_whitespace().next().unwrap().parse().unwrap();
+            assert!((28.0..40.0).contains(&share), "{share} %");
+        }
+    }
+}
+
 /// The alternative to a contact angle that turns is a fixed one, the mean angle under this load, not 0.
 #[test]
 fn the_contact_angle_of_a_deep_groove_bearing_is_compared_with_its_mean() {

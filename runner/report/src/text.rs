@@ -20,7 +20,7 @@ pub fn text(outcome: &Outcome) -> String {
     diagnoses(&mut page, outcome);
     page.title("RECORDING");
     for (name, value) in words::facts(outcome) {
-        page.sentence(&format!("  {:<21}", format!("{name}:")), if value.is_empty() { NONE } else { &value });
+        page.sentence(&format!("  {:<20} ", format!("{name}:")), if value.is_empty() { NONE } else { &value });
     }
     motion(&mut page, outcome);
     if outcome.probes.iter().any(ProbeOutcome::has_twin) {

@@ -156,6 +156,47 @@ fn of_plant(scene: &Scene, plant: &Plant, speed: f64) -> Result<Vec<EffectSignif
     Ok(all)
 }
 
+/// Returns the share of a film that the heating of its inlet leaves, as a part of a sentence.
+fn heating_sentence(left: f64) -> String {
+    format!(
+        "heating of the inlet reduces the film of a mineral oil to {} of the isothermal one; starvation, which is not predicted, reduces \
+         it further",
+        share(left)
+    )
+}
+
+/// Returns the significance of a film between balls and races that do not touch without it; empty without such a film.
+fn film_alone(
+    of: &BearingScene,
+    balls: &Balls,
+    geometry: &BallBearingGeometry,
+    at: &BearingKinematicState<f64>,
+) -> Vec<EffectSignificance> {
+    let Some(film) = of.effects.film.filter(|_| matches!(of.model, Model::QuasiStatic | Model::Tabulated)) else {
+        return vec![];
+    };
+    let oil = Oil { viscosity: film.viscosity, pressure_viscosity: film.pressure_viscosity };
+    let carried = |force: &dyn Fn(&Ball) -> [f64; 2]| balls.0.iter().map(force).map(|[x, y]| x.hypot(y)).sum::<f64>();
+    let cold = carried(&|ball| ball.film(geometry, oil, at));
+    let warm = carried(&|ball| ball.heated_film(geometry, oil, at));
+    if cold <= 0.0 {
+        return vec![];
+    }
+    let entry = |effect, change, modelled, because| EffectSignificance {
+        bearing: of.name.clone(),
+        effect,
+        change,
+        modelled,
+        because,
+        at: None,
+    };
+    let left = balls.0.iter().map(|ball| ball.heating(geometry, oil, at, ball.load)).fold(1.0, f64::min);
+    vec![
+        entry("film", 1.0, true, "the balls carry their load by the film alone".to_owned()),
+        entry(INLET_HEATING, (cold - warm) / cold, false, heating_sentence(left)),
+    ]
+}
+
 /// Returns the significance of each effect on one bearing displaced by `u` besides its preload; empty without load.
 ///
 /// # Errors
@@ -181,7 +222,7 @@ pub fn of_bearing(
     let right = loaded.sum(Ball::push);
     let on_balls = loaded.0.iter().map(|ball| ball.load).sum::<f64>();
     if on_balls <= 0.0 {
-        return Ok(vec![]);
+        return Ok(film_alone(of, &loaded, &geometry, at));
     }
     // The loads of opposite balls under preload balance each other but for rounding: the change is then that of their loads.
     let is_balanced = size(right) < BALANCED * on_balls;
@@ -247,12 +288,7 @@ pub fn of_bearing(
         };
         let wet = if is_balanced { change_of_loads(&less) } else { change(pushed(&cold), pushed(&warm)) };
         let least = loaded.0.iter().filter(|b| b.load > 0.0).map(|b| b.heating(&geometry, oil, at, b.load));
-        let because = format!(
-            "heating of the inlet reduces the film of a mineral oil to {} of the isothermal one; starvation, which is not predicted, \
-             reduces it further",
-            share(least.fold(1.0, f64::min))
-        );
-        entry(INLET_HEATING, wet, false, because)
+        entry(INLET_HEATING, wet, false, heating_sentence(least.fold(1.0, f64::min)))
     });
     let fixed = loaded.fixed_angle(of.facing);
     let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
@@ -518,7 +554,7 @@ impl Ball {
         let thermal = oil.viscosity * TEMPERATURE_COEFFICIENT * speed * speed / CONDUCTIVITY;
         let pressure = [Race::Inner, Race::Outer].map(|race| {
             let contact = g.contact(race);
-            contact.ellipse(load).2 / contact.effective_modulus
+            if load > 0.0 { contact.ellipse(load).2 / contact.effective_modulus } else { 0.0 }
         });
         let by_pressure = 13.2 * pressure[0].max(pressure[1]) * thermal.powf(0.42);
         ((1.0 - by_pressure) / (1.0 + 0.213 * thermal.powf(0.64))).max(0.0)

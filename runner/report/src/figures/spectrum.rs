@@ -186,12 +186,23 @@ fn longest(spectrum: &HalfSpectrum) -> usize {
     spectrum.measured.len().max(spectrum.twin.len()).max(spectrum.residual.len())
 }
 
-/// Returns the end of the range that contains the bearing lines and the lowest natural frequency, Hz; the whole range without lines.
+/// Returns the frequency of the largest residual of all probes, Hz; 0 where there is none.
+fn strongest_residual(data: &Pictures) -> f64 {
+    let peaks = data.half_spectra.iter().flat_map(|spectrum| {
+        let bins = spectrum.residual.iter().enumerate().skip(MEAN_BINS).filter(|(_, amplitude)| amplitude.is_finite());
+        bins.max_by(|a, b| a.1.total_cmp(b.1)).map(|(i, amplitude)| (*amplitude, i as f64 * spectrum.bin_hz))
+    });
+    peaks.filter(|(_, hz)| hz.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, hz)| hz)
+}
+
+/// Returns the end of the range that contains the bearing lines, the largest residual and the lowest natural frequency, Hz; the whole range
+/// without lines.
 fn close_view(data: &Pictures, whole: f64, beyond: f64) -> f64 {
     let highest = data.lines.iter().map(|line| line.hz).filter(|hz| hz.is_finite()).fold(0.0, f64::max);
     let natural = data.natural_frequencies.iter().map(|line| line.hz).fold(f64::INFINITY, f64::min);
     let natural = if natural < 2.0 * beyond * highest { BEYOND_NATURAL * natural } else { 0.0 };
-    if highest > 0.0 { whole.min((beyond * highest).max(natural)) } else { whole }
+    let shown = (beyond * highest).max(natural).max(BEYOND_NATURAL * strongest_residual(data));
+    if highest > 0.0 { whole.min(shown) } else { whole }
 }
 
 /// Draws the full spectrum of one plane: forward to the right, reverse to the left; below it, magnified, all but 1X.

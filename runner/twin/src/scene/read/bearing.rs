@@ -69,6 +69,9 @@ const GEOMETRY: [&str; 9] = [
     "density",
 ];
 
+/// The key that names a bearing of the catalogue.
+pub(super) const DESIGNATION: &str = "bearing";
+
 /// Keys of the lumped model alone.
 pub(super) const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "housing_displacement"];
 
@@ -123,7 +126,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         model,
         elements,
         first_element_azimuth: table.read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
-        cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(super::catalogue::KEY))?,
+        cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
         axial: table.read("axial", axial)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
         defect: defects(table, model, elements)?,

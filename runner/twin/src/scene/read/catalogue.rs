@@ -1,13 +1,11 @@
 //! `bearing = "6309"` in `[[bearing]]`: values of the catalogue for the keys that the scene does not have.
 
 use super::super::table::{Read, Table};
-use super::bearing::{self, LUMPED};
+use super::bearing::{self, DESIGNATION, LUMPED};
 use crate::catalogue::{find, scene_keys};
 use crate::scene::FromCatalogue;
 use toml_edit::Value;
 
-/// The key that names the bearing.
-pub(super) const KEY: &str = "bearing";
 /// Exactly one of these defines the fit of a bearing.
 const FIT: [&str; 2] = ["contact_angle", "diametral_clearance"];
 
@@ -20,12 +18,12 @@ pub(super) struct Expansion {
 /// Returns the entry of each `[[bearing]]`, or none where it has no key `bearing`.
 pub(super) fn of_bearings(root: &Table<'_>) -> Read<Vec<Option<Expansion>>> {
     let expected = "at least one table [[bearing]], in double brackets";
-    let Some(node) = root.optional(KEY) else { return Ok(vec![]) };
+    let Some(node) = root.optional(DESIGNATION) else { return Ok(vec![]) };
     node.list(expected)?.iter().map(|node| expansion(&bearing::table(node)?)).collect()
 }
 
 fn expansion(table: &Table<'_>) -> Read<Option<Expansion>> {
-    let Some(node) = table.optional(KEY) else { return Ok(None) };
+    let Some(node) = table.optional(DESIGNATION) else { return Ok(None) };
     let designation = node.text("a designation, such as \"6309\" or \"NU205 C3\"")?;
     let listed = find(designation).map_err(|unknown| node.refuse(unknown.expected()))?;
     // A model, a fit or a law of the scene's own replaces the keys of the catalogue that do not go together with it.
