@@ -109,6 +109,13 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let mut display = Display::new(shared);
     display.view.alarms = previous.alarms.clone();
     display.view.set_state(MonitorState::Waiting);
+    let damages = state.as_mut().and_then(|file| file.damage.take()).into_iter().chain(outputs.take_damage());
+    for sentence in damages {
+        let event = EventRecord::new(EventMessage { kind: "file-damaged", sentence }, start_time);
+        display.view.add_event(&event);
+        outputs.add_event(&event)?;
+    }
+    outputs.save_events();
     display.publish();
     let rate = wait_for_rate(&reader, &mut receiver, stop, &mut service, |message| {
         let event = EventRecord::new(message, start_time);

@@ -37,6 +37,8 @@ pub struct Indicators {
     last_index: u64,
     /// Seconds dropped because too many were pending.
     lost: u64,
+    /// Sentence about a journal that was damaged.
+    damage: Option<String>,
     _lock: FolderLock,
 }
 
@@ -95,6 +97,7 @@ impl Indicators {
             _ => std::fs::read(&path).with_context(name)?,
         };
         let previous = parse_journal(&text);
+        let damage = keep_damaged(&path, &text, previous.as_ref().map_or(0, |(.., length)| *length))?;
         let is_own = |header: &Header| !owner.is_empty() && header.owner == owner;
         let is_converted = |header: &Header| parquet_path(folder, header.number).exists();
         let (table, journal, last_index) = match previous {
@@ -127,8 +130,14 @@ impl Indicators {
             journal,
             last_index,
             lost: 0,
+            damage,
             _lock: lock,
         })
+    }
+
+    /// Removes and returns the sentence about a journal that was damaged.
+    pub const fn take_damage(&mut self) -> Option<String> {
+        self.damage.take()
     }
 
     /// Adds a second, which [`Indicators::save`] writes; `next_index` is the number of the first sample after it.
@@ -250,6 +259,28 @@ impl Row {
         let cells: String = self.values.iter().map(|x| format!(",{x:e}")).collect();
         format!("{}{cells}\n", self.next_index)
     }
+}
+
+/// Keeps a copy of a journal with lines that cannot be read after its first `length` bytes; returns a sentence about it. A
+/// killed run leaves an incomplete last line, which is no damage.
+///
+/// # Errors
+/// Returns an error if the copy cannot be written.
+fn keep_damaged(path: &Path, content: &[u8], length: usize) -> Result<Option<String>> {
+    let rest = content.get(length..).unwrap_or_default();
+    if !rest.contains(&b'\n') && (length > 0 || content.is_empty()) {
+        return Ok(None);
+    }
+    let mut name = path.as_os_str().to_owned();
+    name.push(".damaged");
+    let copy = PathBuf::from(name);
+    std::fs::copy(path, &copy).with_context(|| format!("{}: this file cannot be written", copy.display()))?;
+    let lines = content.get(..length).unwrap_or_default().iter().filter(|byte| **byte == b'\n').count();
+    Ok(Some(format!(
+        "The journal {} is damaged after line {lines}: the seconds after it are lost. It is kept as {}.",
+        path.display(),
+        copy.display()
+    )))
 }
 
 fn parquet_path(folder: &Path, number: u32) -> PathBuf {

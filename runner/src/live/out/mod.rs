@@ -120,6 +120,11 @@ impl Outputs {
         })
     }
 
+    /// Removes and returns the sentence about an indicator journal that was damaged.
+    pub fn take_damage(&mut self) -> Option<String> {
+        self.indicators.as_mut().and_then(Indicators::take_damage)
+    }
+
     /// Adds an event, which [`Outputs::save_events`] writes.
     ///
     /// # Errors
