@@ -4,6 +4,7 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
+use super::events::is_file_of;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
@@ -210,6 +211,14 @@ impl Indicators {
         let Some(table) = self.tables.front() else { return Ok(()) };
         let journal = &mut self.journal;
         let Some(missing) = table.rows.get(journal.rows..).filter(|rows| !rows.is_empty()) else { return Ok(()) };
+        let path = self.folder.join(JOURNAL);
+        let name = || format!("{}: this file cannot be written", path.display());
+        if !is_file_of(&journal.file, &path).with_context(name)? {
+            // Renamed or deleted: the seconds of its file are in memory.
+            let after_index = table.index_before().unwrap_or(self.last_index);
+            *journal = create_journal(&self.folder, journal.number, &self.owner, after_index, table)?;
+            return Ok(());
+        }
         let text: String = missing.iter().map(Row::line).collect();
         let mut write = || {
             // An earlier attempt or a killed run may have left an incomplete row.
@@ -218,7 +227,7 @@ impl Indicators {
             journal.file.write_all(text.as_bytes())?;
             journal.file.sync_data()
         };
-        write().with_context(|| format!("{}: this file cannot be written", self.folder.join(JOURNAL).display()))?;
+        write().with_context(name)?;
         journal.length += text.len() as u64;
         journal.rows = table.rows.len();
         Ok(())
@@ -427,6 +436,31 @@ mod tests {
         indicators.finish().unwrap();
         assert_eq!((times(folder.path(), 1), times(folder.path(), 2)), (seconds(1..=36), seconds(37..=41)));
         assert!(!folder.path().join(JOURNAL).exists());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_journal_that_is_deleted_is_written_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(JOURNAL);
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        add(&mut indicators, 1..=3);
+        std::fs::remove_file(&path).unwrap();
+        add(&mut indicators, 4..=5);
+        drop(indicators);
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        assert!(indicators.take_damage().is_none());
+        add(&mut indicators, 1..=6);
+        drop(indicators);
+        // Lines that cannot be read are kept and reported.
+        let whole = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, whole.replacen("400,", "4x0,", 1)).unwrap();
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        assert!(indicators.take_damage().is_some_and(|text| text.contains("after line 4")));
+        assert!(std::fs::read_to_string(folder.path().join("indicators.journal.damaged")).unwrap().contains("4x0,"));
+        add(&mut indicators, 1..=6);
+        indicators.finish().unwrap();
+        assert_eq!(all_times(folder.path()), seconds(1..=6));
     }
 
     /// The monitor is killed after every second and gets all seconds again; the folder contains each second once.

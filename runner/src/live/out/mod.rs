@@ -192,6 +192,13 @@ impl Outputs {
         self.events_health.attempt(&mut self.output_events, || log.append())
     }
 
+    /// Reopens the event log if its path names another file or none.
+    pub fn reopen(&mut self) {
+        if let Some(log) = &mut self.events {
+            self.events_health.attempt(&mut self.output_events, || log.reopen());
+        }
+    }
+
     /// Returns `true` if the next attempt of a failing output is due.
     #[must_use]
     pub fn is_retry_due(&self) -> bool {
