@@ -102,7 +102,7 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let recording = probe_recording(scene)?;
     // The state is locked and the ports are bound before any file is changed, so that a failed start changes nothing.
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
-    let network = Network::bind(options.outputs)?;
+    let network = Network::bind(options.outputs, &options.http.hosts)?;
     let shared = options.view.clone().or_else(|| options.http.address.map(|_| SharedView::default()));
     let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();

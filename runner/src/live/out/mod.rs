@@ -68,13 +68,13 @@ pub struct Network {
 }
 
 impl Network {
-    /// Binds the requested ports.
+    /// Binds the requested ports. The metrics answer requests to the names `hosts` too.
     ///
     /// # Errors
     /// Returns an error if a port is in use or an address is invalid.
-    pub fn bind(requested: &RequestedOutputs) -> Result<Self> {
+    pub fn bind(requested: &RequestedOutputs, hosts: &[String]) -> Result<Self> {
         Ok(Self {
-            prometheus: requested.prometheus.map(Prometheus::listen).transpose()?,
+            prometheus: requested.prometheus.map(|port| Prometheus::listen(port, hosts)).transpose()?,
             #[cfg(feature = "mqtt")]
             mqtt: requested.mqtt.connect()?,
         })
