@@ -116,7 +116,7 @@ impl LiveArgs {
     }
 }
 
-fn parse_duration(text: &str) -> Result<f64, String> {
+pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     let expected = || "expected a time above 0 with its unit, such as \"10 s\"".to_owned();
     let seconds = units::parse(text, units::Dimension::Time).map_err(|_| expected())?;
     if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(expected()) }

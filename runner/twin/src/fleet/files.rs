@@ -7,12 +7,12 @@ use crate::error::FleetError;
 use crate::output::cell_text;
 use crate::parquet_table::{self, Column, Values};
 use crate::recording::Time;
+use crate::scene::bounded::open_regular;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ pub(super) fn read_parquet(file: &Path) -> Result<Vec<Row>, FleetError> {
 }
 
 fn rows_of(file: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
-    let reader = SerializedFileReader::new(File::open(file)?)?;
+    let reader = SerializedFileReader::new(open_regular(file)?)?;
     reader.get_row_iter(None)?.map(|row| row_of(&row?)).collect()
 }
 
@@ -201,6 +201,7 @@ pub fn trends_csv(out: impl Write, trends: &[Trend]) -> Result<(), FleetError> {
 mod tests {
     use super::*;
     use crate::fleet::row::tests::{limited, row, with_diagnosis};
+    use std::fs::File;
 
     #[test]
     fn parquet_returns_the_rows() {
