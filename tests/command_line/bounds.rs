@@ -57,7 +57,7 @@ fn an_endless_displacement_file_is_refused() {
     let desk = Desk::empty();
     desk.put("scene.toml", DEMO_SCENE);
     let args = ["force", "scene.toml", "--bearing", "DE", "--displacements", "/dev/zero"];
-    refused_in_bounds(&desk, &args, 1, &["/dev/zero", "line", "expected"]);
+    refused_in_bounds(&desk, &args, 1, &["/dev/zero", "pipe or a device", "expected a regular file"]);
 }
 
 #[test]
@@ -71,25 +71,51 @@ fn an_endless_matrix_file_is_refused() {
     let bearings = swap(&bearings, "station = \"100 mm\"", "coordinates = [2, 4, 5, 0, 0]");
     let system = "[system]\nmass = \"/dev/zero\"\nstiffness = \"/dev/zero\"\n\n";
     desk.put("scene.toml", format!("{head}{system}[[bearing]]{bearings}"));
-    refused_in_bounds(&desk, &["equilibrium", "scene.toml"], 2, &["/dev/zero", "at most 64 MiB"]);
+    refused_in_bounds(&desk, &["equilibrium", "scene.toml"], 2, &["/dev/zero", "regular file"]);
 }
 
 #[test]
 #[cfg(unix)]
 fn other_endless_files_are_refused() {
     let desk = Desk::rig();
-    refused_in_bounds(&desk, &["replay", "scene.toml", "--baseline", "/dev/zero"], 2, &["/dev/zero", "more than"]);
+    refused_in_bounds(&desk, &["replay", "scene.toml", "--baseline", "/dev/zero"], 2, &["/dev/zero", "regular file"]);
     let page = ["replay", "scene.toml", "--paced", "--http", "0", "--http-token-file", "/dev/zero"];
-    refused_in_bounds(&desk, &page, 1, &["/dev/zero", "more than"]);
+    refused_in_bounds(&desk, &page, 1, &["/dev/zero", "regular file"]);
     std::fs::create_dir(desk.path("state")).unwrap();
     std::os::unix::fs::symlink("/dev/zero", desk.path("state/state.json")).unwrap();
     let state = ["replay", "scene.toml", "--paced", "--state", "state"];
-    refused_in_bounds(&desk, &state, 1, &["state.json", "more than"]);
+    refused_in_bounds(&desk, &state, 1, &["state.json", "regular file"]);
     std::fs::create_dir(desk.path("trend")).unwrap();
     std::os::unix::fs::symlink("/dev/zero", desk.path("trend/indicators.journal")).unwrap();
     let indicators = ["replay", "scene.toml", "--paced", "--indicators", "trend"];
     refused_in_bounds(&desk, &indicators, 1, &["indicators.journal", "no regular file"]);
-    refused_in_bounds(&desk, &["fleet", "/dev/zero", "-o", "fleet"], 2, &["/dev/zero", "more than"]);
+    refused_in_bounds(&desk, &["fleet", "/dev/zero", "-o", "fleet"], 2, &["/dev/zero", "regular file"]);
+}
+
+/// A pipe without a writer in the place of a file blocks no command; a fleet evaluates its other machines.
+#[test]
+#[cfg(unix)]
+fn a_pipe_in_the_place_of_a_file_is_refused() {
+    let desk = Desk::rig();
+    assert!(std::process::Command::new("mkfifo").arg(desk.path("pipe.csv")).status().unwrap().success());
+    let refused = |args: &[&str], code: i32| refused_in_bounds(&desk, args, code, &["pipe.csv", "regular file"]);
+    refused(&["replay", "scene.toml", "--recording", "pipe.csv"], 1);
+    refused(&["check", "scene.toml", "--recording", "pipe.csv"], 1);
+    refused(&["check", "pipe.csv"], 2);
+    refused(&["new", "--bearing", "6205", "--recording", "pipe.csv"], 1);
+    refused(&["force", "scene.toml", "--bearing", "DE", "--displacements", "pipe.csv"], 1);
+    refused(&["verify", "pipe.csv"], 2);
+    refused(&["fleet", "pipe.csv", "-o", "out"], 2);
+    desk.put("piped.toml", DEMO_SCENE.replace("healthy.csv", "pipe.csv"));
+    let table =
+        "machine,scene,recording,baseline\na,scene.toml,,\nb,piped.toml,,\nc,pipe.csv,,\nd,scene.toml,,pipe.csv\n";
+    desk.put("machines.csv", table);
+    let args = ["fleet", "machines.csv", "-o", "out", "--jobs", "1", "--format", "json", "--no-report"];
+    let answer = desk.run_within(Duration::from_secs(60), &args);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+    let rows: Vec<serde_json::Value> = answer.json();
+    assert_eq!(rows.iter().map(|row| row["state"].as_str().unwrap()).filter(|state| *state == "error").count(), 3);
+    assert!(rows[1]["error"].as_str().unwrap().contains("regular file"), "{rows:?}");
 }
 
 #[test]

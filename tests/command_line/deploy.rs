@@ -162,3 +162,13 @@ fn deployed_command_lines_are_accepted() {
     let version = version.lines().find_map(|line| line.strip_prefix("rust-version = ")).unwrap().trim_matches('"');
     assert!(deployed("Containerfile").contains(&format!("/rust:{version}-")), "{version}");
 }
+
+/// A rotation renames the log of the unit's option, and `systemctl reload` sends SIGHUP.
+#[test]
+fn the_rotation_is_that_of_the_unit() {
+    let (unit, rotation) = (deployed("ballrace@.service"), deployed("ballrace.logrotate"));
+    assert!(unit.contains("--events events.jsonl ") && unit.contains("\nWorkingDirectory=%S/ballrace/%i\n"));
+    assert!(unit.contains("\nExecReload=/bin/kill -HUP $MAINPID\n"));
+    assert!(rotation.contains("\n/var/lib/ballrace/*/events.jsonl {\n") && !rotation.contains("copytruncate"));
+    assert!(rotation.contains("systemctl reload 'ballrace@*.service'"));
+}

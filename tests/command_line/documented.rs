@@ -263,3 +263,51 @@ fn the_documented_monitor_follows_a_source_until_a_signal() {
         assert!(desk.read("rig.jsonl").contains("source-connected"));
     }
 }
+
+/// Words with a hyphen in the sources of live operation that are no kind of an event.
+const NO_EVENTS: [&str; 11] = [
+    "http-also",
+    "http-host",
+    "http-origin",
+    "http-token-file",
+    "kebab-case",
+    "mqtt-ca",
+    "mqtt-password-file",
+    "no-referrer",
+    "no-store",
+    "peak-to-peak",
+    "secret-token",
+];
+
+/// Every kind of an event that the sources have stands in the table of the chapter.
+#[test]
+fn every_kind_of_event_is_documented() {
+    let chapter = fs::read_to_string(repository().join("docs/src/live.md")).unwrap();
+    let table: String = chapter.lines().filter(|line| line.starts_with("| `")).collect();
+    let mut folders: Vec<PathBuf> =
+        ["runner/src/live", "runner/twin/src/replay", "runner/twin/src/record"].map(|f| repository().join(f)).into();
+    let mut kinds = BTreeSet::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("tests.rs") {
+                let text = fs::read_to_string(path).unwrap();
+                let text = text.split("mod tests").next().unwrap().to_owned();
+                let is_kind = |word: &&str| word.contains('-') && word.split('-').all(is_word);
+                kinds.extend(text.split('"').filter(is_kind).map(str::to_owned));
+            }
+        }
+    }
+    assert!(kinds.len() > 30, "{kinds:?}");
+    let missing: Vec<&String> = kinds
+        .iter()
+        .filter(|kind| !NO_EVENTS.contains(&kind.as_str()) && !table.contains(&format!("`{kind}`")))
+        .collect();
+    assert!(missing.is_empty(), "not in the table of docs/src/live.md: {missing:?}");
+}
+
+fn is_word(word: &str) -> bool {
+    !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_lowercase())
+}

@@ -128,6 +128,30 @@ fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     assert!(csv.contains("\nlost,nowhere.csv,,normal,"), "{csv}");
 }
 
+/// Names from a table that a spreadsheet would take for formulas.
+#[test]
+fn no_cell_of_csv_is_a_formula() {
+    let desk = Desk::rig();
+    let table = "machine,scene,recording,=hall\n\"=cmd|' /C calc'!A0\",scene.toml,healthy.csv,-1+2\n@SUM(1),scene.toml,+x.csv,\n";
+    desk.put("machines.csv", table);
+    let csv = desk.run(&["fleet", "machines.csv", "-o", "out", "--format", "csv"]).out;
+    assert!(csv.contains("\n'=cmd|' /C calc'!A0,") && csv.contains("\n'@SUM(1),'+x.csv,"), "{csv}");
+    for csv in [csv, desk.read("out/trends.csv")] {
+        let cells = csv.lines().flat_map(|line| line.split(','));
+        let formulas: Vec<&str> = cells.filter(|cell| cell.starts_with(['=', '+', '@'])).collect();
+        assert!(formulas.is_empty(), "{formulas:?}");
+    }
+    // The names stay what they are.
+    let (_, rows) = fleet(&desk, "out", &[]);
+    assert_eq!([&rows[0]["machine"], &rows[1]["machine"]], ["=cmd|' /C calc'!A0", "@SUM(1)"]);
+    // A column that was written so is found by its name.
+    desk.put("scene.toml", DEMO_SCENE.replace("\"DE_X_um\"", "\"=DE\""));
+    for name in ["=DE", "'=DE"] {
+        desk.put("healthy.csv", short_recording(8 * TURN).replace(",DE_X_um,", &format!(",{name},")));
+        desk.done(&["replay", "scene.toml", "--no-report"]);
+    }
+}
+
 /// Killed at several moments and started again, the rows are those of a run without interruption.
 #[test]
 fn a_killed_run_continues_without_a_lost_or_doubled_row() {

@@ -133,6 +133,58 @@ fn a_crossing_of_an_acknowledged_second_is_reported_after_a_kill() {
     assert_eq!(events(true), uninterrupted);
 }
 
+/// A power failure or a bad disk leaves a part of the state, nothing or zeros: the monitor goes on with the copy.
+#[test]
+fn a_damaged_state_loses_and_doubles_nothing() {
+    let rig = Rig::new(&["--state", "state", "--events", "events.jsonl", "--indicators", "trend"]);
+    let run = |seconds: u64| {
+        let child = rig.start();
+        let end = rig.acknowledged() + seconds * RATE;
+        rig.feed(u64::MAX, |rig| rig.acknowledged() >= end);
+        kill(child);
+    };
+    run(3);
+    let damages: [fn(Vec<u8>) -> Vec<u8>; 4] = [
+        |bytes| bytes[..bytes.len() / 2].to_vec(),
+        |_| vec![],
+        |bytes| vec![0; bytes.len()],
+        |bytes| String::from_utf8(bytes).unwrap().replacen("\"seconds_index\": ", "\"seconds_index\": 9", 1).into(),
+    ];
+    for damage in damages {
+        let state = std::fs::read(rig.desk.path("state/state.json")).unwrap();
+        rig.desk.put("state/state.json", damage(state));
+        run(2);
+    }
+    let child = rig.start();
+    let end = rig.acknowledged() + 5 * RATE;
+    rig.feed(end, |rig| rig.acknowledged() > end - 2 * RATE);
+    signal(&child, "TERM");
+    let output = child.wait_with_output().unwrap();
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&output.stderr));
+    let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
+    assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
+    assert!(times.len() >= 11, "{times:?}");
+    let events = rig.limit_events("events.jsonl");
+    for number in (0..).take_while(|number| spike(*number) < 10 * RATE) {
+        let at = spike(number) as f64 / RATE as f64;
+        for kind in ["limit-crossed", "limit-ended"] {
+            let found = events.iter().filter(|(of, probe, start)| {
+                of == kind && probe == "DE_X_um" && (at - 0.34..at + 0.01).contains(start)
+            });
+            assert_eq!(found.count(), 1, "{kind} at {at} s: {events:#?}");
+        }
+    }
+    let count = rig.desk.read("events.jsonl").matches("\"file-damaged\"").count();
+    assert_eq!(count, 4, "{}", rig.desk.read("events.jsonl"));
+    // Without a copy the monitor starts empty.
+    for name in ["state.json", "state.json.copy"] {
+        rig.desk.put(&format!("state/{name}"), "{\"cut");
+    }
+    rig.acknowledged.store(0, Ordering::SeqCst);
+    run(2);
+    assert!(rig.desk.read("events.jsonl").contains("start empty"), "{}", rig.desk.read("events.jsonl"));
+}
+
 /// A kill between the indicators and the state: the state is older than the seconds on disk.
 #[test]
 fn seconds_on_disk_that_the_state_lacks_are_not_written_twice() {

@@ -1,6 +1,6 @@
 //! Files that a monitor writes: who owns them, what a start that fails leaves, what a disk that fails costs.
 
-use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, wait_until};
+use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, spike, wait_until};
 use crate::support::{DEMO_SCENE, Desk, SHORT, number, short_recording};
 use serde_json::Value;
 use std::fs;
@@ -179,6 +179,48 @@ fn a_pipe_for_events_without_a_reader_does_not_block_the_monitor() {
     rig.feed(4 * RATE, |_| since.elapsed() > std::time::Duration::from_secs(6));
     let outcome = end(child);
     assert!(!outcome["events"].as_array().unwrap().is_empty());
+}
+
+/// Event logs that are rotated or deleted under a monitor, with and without SIGHUP, which does not end it.
+#[test]
+#[cfg(unix)]
+fn a_rotated_or_deleted_log_loses_no_event() {
+    let rig = Rig::new(&FILES);
+    let child = rig.start();
+    let feed = |seconds: u64| {
+        let end = rig.acknowledged() + seconds * RATE;
+        rig.feed(u64::MAX, |rig| rig.acknowledged() >= end);
+    };
+    let (log, journal) = (rig.desk.path("events.jsonl"), rig.desk.path("trend/indicators.journal"));
+    feed(3);
+    fs::rename(&log, rig.desk.path("events.jsonl.1")).unwrap();
+    // The next line reopens the log.
+    feed(3);
+    assert!(log.exists(), "{:?}", rig.desk.files());
+    fs::rename(&log, rig.desk.path("events.jsonl.2")).unwrap();
+    signal(&child, "HUP");
+    wait_until("a log after SIGHUP", || log.exists());
+    feed(3);
+    // Lines that were appended to a file that is deleted are gone with it; the later ones are not.
+    fs::copy(&log, rig.desk.path("events.jsonl.3")).unwrap();
+    fs::remove_file(&log).unwrap();
+    fs::remove_file(&journal).unwrap();
+    feed(3);
+    let outcome = end(child);
+    for count in ["seconds_not_written", "events_not_written"] {
+        assert_eq!(number(&outcome, &format!("/timing/outputs/{count}")), 0.0, "{count}");
+    }
+    let logs = ["events.jsonl.1", "events.jsonl.2", "events.jsonl.3", "events.jsonl"];
+    let events: Vec<_> = logs.iter().flat_map(|log| rig.limit_events(log)).collect();
+    let wanted = (0..).take_while(|number| spike(*number) < 11 * RATE).count();
+    for kind in ["limit-crossed", "limit-ended"] {
+        let starts: Vec<f64> =
+            events.iter().filter(|(of, probe, _)| of == kind && probe == "DE_X_um").map(|event| event.2).collect();
+        assert!(starts.len() >= wanted, "{kind}: {starts:?}");
+        assert!(starts.windows(2).all(|pair| pair[1] - pair[0] > 0.9), "{kind}: {starts:?}");
+    }
+    let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
+    assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
 }
 
 /// A full disk under forces or report costs a monitor neither its run nor its outcome.

@@ -4,7 +4,11 @@ use crate::browser::Browser;
 use crate::live::{connected, endless, rows};
 use crate::page::{Site, hostile_scene};
 use crate::support::{Desk, short_recording};
-use std::io::Write;
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 #[test]
 #[ignore = "needs chromium; tests/run runs it"]
@@ -88,6 +92,67 @@ fn two_machines_are_shown_on_one_page_in_a_browser() {
     has_word(&mut browser, "ALARM");
     first.kill().unwrap();
     first.wait().unwrap();
+}
+
+/// A network path that is lost leaves the page's connection open in silence; a new one works.
+#[test]
+#[ignore = "needs chromium; tests/run runs it"]
+fn a_page_whose_connection_goes_silent_connects_again() {
+    let site = Site::demonstration(&[]);
+    let relay = Relay::start(site.port);
+    let mut browser = Browser::open(&format!("http://127.0.0.1:{}/", relay.port));
+    browser.wait_for("latest !== null && lostSince === null");
+    for _ in 0..2 {
+        relay.silence();
+        let before = browser.evaluate("latest.time_s").as_f64().unwrap();
+        browser.wait_for("lostSince !== null");
+        browser.wait_for(&format!("lostSince === null && latest.time_s > {before} + 2"));
+    }
+    // Figures are loaded again too.
+    browser.evaluate("window.before = document.getElementById('figures').innerHTML");
+    browser.wait_for("document.getElementById('figures').innerHTML !== window.before");
+}
+
+/// Passes connections on, until all that exist become silent without an end.
+struct Relay {
+    port: u16,
+    generation: Arc<AtomicU64>,
+}
+
+impl Relay {
+    fn start(to: u16) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let generation = Arc::new(AtomicU64::new(0));
+        let current = generation.clone();
+        std::thread::spawn(move || {
+            for client in listener.incoming().map_while(Result::ok) {
+                let server = connected(to);
+                let own = current.load(Ordering::SeqCst);
+                for (mut from, mut to) in [(client.try_clone().unwrap(), server.try_clone().unwrap()), (server, client)]
+                {
+                    let current = current.clone();
+                    std::thread::spawn(move || {
+                        let mut buffer = [0; 4096];
+                        while let Ok(count) = from.read(&mut buffer) {
+                            while current.load(Ordering::SeqCst) != own {
+                                std::thread::sleep(Duration::from_secs(1));
+                            }
+                            if count == 0 || to.write_all(&buffer[..count]).is_err() {
+                                break;
+                            }
+                        }
+                        let _ = to.shutdown(Shutdown::Both);
+                    });
+                }
+            }
+        });
+        Self { port, generation }
+    }
+
+    fn silence(&self) {
+        self.generation.fetch_add(1, Ordering::SeqCst);
+    }
 }
 
 fn has_word(browser: &mut Browser, word: &str) {

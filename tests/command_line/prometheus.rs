@@ -66,8 +66,13 @@ impl Drop for Endpoint {
 #[test]
 fn requests_that_are_none_are_answered_or_closed() {
     let endpoint = Endpoint::start(None);
-    assert!(endpoint.answer(b"GET /x HTTP/1.1\r\nHost: a\r\n\r\n").starts_with("HTTP/1.1 404"));
-    assert!(endpoint.answer(b"DELETE /metrics HTTP/1.1\r\nHost: a\r\n\r\n").starts_with("HTTP/1.1 405"));
+    assert!(endpoint.answer(b"GET /x HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 404"));
+    // A page of a foreign name that resolves to this machine.
+    for host in ["Host: evil.example\r\n", "Host: localhost.evil.example:80\r\n", ""] {
+        let answer = endpoint.answer(format!("GET /metrics HTTP/1.1\r\n{host}\r\n").as_bytes());
+        assert!(answer.starts_with("HTTP/1.1 403") && !answer.contains("ballrace_"), "{host}: {answer}");
+    }
+    assert!(endpoint.answer(b"DELETE /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").starts_with("HTTP/1.1 405"));
     for request in [&b"GARBAGE\r\n\r\n"[..], b"\0\0\0\0\r\n\r\n", b"GET /metrics HTTP/9.9\r\n\r\n"] {
         assert!(endpoint.answer(request).starts_with("HTTP/1.1 4"), "{}", String::from_utf8_lossy(request));
     }

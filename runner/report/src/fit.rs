@@ -6,6 +6,7 @@ use super::number::{count, fixed};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Row, Table, Verdict};
 use anyhow::Result;
 use ballrace_twin::fit::{Estimate, Fitted};
+use ballrace_twin::output::quoted;
 use std::fmt::Write;
 
 /// Returns the fit as text for the terminal.
@@ -60,7 +61,7 @@ pub fn csv(found: &Fitted) -> String {
     for p in &found.parameters {
         let end = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
         let (low, high) = (end(p.low), end(p.high));
-        let _ = writeln!(out, "{},{},{},{},{low},{high},{}", p.name, p.unit, p.given, p.value, p.identified);
+        let _ = writeln!(out, "{},{},{},{},{low},{high},{}", quoted(&p.name), p.unit, p.given, p.value, p.identified);
     }
     out
 }

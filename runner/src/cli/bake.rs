@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use ballrace_twin::bake::{BakeOptions, Baked, BearingCertificate, Core, Language, bake};
 use ballrace_twin::effect_significance;
 use ballrace_twin::output::AtomicFile;
+use ballrace_twin::output::quoted;
 use ballrace_twin::scene::read::{load, read_str};
 use std::io::Write;
 use std::path::PathBuf;
@@ -96,7 +97,10 @@ fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) 
                 });
                 writeln!(
                     out,
-                    "{bearing},{module},{nodes},{bytes},{model},{poses},{largest_load:.3e},{error:.1e},{cost},{checksum:#018x}"
+                    "{},{},{nodes},{bytes},{},{poses},{largest_load:.3e},{error:.1e},{cost},{checksum:#018x}",
+                    quoted(bearing),
+                    quoted(module),
+                    quoted(model)
                 )?;
             }
         }

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use ballrace_report as report;
 use ballrace_twin::equilibrium::{Element, static_equilibrium};
 use ballrace_twin::output::AtomicFile;
+use ballrace_twin::output::quoted;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_twin::scene::read::read_file;
 use std::io::Write;
@@ -92,7 +93,7 @@ fn csv(out: &mut impl Write, elements: &[Element]) -> Result<()> {
         writeln!(
             out,
             "{},{},{:.16e},{:.16e},{:.16e},{},{},{},{},{:.16e},{:.16e},{}",
-            e.bearing,
+            quoted(&e.bearing),
             e.number,
             e.azimuth,
             e.inner_load,

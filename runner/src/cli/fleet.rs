@@ -21,6 +21,9 @@ pub struct Args {
     /// Number of machines evaluated in parallel [default: number of processors].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
+    /// Longest time of a machine without progress, such as on a disk that does not answer; its row is then an error.
+    #[arg(long, value_name = "DURATION", default_value = "10 min", value_parser = super::live::parse_duration)]
+    time_limit: f64,
     /// Write no report of each machine.
     #[arg(long)]
     no_report: bool,
@@ -80,6 +83,8 @@ fn evaluate(
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} recordings, {eta} left{msg}") {
         bar.set_style(style);
     }
+    let patience = std::time::Duration::try_from_secs_f64(args.time_limit).unwrap_or(std::time::Duration::MAX);
+    let settings = Settings { jobs, force_error, patience };
     let mut counts = State::ALL.map(|state| (state, 0_u64));
     let report = |_: &Machine, evaluation: &mut fleet::Evaluation| {
         if args.no_report {
@@ -94,7 +99,7 @@ fn evaluate(
         bar.set_message(shown.map(|(state, count)| format!("; {count} {state}")).collect::<String>());
         bar.inc(1);
     };
-    let result = fleet::run(missing, store, Settings { jobs, force_error }, report, count);
+    let result = fleet::run(missing, store, settings, report, count);
     bar.finish_and_clear();
     result.context("the rows that are finished are kept")
 }

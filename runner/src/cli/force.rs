@@ -10,13 +10,13 @@ use ballrace_twin::force::{BearingForce, MathBackend, Precision};
 use ballrace_twin::printable;
 use ballrace_twin::recording::error::listed;
 use ballrace_twin::scene::bounded::BoundedLines;
+use ballrace_twin::scene::bounded::open_regular;
 use ballrace_twin::scene::build;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::{Bearing, Model, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -184,7 +184,7 @@ fn read_displacements(
     if path.is_dir() {
         bail!("{name}: path is a folder, expected a CSV file with the columns u,v,w,thu,thv");
     }
-    let file = File::open(path).with_context(|| format!("{name}: this file cannot be read"))?;
+    let file = open_regular(path).with_context(|| format!("{name}: this file cannot be read"))?;
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
         .flexible(true)

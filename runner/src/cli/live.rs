@@ -2,6 +2,7 @@
 
 use crate::error::UsageError;
 use crate::live as monitor;
+use crate::live::Signals;
 use crate::live::address::{Address, DEMONSTRATION};
 use crate::live::out::RequestedOutputs;
 use crate::live::page::HttpOptions;
@@ -12,7 +13,7 @@ use ballrace_twin::scene::read::{read_file, read_str};
 use ballrace_twin::scene::{Scene, units};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Scene of the built-in demonstration: a healthy machine.
 pub(super) const DEMO_SCENE: &str = crate::live::demonstration::SCENE;
@@ -115,7 +116,7 @@ impl LiveArgs {
     }
 }
 
-fn parse_duration(text: &str) -> Result<f64, String> {
+pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     let expected = || "expected a time above 0 with its unit, such as \"10 s\"".to_owned();
     let seconds = units::parse(text, units::Dimension::Time).map_err(|_| expected())?;
     if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(expected()) }
@@ -132,14 +133,56 @@ pub fn read_scene(path: Option<&Path>) -> Result<Scene> {
     }
 }
 
-/// Installs a signal handler and returns the flag that it sets on Ctrl-C or a termination signal.
+/// Installs signal handlers and returns the flags that they set: Ctrl-C and termination signals stop the monitor, SIGHUP reopens
+/// its event log. Called before other threads are started.
 ///
 /// # Errors
-/// Returns an error if the signal handler cannot be installed.
-pub fn stop_on_signal() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler_flag = stop.clone();
-    ctrlc::set_handler(move || handler_flag.store(true, Ordering::Relaxed))
-        .context("signal handler cannot be installed")?;
-    Ok(stop)
+/// Returns an error if a signal handler cannot be installed.
+pub fn handle_signals() -> Result<Arc<Signals>> {
+    const FAILED: &str = "signal handler cannot be installed";
+    let signals = Arc::new(Signals::default());
+    // Before any other thread is started: they inherit the mask, so that no other one receives the signal.
+    #[cfg(unix)]
+    let hangup = hangup::block().context(FAILED)?;
+    let flags = signals.clone();
+    ctrlc::set_handler(move || flags.stop.store(true, Ordering::Relaxed)).context(FAILED)?;
+    #[cfg(unix)]
+    hangup::wait(hangup, signals.clone()).context(FAILED)?;
+    Ok(signals)
+}
+
+/// SIGHUP: a request to reopen the event log, or the end of the terminal.
+#[cfg(unix)]
+mod hangup {
+    use crate::live::Signals;
+    use nix::sys::signal::{SigSet, Signal};
+    use std::io::{IsTerminal, stderr, stdin, stdout};
+    use std::sync::Arc;
+    use std::sync::atomic::Ordering;
+
+    /// Blocks the signal for this thread and those that it starts.
+    pub(super) fn block() -> nix::Result<SigSet> {
+        let mut set = SigSet::empty();
+        set.add(Signal::SIGHUP);
+        set.thread_block()?;
+        Ok(set)
+    }
+
+    /// Waits for the signal on a thread.
+    pub(super) fn wait(set: SigSet, signals: Arc<Signals>) -> std::io::Result<()> {
+        let terminals = terminals();
+        let work = move || {
+            while set.wait().is_ok() {
+                // A terminal that was closed is none any more, and the monitor ends with it.
+                let is_closed = terminals.iter().zip(self::terminals()).any(|(before, now)| *before && !now);
+                let flag = if is_closed { &signals.stop } else { &signals.reopen };
+                flag.store(true, Ordering::Relaxed);
+            }
+        };
+        std::thread::Builder::new().name("hangup".to_owned()).spawn(work).map(drop)
+    }
+
+    fn terminals() -> [bool; 3] {
+        [stdin().is_terminal(), stdout().is_terminal(), stderr().is_terminal()]
+    }
 }

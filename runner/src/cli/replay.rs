@@ -114,8 +114,8 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
         ..Options::default()
     };
     let options = args.live.options(source, None, replay);
-    let stop = live::stop_on_signal()?;
-    let outcome = monitor::monitor(scene, &options, &stop)?;
+    let signals = live::handle_signals()?;
+    let outcome = monitor::monitor(scene, &options, &signals)?;
     write_results(args, outcome, report.as_deref(), format)
 }
 

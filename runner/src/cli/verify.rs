@@ -3,6 +3,7 @@
 use super::Format;
 use anyhow::{Result, bail};
 use ballrace_twin::bake::verify::{Difference, Verification, verify};
+use ballrace_twin::output::cell_text;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -48,7 +49,8 @@ fn print_csv(out: &mut impl Write, differences: &[Difference]) -> Result<()> {
     for Difference { file, part, name, line, found, expected } in differences {
         let line = line.map_or(String::new(), |line| line.to_string());
         let [found, expected] = [found, expected].map(|text| text.as_deref().unwrap_or_default());
-        writer.write_record([&file.display().to_string(), part.name(), name, &line, found, expected])?;
+        let cells = [&file.display().to_string(), part.name(), name, &line, found, expected];
+        writer.write_record(cells.map(|text| cell_text(text).into_owned()))?;
     }
     Ok(writer.flush()?)
 }

@@ -54,10 +54,11 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
     let replay =
         Options { error, baseline, live: true, viewed: true, force_diagnosis: args.force, ..Options::default() };
     let options = args.live.options(source, Some(view.clone()), replay);
-    let (stop, failed) = (live::stop_on_signal()?, AtomicBool::new(false));
+    let (signals, failed) = (live::handle_signals()?, AtomicBool::new(false));
+    let stop = &signals.stop;
     let (outcome, view_result) = std::thread::scope(|scope| {
         let run_monitor = || {
-            let outcome = monitor::monitor(&scene, &options, &stop);
+            let outcome = monitor::monitor(&scene, &options, &signals);
             match &outcome {
                 // The final state is displayed until the user presses q.
                 Ok(outcome) => view.update(|view| {
@@ -70,7 +71,7 @@ pub fn run(args: &Args, error: Option<f64>) -> Result<ReplayStatus> {
             outcome
         };
         let thread = std::thread::Builder::new().name("monitor".to_owned()).spawn_scoped(scope, run_monitor)?;
-        let view_result = dashboard::show(&scene, &name, &view, &stop, &failed);
+        let view_result = dashboard::show(&scene, &name, &view, stop, &failed);
         stop.store(true, Ordering::Relaxed);
         Ok::<_, std::io::Error>((thread.join(), view_result))
     })?;

@@ -1,31 +1,41 @@
 //! HTTP server with bounded clients, on a thread of its own.
 //!
 //! A header, a request and its response are bounded in size and time. Event streams have no time limit, but their number is
-//! bounded, and a client that does not read its stream is disconnected.
+//! bounded, and a client that does not read its stream is disconnected. A further stream replaces an old one, so that clients that do
+//! not read, or whose network path was lost, do not lock out the others.
 
+use super::feed::lock;
 use anyhow::{Context, Result};
 use http_body_util::channel::{Channel, Sender};
 use http_body_util::combinators::BoxBody;
 use http_body_util::{BodyExt, Full};
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{CONTENT_TYPE, HeaderValue};
+use hyper::header::{CONTENT_TYPE, HOST, HeaderValue};
+use hyper::http::uri::Authority;
 use hyper::{Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use socket2::SockRef;
+use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::convert::Infallible;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::pin::pin;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Notify, oneshot};
 use tokio::task::AbortHandle;
 
 /// Maximum number of clients besides event streams; a further client replaces the oldest one.
 const MAX_CLIENTS: usize = 32;
-/// Maximum number of event streams; a further one is refused.
-pub const MAX_STREAMS: usize = 32;
+/// Maximum number of event streams; a further one replaces the one to which no event was sent for the longest time, or the
+/// oldest one.
+const MAX_STREAMS: usize = 32;
+/// Time without a sent event that makes a difference between two streams.
+const STREAM_INTERVAL: Duration = Duration::from_secs(3);
+/// Send buffer of a connection, bytes: what a client that does not read can hold.
+const SEND_BUFFER: usize = 64 << 10;
 /// Time limit for the header of a request.
 const HEADER_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limit for a request and its response.
@@ -107,39 +117,74 @@ pub fn text(status: StatusCode, content_type: &'static str, text: impl Into<Byte
     response
 }
 
+/// Returns `true` for a request to an IP address, to `localhost` or to one of the names `hosts`. A request of a foreign page,
+/// whose name resolves to this machine (DNS rebinding), has another name.
+pub fn is_for_host<T>(request: &Request<T>, hosts: &[String]) -> bool {
+    let header = request.headers().get(HOST).and_then(|host| host.to_str().ok());
+    let Some(authority) = header.and_then(|host| host.parse::<Authority>().ok()) else { return false };
+    let host = authority.host();
+    let is_address = host.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>().is_ok();
+    is_address || host.eq_ignore_ascii_case("localhost") || hosts.iter().any(|name| name.eq_ignore_ascii_case(host))
+}
+
 /// Client of a request.
 #[derive(Clone)]
 pub struct Client {
     connection: Arc<Connection>,
-    streams: Arc<AtomicUsize>,
+    streams: Streams,
 }
 
+/// Open event streams, oldest first.
+type Streams = Arc<Mutex<VecDeque<Arc<Connection>>>>;
+
 /// State of a connection.
-#[derive(Default)]
 struct Connection {
     is_stream: AtomicBool,
-    stalled: Notify,
+    /// The connection is to be closed.
+    closed: Notify,
+    /// Time at which the last event was sent.
+    sent_at: Mutex<Instant>,
+}
+
+impl Connection {
+    fn new() -> Self {
+        Self { is_stream: AtomicBool::new(false), closed: Notify::new(), sent_at: Mutex::new(Instant::now()) }
+    }
+
+    /// Returns the time since the last sent event in units of the interval.
+    fn age(&self) -> u128 {
+        lock(&self.sent_at).elapsed().as_millis() / STREAM_INTERVAL.as_millis()
+    }
 }
 
 /// An event stream to a client.
 pub struct EventStream {
     sender: Sender<Bytes, Infallible>,
     connection: Arc<Connection>,
-    streams: Arc<AtomicUsize>,
+    streams: Streams,
 }
 
 impl Client {
-    /// Opens an event stream: the sender of its events and its response; `None` if there are too many streams.
+    /// Opens an event stream: the sender of its events and its response. If there are too many streams, another one ends.
     #[must_use]
-    pub fn stream(self) -> Option<(EventStream, Response<Body>)> {
+    pub fn stream(self) -> (EventStream, Response<Body>) {
         let Self { connection, streams } = self;
-        let increment = |count| (count < MAX_STREAMS).then_some(count + 1);
-        streams.fetch_update(Ordering::Relaxed, Ordering::Relaxed, increment).ok()?;
+        {
+            let mut streams = lock(&streams);
+            // Among equal ages the first one is the oldest stream.
+            let replaced = (0..streams.len()).min_by_key(|i| Reverse(streams.get(*i).map(|stream| stream.age())));
+            if streams.len() >= MAX_STREAMS
+                && let Some(replaced) = replaced.and_then(|i| streams.remove(i))
+            {
+                replaced.closed.notify_one();
+            }
+            streams.push_back(connection.clone());
+        }
         connection.is_stream.store(true, Ordering::Relaxed);
         let (sender, body) = Channel::new(1);
         let mut response = Response::new(body.boxed());
         response.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static("text/event-stream"));
-        Some((EventStream { sender, connection, streams }, response))
+        (EventStream { sender, connection, streams }, response)
     }
 }
 
@@ -147,26 +192,32 @@ impl EventStream {
     /// Sends an event; returns `false` if the client has disconnected or does not read within the time limit.
     pub async fn send(&mut self, name: &str, data: &str) -> bool {
         let event = Bytes::from(format!("event: {name}\ndata: {data}\n\n"));
-        matches!(tokio::time::timeout(STALL_TIMEOUT, self.sender.send_data(event)).await, Ok(Ok(())))
+        let is_sent = matches!(tokio::time::timeout(STALL_TIMEOUT, self.sender.send_data(event)).await, Ok(Ok(())));
+        if is_sent {
+            *lock(&self.connection.sent_at) = Instant::now();
+        }
+        is_sent
     }
 }
 
 impl Drop for EventStream {
     fn drop(&mut self) {
-        self.streams.fetch_sub(1, Ordering::Relaxed);
-        self.connection.stalled.notify_one();
+        lock(&self.streams).retain(|stream| !Arc::ptr_eq(stream, &self.connection));
+        self.connection.closed.notify_one();
     }
 }
 
 /// Accepts clients in an endless loop.
 async fn accept(listener: TcpListener, service: impl Service) {
-    let streams = Arc::new(AtomicUsize::new(0));
+    let streams = Streams::default();
     let mut clients: VecDeque<(AbortHandle, Arc<Connection>)> = VecDeque::new();
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             tokio::time::sleep(ACCEPT_PAUSE).await;
             continue;
         };
+        // An error is ignored: the system's buffer is larger then.
+        let _ = SockRef::from(&stream).set_send_buffer_size(SEND_BUFFER);
         clients.retain(|(task, _)| !task.is_finished());
         let is_short = |(_, connection): &(AbortHandle, Arc<Connection>)| !connection.is_stream.load(Ordering::Relaxed);
         if clients.iter().filter(|client| is_short(client)).count() >= MAX_CLIENTS
@@ -175,7 +226,7 @@ async fn accept(listener: TcpListener, service: impl Service) {
             // Removed at once: a task that is aborted ends only when it runs again.
             oldest.abort();
         }
-        let connection = Arc::new(Connection::default());
+        let connection = Arc::new(Connection::new());
         let client = Client { connection: connection.clone(), streams: streams.clone() };
         let task = tokio::spawn(serve_client(stream, service.clone(), client));
         clients.push_back((task.abort_handle(), connection));
@@ -195,12 +246,13 @@ async fn serve_client(stream: TcpStream, service: impl Service, client: Client) 
     tokio::select! {
         // An error of one client does not affect the others.
         _ = &mut served => return,
+        () = connection.closed.notified() => return,
         () = tokio::time::sleep(CLIENT_TIMEOUT) => {}
     }
     if connection.is_stream.load(Ordering::Relaxed) {
         tokio::select! {
             _ = served => {}
-            () = connection.stalled.notified() => {}
+            () = connection.closed.notified() => {}
         }
     }
 }

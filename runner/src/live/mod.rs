@@ -84,15 +84,25 @@ pub struct Options<'a> {
     pub replay: replay::Options<'a>,
 }
 
-/// Runs the monitor until the source or the duration ends, or `stop` is set.
+/// Requests to a monitor, set by signals.
+#[derive(Debug, Default)]
+pub struct Signals {
+    /// End.
+    pub stop: AtomicBool,
+    /// Reopen the event log if its path names another file or none.
+    pub reopen: AtomicBool,
+}
+
+/// Runs the monitor until the source or the duration ends, or a signal stops it.
 ///
 /// # Errors
 /// Returns an error if the scene has no displacement probes, the source cannot be read, or an output cannot be opened.
-pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Outcome> {
+pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Outcome> {
+    let stop = &signals.stop;
     let recording = probe_recording(scene)?;
     // The state is locked and the ports are bound before any file is changed, so that a failed start changes nothing.
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
-    let network = Network::bind(options.outputs)?;
+    let network = Network::bind(options.outputs, &options.http.hosts)?;
     let shared = options.view.clone().or_else(|| options.http.address.map(|_| SharedView::default()));
     let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
@@ -109,6 +119,13 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
     let mut display = Display::new(shared);
     display.view.alarms = previous.alarms.clone();
     display.view.set_state(MonitorState::Waiting);
+    let damages = state.as_mut().and_then(|file| file.damage.take()).into_iter().chain(outputs.take_damage());
+    for sentence in damages {
+        let event = EventRecord::new(EventMessage { kind: "file-damaged", sentence }, start_time);
+        display.view.add_event(&event);
+        outputs.add_event(&event)?;
+    }
+    outputs.save_events();
     display.publish();
     let rate = wait_for_rate(&reader, &mut receiver, stop, &mut service, |message| {
         let event = EventRecord::new(message, start_time);
@@ -158,7 +175,7 @@ pub fn monitor(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<Ou
         is_state_changed: false,
         service,
     };
-    let result = monitor.run(stop);
+    let result = monitor.run(signals);
     // After an error, the results up to the error are written.
     monitor.save_remaining();
     result?;
@@ -290,7 +307,8 @@ struct Monitor<'a, 'o> {
 }
 
 impl Monitor<'_, '_> {
-    fn run(&mut self, stop: &AtomicBool) -> Result<()> {
+    fn run(&mut self, signals: &Signals) -> Result<()> {
+        let stop = &signals.stop;
         while !stop.load(Ordering::Relaxed) && !self.receiver.is_finished() && !self.has_reached_duration() {
             let block_time = self.schedule.wait();
             self.service.keep_alive();
@@ -302,6 +320,9 @@ impl Monitor<'_, '_> {
             self.check_silence(arrived_rows)?;
             self.report_backlog()?;
             self.acknowledge_alarms()?;
+            if signals.reopen.swap(false, Ordering::Relaxed) {
+                self.outputs.reopen();
+            }
             self.update_view();
             self.schedule.finish_block(block_start, caught_up);
         }

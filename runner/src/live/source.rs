@@ -217,6 +217,11 @@ impl SourceReader {
                             .to_owned()
                     ));
                 }
+                if path.metadata().is_ok_and(|about| !about.is_file() && !about.is_dir()) {
+                    // A named pipe or a device is a stream: it waits for its writer.
+                    let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
+                    return self.read_stream(Box::new(file), &path.display().to_string());
+                }
                 let reader = Reader::open(path, &self.recording)?;
                 // A file starts at sample 0 again: samples from before a restart are skipped.
                 let skipped = std::mem::take(&mut self.next_index);

@@ -1,4 +1,7 @@
-//! State of a monitor for a restart: one small file, replaced as a whole.
+//! State of a monitor for a restart: one small file, replaced as a whole, and a copy of it.
+//!
+//! The copy is written after the file is on disk. A file that is damaged, which its checksum shows, is put aside, and the
+//! monitor goes on with the copy.
 //!
 //! The indicators and the limits have separate positions in the stream of samples. A restart reads from the earlier position;
 //! indicators and limits each ignore samples before their own position, so that nothing is written twice.
@@ -12,6 +15,7 @@ use ballrace_twin::replay::FaultState;
 use ballrace_twin::replay::limits::LimitState;
 use ballrace_twin::scene::bounded::read_text;
 use serde::{Deserialize, Serialize};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Version of the file format.
@@ -75,6 +79,9 @@ impl State {
 /// State file in a folder that is locked by this process.
 pub struct StateFile {
     path: PathBuf,
+    copy: PathBuf,
+    /// The file is damaged or missing beside its copy: what was found and with what the monitor goes on, for users.
+    pub damage: Option<String>,
     /// Content of the file after the next [`StateFile::save`].
     pub state: State,
     _lock: FolderLock,
@@ -88,18 +95,22 @@ impl StateFile {
     /// format.
     pub fn open(folder: &Path, scene: &str) -> Result<Self> {
         let lock = FolderLock::acquire(folder, "state.lock")?;
-        let path = folder.join("state.json");
-        let mut state = match read_text(&path, MAX_LENGTH) {
-            Ok(text) => serde_json::from_str::<State>(&text)
-                .with_context(|| format!("{}: not the state of a monitor, expected another folder", path.display()))?,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                State { format_version: FORMAT_VERSION, scene: scene.to_owned(), id: new_id(), ..State::default() }
+        let [path, copy] = ["state.json", "state.json.copy"].map(|name| folder.join(name));
+        let new =
+            || State { format_version: FORMAT_VERSION, scene: scene.to_owned(), id: new_id(), ..State::default() };
+        let (state, damage) = match (read(&path)?, read(&copy)?) {
+            (Content::State(state), _) => (*state, None),
+            (Content::Missing, Content::Missing) => (new(), None),
+            (found, Content::State(state)) => {
+                (*state, Some(damage(&path, &found, "The monitor goes on with its copy.")))
             }
-            Err(error) => return Err(error).with_context(|| path.display().to_string()),
+            (found, _) => {
+                let consequence =
+                    "Its copy is damaged or missing too: alarms, acknowledgements and limits start empty.";
+                (new(), Some(damage(&path, &found, consequence)))
+            }
         };
-        if state.format_version == VERSION_WITHOUT_LIMITS {
-            state = State { format_version: FORMAT_VERSION, id: new_id(), seconds_index: state.resume.index, ..state };
-        }
+        let state = upgraded(state);
         if state.format_version != FORMAT_VERSION || state.scene != scene {
             bail!(crate::error::UsageError(format!(
                 "{}: state of another scene or format: scene {:?}, format {}, expected scene {scene:?}, format \
@@ -109,28 +120,109 @@ impl StateFile {
                 state.format_version
             )));
         }
-        Ok(Self { path, state, _lock: lock })
+        Ok(Self { path, copy, damage, state, _lock: lock })
     }
 
-    /// Increments the number of starts and writes the state.
+    /// Increments the number of starts and writes the state. A damaged file is kept as `state.json.damaged`.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
     pub fn begin(&mut self) -> Result<()> {
+        if self.damage.is_some() {
+            // It is for examination only: the monitor starts without it too.
+            let _ = std::fs::rename(&self.path, self.path.with_extension("json.damaged"));
+        }
         self.state.starts += 1;
         self.save()
     }
 
-    /// Writes the state; it is on disk when this returns.
+    /// Writes the state and then its copy; both are on disk when this returns.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn save(&self) -> Result<()> {
-        let text = serde_json::to_string_pretty(&self.state)?;
-        output::replace(&self.path, text.as_bytes())
-            .map(drop)
-            .with_context(|| format!("{}: this file cannot be written", self.path.display()))
+        let text = with_checksum(&serde_json::to_string_pretty(&self.state)?);
+        for path in [&self.path, &self.copy] {
+            output::replace(path, text.as_bytes())
+                .with_context(|| format!("{}: this file cannot be written", path.display()))?;
+        }
+        Ok(())
     }
+}
+
+/// Content of a state file.
+enum Content {
+    /// A state.
+    State(Box<State>),
+    /// No file.
+    Missing,
+    /// No whole state: the reason.
+    Damaged(String),
+}
+
+/// Reads a state file or its copy.
+///
+/// # Errors
+/// Returns an error if the file may not be read, or is whole but not the state of a monitor.
+fn read(path: &Path) -> Result<Content> {
+    let text = match read_text(path, MAX_LENGTH) {
+        Ok(text) => text,
+        Err(error) => match error.kind() {
+            ErrorKind::NotFound => return Ok(Content::Missing),
+            // Not readable by this user, or no file that a monitor wrote.
+            ErrorKind::PermissionDenied | ErrorKind::IsADirectory | ErrorKind::Other => {
+                return Err(error).with_context(|| path.display().to_string());
+            }
+            _ => return Ok(Content::Damaged(error.to_string())),
+        },
+    };
+    let damaged = |error: serde_json::Error| Ok(Content::Damaged(error.to_string()));
+    let value = match serde_json::from_str::<serde_json::Value>(&text) {
+        Ok(value) => value,
+        Err(error) => return damaged(error),
+    };
+    if value.get(CHECKSUM).is_none() && value.get("form").is_none() {
+        bail!(crate::error::UsageError(format!(
+            "{}: not the state of a monitor, expected another folder",
+            path.display()
+        )));
+    }
+    if !has_valid_checksum(&text) {
+        return Ok(Content::Damaged("its checksum is wrong".to_owned()));
+    }
+    serde_json::from_value(value).map_or_else(damaged, |state| Ok(Content::State(Box::new(state))))
+}
+
+/// Returns the sentence about a damaged or missing state file.
+fn damage(path: &Path, found: &Content, consequence: &str) -> String {
+    let what = match found {
+        Content::Damaged(reason) => format!("damaged ({reason})"),
+        Content::Missing | Content::State(_) => "missing".to_owned(),
+    };
+    format!("The state {} is {what}. {consequence}", path.display())
+}
+
+/// Returns a state of an earlier format in the present one.
+fn upgraded(state: State) -> State {
+    if state.format_version == VERSION_WITHOUT_LIMITS {
+        return State { format_version: FORMAT_VERSION, id: new_id(), seconds_index: state.resume.index, ..state };
+    }
+    state
+}
+
+/// First key of a state file: the CRC-32 (IEEE 802.3) of all that follows it.
+const CHECKSUM: &str = "crc32";
+
+/// Returns a JSON object with the checksum of the rest as its first key.
+fn with_checksum(object: &str) -> String {
+    let rest = object.strip_prefix('{').unwrap_or(object);
+    format!("{{\n  \"{CHECKSUM}\": {},{rest}", crc32fast::hash(rest.as_bytes()))
+}
+
+/// Returns `false` for a text whose checksum does not fit the rest; a state of an earlier program has none.
+fn has_valid_checksum(text: &str) -> bool {
+    let parts = text.strip_prefix(&format!("{{\n  \"{CHECKSUM}\": ")).and_then(|text| text.split_once(','));
+    parts.is_none_or(|(sum, rest)| sum.parse() == Ok(crc32fast::hash(rest.as_bytes())))
 }
 
 fn new_id() -> String {
@@ -156,8 +248,68 @@ mod tests {
         assert_eq!((reopened.state.resume.index, reopened.state.starts), (12_345, 1));
         drop(reopened);
         assert!(open("other").is_err());
-        std::fs::write(folder.path().join("state.json"), "{\"form\":2,").unwrap();
-        assert!(open("rig").is_err());
+    }
+
+    /// A folder with the state of a monitor that has read 640 samples.
+    fn folder_with_state() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut file = StateFile::open(folder.path(), "rig").unwrap();
+        file.state.resume = Resume { index: 640, sequence: Some(7) };
+        file.begin().unwrap();
+        folder
+    }
+
+    #[test]
+    fn a_damaged_state_goes_on_with_its_copy() {
+        let folder = folder_with_state();
+        let path = folder.path().join("state.json");
+        let whole = std::fs::read(&path).unwrap();
+        let flipped = |at: usize| {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 1;
+            bytes
+        };
+        let cuts = (0..whole.len()).map(|length| whole[..length].to_vec());
+        let damages = cuts.chain((0..whole.len()).map(flipped)).chain([vec![0; whole.len()], vec![0xff; 9]]);
+        for bytes in damages {
+            std::fs::write(&path, &bytes).unwrap();
+            let file = StateFile::open(folder.path(), "rig").unwrap();
+            let text = String::from_utf8_lossy(&bytes).into_owned();
+            assert_eq!((file.state.resume.index, file.state.resume.sequence), (640, Some(7)), "{text}");
+            // A changed letter in the name of the first key changes nothing else.
+            assert!(file.damage.is_some() || text.contains("\"form\": 2,\n  \"scene\": \"rig\","), "{text}");
+        }
+        std::fs::remove_file(&path).unwrap();
+        let mut file = StateFile::open(folder.path(), "rig").unwrap();
+        assert!(file.damage.as_ref().is_some_and(|text| text.contains("missing")), "{:?}", file.damage);
+        file.begin().unwrap();
+        drop(file);
+        assert!(StateFile::open(folder.path(), "rig").unwrap().damage.is_none());
+    }
+
+    #[test]
+    fn a_state_starts_empty_where_its_copy_is_damaged_too() {
+        let folder = folder_with_state();
+        for name in ["state.json", "state.json.copy"] {
+            std::fs::write(folder.path().join(name), "{\"form\":2,").unwrap();
+        }
+        let mut file = StateFile::open(folder.path(), "rig").unwrap();
+        assert_eq!((file.state.resume.index, file.state.starts), (0, 0));
+        assert!(file.damage.as_ref().is_some_and(|text| text.contains("start empty")), "{:?}", file.damage);
+        file.begin().unwrap();
+        assert_eq!(std::fs::read_to_string(folder.path().join("state.json.damaged")).unwrap(), "{\"form\":2,");
+    }
+
+    #[test]
+    fn another_scene_or_file_is_refused_whatever_the_copy_is() {
+        let folder = folder_with_state();
+        assert!(StateFile::open(folder.path(), "other").is_err());
+        std::fs::write(folder.path().join("state.json"), "cut").unwrap();
+        assert!(StateFile::open(folder.path(), "other").is_err());
+        for foreign in ["[1, 2]", "{\"colour\": \"red\"}", "3"] {
+            std::fs::write(folder.path().join("state.json"), foreign).unwrap();
+            assert!(StateFile::open(folder.path(), "rig").is_err_and(|e| e.to_string().contains("not the state")));
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Output files that are complete or absent: written to a temporary file that replaces the destination at the end.
 
 use crate::printable;
+use std::borrow::Cow;
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -227,8 +228,44 @@ fn link_target(path: &Path) -> PathBuf {
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
-/// Returns a cell as RFC 4180 writes it: quoted where it holds a comma, a quote or a line break.
+
+/// Returns the text of a cell of CSV that no spreadsheet takes for a formula: a text that begins as one, with `=`, `+`, `-`,
+/// `@`, a tab or a carriage return, and is no number, gets an apostrophe before it.
+#[must_use]
+pub fn cell_text(text: &str) -> Cow<'_, str> {
+    let is_number = || text.parse::<f64>().is_ok();
+    if text.len() > 1 && text.starts_with(FORMULA) && !is_number() { format!("'{text}").into() } else { text.into() }
+}
+
+/// First characters that a spreadsheet takes for the begin of a formula.
+const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+
+/// Returns the name of a column without the apostrophe of [`cell_text`].
+#[must_use]
+pub fn without_apostrophe(name: &str) -> &str {
+    name.strip_prefix('\'').filter(|rest| cell_text(rest).len() > rest.len()).unwrap_or(name)
+}
+
+/// Returns a cell as RFC 4180 writes it: the text of [`cell_text`], quoted where it holds a comma, a quote or a line break.
 #[must_use]
 pub fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    let cell = cell_text(cell);
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.into_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_is_no_formula() {
+        for text in ["=cmd|'/c calc'!A1", "+1+1", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "-x"] {
+            let cell = format!("'{text}");
+            assert_eq!((&*cell_text(text), without_apostrophe(&cell)), (&*cell, text));
+        }
+        for text in ["", "-", "+", "-1.5e-3", "+4", "a=b", "DE_X", "'quoted'", "1-2"] {
+            assert_eq!((&*cell_text(text), without_apostrophe(text)), (text, text));
+        }
+        assert_eq!(quoted("=1,2"), "\"'=1,2\"");
+    }
 }

@@ -7,6 +7,10 @@ use ballrace_twin::fleet::{Evaluation, Key, Machine, Row, Trend, report_names, t
 use ballrace_twin::output::{AtomicFile, replace};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest time for which the files of a stored row may not answer; the row is then evaluated again.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Returns the report of an evaluation; `None` without an outcome. A report that cannot be rendered becomes the error of the row.
 pub fn page_of(evaluation: &mut Evaluation) -> Option<String> {
@@ -67,7 +71,7 @@ impl Folder {
     #[must_use]
     pub fn is_done(&self, machine: &Machine, row: &Row, needs_report: bool) -> bool {
         let has_report = || !needs_report || row.error.is_some() || self.link(&row.key()).is_some();
-        row.inputs == machine.fingerprint() && has_report()
+        machine.fingerprint_within(PATIENCE).is_some_and(|inputs| row.inputs == inputs) && has_report()
     }
 
     /// Writes the report of an evaluation, see [`page_of`].

@@ -13,6 +13,9 @@ const MAX_PENDING: usize = 10_000;
 
 /// File to which events are appended.
 ///
+/// The path names the log: where the file is renamed or deleted, as a rotation of logs does, the next lines go to a new file of
+/// this path.
+///
 /// A line is pending until it is on disk. A line that changes the monitor's state is appended only after [`EventLog::release`]: the
 /// monitor first writes it to its state, so that a restart can check whether it was appended.
 pub struct EventLog {
@@ -40,12 +43,19 @@ impl EventLog {
     /// # Errors
     /// Returns an error if the file cannot be read or written, is not an event log, or is locked by another monitor.
     pub fn open(path: &Path, unconfirmed: &[String]) -> Result<Self> {
-        let name = || format!("{}: this log cannot be written", path.display());
         let mut missing: Vec<&String> = unconfirmed.iter().collect();
+        let file = Self::open_file(path, &mut missing)?;
+        let line = |text: &&String| Line { text: (*text).clone(), is_released: true, requires_state: true };
+        let pending = missing.iter().map(line).collect();
+        Ok(Self { file, path: path.to_owned(), pending, appended: 0, lost: 0 })
+    }
+
+    /// Opens the file, and removes the lines that it has from those that are `missing`.
+    fn open_file(path: &Path, missing: &mut Vec<&String>) -> Result<File> {
+        let name = || format!("{}: this log cannot be written", path.display());
         if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
             // The content of a pipe or a device cannot be read for comparison.
-            let file = open_special(path).with_context(name)?;
-            return Ok(Self::new(file, path, &missing));
+            return open_special(path).with_context(name);
         }
         let mut file = OpenOptions::new().create(true).read(true).append(true).open(path).with_context(name)?;
         match file.try_lock() {
@@ -79,13 +89,21 @@ impl EventLog {
         } else if !line.is_empty() {
             file.set_len(length).with_context(name)?;
         }
-        Ok(Self::new(file, path, &missing))
+        Ok(file)
     }
 
-    fn new(file: File, path: &Path, missing: &[&String]) -> Self {
-        let line = |text: &&String| Line { text: (*text).clone(), is_released: true, requires_state: true };
-        let pending = missing.iter().map(line).collect();
-        Self { file, path: path.to_owned(), pending, appended: 0, lost: 0 }
+    /// Reopens the log if its path names another file or none, as after a rotation of logs.
+    ///
+    /// # Errors
+    /// Returns an error if the log cannot be opened, as [`EventLog::open`].
+    pub fn reopen(&mut self) -> Result<()> {
+        let name = || format!("{}: this log cannot be written", self.path.display());
+        if !is_file_of(&self.file, &self.path).with_context(name)? {
+            self.file = Self::open_file(&self.path, &mut vec![])?;
+            // The new file has no part of the line that the former one lacks.
+            self.appended = 0;
+        }
+        Ok(())
     }
 
     /// Adds an event to the pending lines.
@@ -130,6 +148,7 @@ impl EventLog {
         if released == 0 {
             return Ok(());
         }
+        self.reopen()?;
         let bytes: String = self.pending.iter().take(released).map(|line| line.text.as_str()).collect();
         let name = || format!("{}: this log cannot be written", self.path.display());
         while let Some(rest) = bytes.as_bytes().get(self.appended..).filter(|rest| !rest.is_empty()) {
@@ -146,6 +165,30 @@ impl EventLog {
         self.pending.drain(..released);
         self.appended = 0;
         Ok(())
+    }
+}
+
+/// Returns `true` if `path` still names the open `file`.
+///
+/// # Errors
+/// Returns an error if the file or its folder cannot be read.
+pub(super) fn is_file_of(file: &File, path: &Path) -> std::io::Result<bool> {
+    let named = match std::fs::metadata(path) {
+        Ok(named) => named,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+        Err(error) => return Err(error),
+    };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let open = file.metadata()?;
+        Ok((open.dev(), open.ino()) == (named.dev(), named.ino()))
+    }
+    // Other systems do not rename or delete a file that is open.
+    #[cfg(not(unix))]
+    {
+        let _ = (file, named);
+        Ok(true)
     }
 }
 
@@ -251,6 +294,39 @@ mod tests {
         assert_eq!(log.unconfirmed(), unconfirmed);
         log.append().unwrap();
         assert_eq!(times(&path), [1.0]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_log_that_is_renamed_or_deleted_is_reopened() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let mut log = EventLog::open(&path("log.jsonl"), &[]).unwrap();
+        add(&mut log, &event(1.0));
+        std::fs::rename(path("log.jsonl"), path("log.jsonl.1")).unwrap();
+        add(&mut log, &event(2.0));
+        assert_eq!((times(&path("log.jsonl.1")), times(&path("log.jsonl"))), (vec![1.0], vec![2.0]));
+        // The new file is locked, the former one is free.
+        assert!(EventLog::open(&path("log.jsonl"), &[]).is_err());
+        drop(EventLog::open(&path("log.jsonl.1"), &[]).unwrap());
+        std::fs::remove_file(path("log.jsonl")).unwrap();
+        log.reopen().unwrap();
+        assert_eq!(times(&path("log.jsonl")), [0.0; 0]);
+        add(&mut log, &event(3.0));
+        assert_eq!(times(&path("log.jsonl")), [3.0]);
+        // Copied and truncated, as logrotate does with `copytruncate`.
+        std::fs::write(path("log.jsonl"), "").unwrap();
+        add(&mut log, &event(4.0));
+        assert_eq!(times(&path("log.jsonl")), [4.0]);
+        // A file of something else is not written: the line waits.
+        std::fs::remove_file(path("log.jsonl")).unwrap();
+        std::fs::write(path("log.jsonl"), "notes\n").unwrap();
+        log.add(&event(5.0)).unwrap();
+        log.release();
+        assert!(log.append().is_err_and(|e| e.to_string().contains("not an event log")));
+        std::fs::remove_file(path("log.jsonl")).unwrap();
+        log.append().unwrap();
+        assert_eq!(times(&path("log.jsonl")), [5.0]);
     }
 
     #[test]

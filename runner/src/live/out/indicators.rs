@@ -4,6 +4,7 @@
 //! new journal, so that a killed process loses nothing. A second is identified by the number of the first sample after it; a
 //! second that is already on disk is ignored.
 
+use super::events::is_file_of;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::folder_lock::FolderLock;
 use ballrace_twin::output::{self, AtomicFile};
@@ -37,6 +38,8 @@ pub struct Indicators {
     last_index: u64,
     /// Seconds dropped because too many were pending.
     lost: u64,
+    /// Sentence about a journal that was damaged.
+    damage: Option<String>,
     _lock: FolderLock,
 }
 
@@ -95,6 +98,7 @@ impl Indicators {
             _ => std::fs::read(&path).with_context(name)?,
         };
         let previous = parse_journal(&text);
+        let damage = keep_damaged(&path, &text, previous.as_ref().map_or(0, |(.., length)| *length))?;
         let is_own = |header: &Header| !owner.is_empty() && header.owner == owner;
         let is_converted = |header: &Header| parquet_path(folder, header.number).exists();
         let (table, journal, last_index) = match previous {
@@ -127,8 +131,14 @@ impl Indicators {
             journal,
             last_index,
             lost: 0,
+            damage,
             _lock: lock,
         })
+    }
+
+    /// Removes and returns the sentence about a journal that was damaged.
+    pub const fn take_damage(&mut self) -> Option<String> {
+        self.damage.take()
     }
 
     /// Adds a second, which [`Indicators::save`] writes; `next_index` is the number of the first sample after it.
@@ -201,6 +211,14 @@ impl Indicators {
         let Some(table) = self.tables.front() else { return Ok(()) };
         let journal = &mut self.journal;
         let Some(missing) = table.rows.get(journal.rows..).filter(|rows| !rows.is_empty()) else { return Ok(()) };
+        let path = self.folder.join(JOURNAL);
+        let name = || format!("{}: this file cannot be written", path.display());
+        if !is_file_of(&journal.file, &path).with_context(name)? {
+            // Renamed or deleted: the seconds of its file are in memory.
+            let after_index = table.index_before().unwrap_or(self.last_index);
+            *journal = create_journal(&self.folder, journal.number, &self.owner, after_index, table)?;
+            return Ok(());
+        }
         let text: String = missing.iter().map(Row::line).collect();
         let mut write = || {
             // An earlier attempt or a killed run may have left an incomplete row.
@@ -209,7 +227,7 @@ impl Indicators {
             journal.file.write_all(text.as_bytes())?;
             journal.file.sync_data()
         };
-        write().with_context(|| format!("{}: this file cannot be written", self.folder.join(JOURNAL).display()))?;
+        write().with_context(name)?;
         journal.length += text.len() as u64;
         journal.rows = table.rows.len();
         Ok(())
@@ -250,6 +268,28 @@ impl Row {
         let cells: String = self.values.iter().map(|x| format!(",{x:e}")).collect();
         format!("{}{cells}\n", self.next_index)
     }
+}
+
+/// Keeps a copy of a journal with lines that cannot be read after its first `length` bytes; returns a sentence about it. A
+/// killed run leaves an incomplete last line, which is no damage.
+///
+/// # Errors
+/// Returns an error if the copy cannot be written.
+fn keep_damaged(path: &Path, content: &[u8], length: usize) -> Result<Option<String>> {
+    let rest = content.get(length..).unwrap_or_default();
+    if !rest.contains(&b'\n') && (length > 0 || content.is_empty()) {
+        return Ok(None);
+    }
+    let mut name = path.as_os_str().to_owned();
+    name.push(".damaged");
+    let copy = PathBuf::from(name);
+    std::fs::copy(path, &copy).with_context(|| format!("{}: this file cannot be written", copy.display()))?;
+    let lines = content.get(..length).unwrap_or_default().iter().filter(|byte| **byte == b'\n').count();
+    Ok(Some(format!(
+        "The journal {} is damaged after line {lines}: the seconds after it are lost. It is kept as {}.",
+        path.display(),
+        copy.display()
+    )))
 }
 
 fn parquet_path(folder: &Path, number: u32) -> PathBuf {
@@ -396,6 +436,31 @@ mod tests {
         indicators.finish().unwrap();
         assert_eq!((times(folder.path(), 1), times(folder.path(), 2)), (seconds(1..=36), seconds(37..=41)));
         assert!(!folder.path().join(JOURNAL).exists());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_journal_that_is_deleted_is_written_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(JOURNAL);
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        add(&mut indicators, 1..=3);
+        std::fs::remove_file(&path).unwrap();
+        add(&mut indicators, 4..=5);
+        drop(indicators);
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        assert!(indicators.take_damage().is_none());
+        add(&mut indicators, 1..=6);
+        drop(indicators);
+        // Lines that cannot be read are kept and reported.
+        let whole = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, whole.replacen("400,", "4x0,", 1)).unwrap();
+        let mut indicators = Indicators::open(folder.path(), "state", 36).unwrap();
+        assert!(indicators.take_damage().is_some_and(|text| text.contains("after line 4")));
+        assert!(std::fs::read_to_string(folder.path().join("indicators.journal.damaged")).unwrap().contains("4x0,"));
+        add(&mut indicators, 1..=6);
+        indicators.finish().unwrap();
+        assert_eq!(all_times(folder.path()), seconds(1..=6));
     }
 
     /// The monitor is killed after every second and gets all seconds again; the folder contains each second once.

@@ -68,13 +68,13 @@ pub struct Network {
 }
 
 impl Network {
-    /// Binds the requested ports.
+    /// Binds the requested ports. The metrics answer requests to the names `hosts` too.
     ///
     /// # Errors
     /// Returns an error if a port is in use or an address is invalid.
-    pub fn bind(requested: &RequestedOutputs) -> Result<Self> {
+    pub fn bind(requested: &RequestedOutputs, hosts: &[String]) -> Result<Self> {
         Ok(Self {
-            prometheus: requested.prometheus.map(Prometheus::listen).transpose()?,
+            prometheus: requested.prometheus.map(|port| Prometheus::listen(port, hosts)).transpose()?,
             #[cfg(feature = "mqtt")]
             mqtt: requested.mqtt.connect()?,
         })
@@ -118,6 +118,11 @@ impl Outputs {
             output_events: vec![],
             event_counts: COUNTED_FROM_START.map(|kind| (kind, 0)).into(),
         })
+    }
+
+    /// Removes and returns the sentence about an indicator journal that was damaged.
+    pub fn take_damage(&mut self) -> Option<String> {
+        self.indicators.as_mut().and_then(Indicators::take_damage)
     }
 
     /// Adds an event, which [`Outputs::save_events`] writes.
@@ -185,6 +190,13 @@ impl Outputs {
     pub fn save_events(&mut self) -> bool {
         let Some(log) = &mut self.events else { return true };
         self.events_health.attempt(&mut self.output_events, || log.append())
+    }
+
+    /// Reopens the event log if its path names another file or none.
+    pub fn reopen(&mut self) {
+        if let Some(log) = &mut self.events {
+            self.events_health.attempt(&mut self.output_events, || log.reopen());
+        }
     }
 
     /// Returns `true` if the next attempt of a failing output is due.

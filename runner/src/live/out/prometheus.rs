@@ -41,32 +41,40 @@ pub struct Prometheus {
 }
 
 /// Latest metrics.
-#[derive(Clone, Default)]
-struct Page(Arc<Mutex<String>>);
+#[derive(Clone)]
+struct Page {
+    text: Arc<Mutex<String>>,
+    /// Names to which a request may be, besides `localhost` and IP addresses.
+    hosts: Arc<[String]>,
+}
 
 impl Prometheus {
-    /// Listens on `port` of 127.0.0.1.
+    /// Listens on `port` of 127.0.0.1, for requests to `localhost`, to an IP address or to one of the names `hosts`.
     ///
     /// # Errors
     /// Returns an error if the port is in use.
-    pub fn listen(port: u16) -> Result<Self> {
+    pub fn listen(port: u16, hosts: &[String]) -> Result<Self> {
         let listener = http::bind("--prometheus", SocketAddr::from((Ipv4Addr::LOCALHOST, port)))?;
-        let page = Page::default();
+        let page = Page { text: Arc::default(), hosts: hosts.into() };
         let server = Server::start("prometheus", listener, page.clone(), std::future::ready(()))?;
         Ok(Self { page, _server: server })
     }
 
     /// Replaces the served metrics.
     pub fn update(&self, metrics: &Metrics) {
-        *lock(&self.page.0) = page(metrics);
+        *lock(&self.page.text) = page(metrics);
     }
 }
 
 impl Service for Page {
     async fn respond(&self, request: Request<Incoming>, _: Client) -> Response<Body> {
+        if !http::is_for_host(&request, &self.hosts) {
+            let reason = "unknown host name, expected localhost, an IP address or a name in --http-host\n";
+            return http::text(StatusCode::FORBIDDEN, METRICS_TYPE, reason);
+        }
         match (request.method(), request.uri().path()) {
             (&Method::GET | &Method::HEAD, "/metrics" | "/") => {
-                let page = lock(&self.0).clone();
+                let page = lock(&self.text).clone();
                 http::text(StatusCode::OK, METRICS_TYPE, page)
             }
             (&Method::GET | &Method::HEAD, _) => http::text(StatusCode::NOT_FOUND, METRICS_TYPE, "see /metrics\n"),

@@ -3,13 +3,13 @@
 use super::HttpOptions;
 use crate::error::UsageError;
 use crate::live::address::parse_local;
+use crate::live::http::is_for_host;
 use anyhow::{Context, Result, bail};
 use ballrace_twin::scene::bounded::read_text;
 use hyper::Request;
-use hyper::header::{AUTHORIZATION, HOST, HeaderValue};
+use hyper::header::{AUTHORIZATION, HeaderValue};
 use hyper::http::Uri;
-use hyper::http::uri::Authority;
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use subtle::ConstantTimeEq;
 
 /// Least length of a token.
@@ -53,16 +53,9 @@ impl Access {
         self.token.is_some()
     }
 
-    /// Returns `true` for a request to an IP address, to `localhost` or to an allowed name. A page of a foreign name that
-    /// resolves to this machine (DNS rebinding) is refused.
+    /// Returns `true` for a request that [`is_for_host`] accepts with the names of `--http-host`.
     pub fn allows_host<T>(&self, request: &Request<T>) -> bool {
-        let header = request.headers().get(HOST).and_then(|host| host.to_str().ok());
-        let Some(authority) = header.and_then(|host| host.parse::<Authority>().ok()) else { return false };
-        let host = authority.host();
-        let is_address = host.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>().is_ok();
-        is_address
-            || host.eq_ignore_ascii_case("localhost")
-            || self.hosts.iter().any(|name| name.eq_ignore_ascii_case(host))
+        is_for_host(request, &self.hosts)
     }
 
     /// Returns `true` for the origin of a page that may show this machine.
@@ -105,6 +98,7 @@ pub fn parse_origin(text: &str) -> Result<String, String> {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use hyper::header::HOST;
 
     fn access() -> Access {
         let names = |name: &str| vec![name.to_owned()];

@@ -198,9 +198,7 @@ impl Site {
 
     /// Opens a stream of states. A slow client does not receive every state, but always the latest one.
     fn events(&self, client: Client) -> Response<Body> {
-        let Some((mut stream, response)) = client.stream() else {
-            return http::text(StatusCode::SERVICE_UNAVAILABLE, TEXT, "too many pages are open\n");
-        };
+        let (mut stream, response) = client.stream();
         let mut states = self.0.states.subscribe();
         tokio::spawn(async move {
             loop {

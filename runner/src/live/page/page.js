@@ -7,6 +7,8 @@ const LOST_AFTER = 5000;
 // Shortest interval between two requests for figures, ms.
 const FIGURES_INTERVAL = 2000;
 const HISTORY_INTERVAL = 20000;
+// Longest time for the answer to a request, ms.
+const ANSWER_WITHIN = 15000;
 
 let latest = null;
 let heardAt = null;
@@ -109,6 +111,7 @@ async function acknowledge(alarm, button) {
   try {
     const response = await fetch("acknowledge", {
       method: "POST",
+      signal: AbortSignal.timeout(ANSWER_WITHIN),
       headers: { "Authorization": `Bearer ${byId("token").value}`, "Content-Type": "application/json" },
       body: JSON.stringify({ alarm }),
     });
@@ -183,7 +186,7 @@ function figure(data) {
 }
 
 async function load(path) {
-  const response = await fetch(path);
+  const response = await fetch(path, { signal: AbortSignal.timeout(ANSWER_WITHIN) });
   if (!response.ok) throw new Error(await response.text());
   return response.json();
 }
@@ -227,12 +230,21 @@ async function loadHistory() {
 }
 
 function follow(origin, show) {
-  const source = new EventSource(`${origin}/events`);
-  source.addEventListener("state", (event) => show(JSON.parse(event.data)));
-  // The browser does not reconnect after a refused request, for example with too many open pages.
-  source.addEventListener("error", () => {
-    if (source.readyState === EventSource.CLOSED) setTimeout(() => follow(origin, show), 5000);
-  });
+  let source = null;
+  let at = 0;
+  const open = () => {
+    if (source) source.close();
+    source = new EventSource(`${origin}/events`);
+    at = performance.now();
+    source.addEventListener("state", (event) => {
+      at = performance.now();
+      show(JSON.parse(event.data));
+    });
+  };
+  open();
+  // A state comes every second. A connection whose network path was lost stays open in silence, and after a refused request the
+  // browser does not connect again.
+  setInterval(() => { if (performance.now() - at > LOST_AFTER) open(); }, 1000);
 }
 
 function showOthers() {

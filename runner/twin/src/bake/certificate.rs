@@ -6,13 +6,13 @@ use super::range::{Coverage, range};
 use super::{BakeOptions, Core, Language, identifier};
 use crate::error::{BakeError, Result};
 use crate::handle::ForceModel;
+use crate::scene::bounded::open_regular;
 use crate::scene::build::TableData;
 use crate::scene::{Bearing, Facing, Scene};
 use crate::trade::{Cost, cortex};
 use ballrace::bearing::LastValidWrench;
 use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io::{self, Read};
 use std::iter;
 use std::path::{Path, PathBuf};
@@ -324,7 +324,7 @@ fn referenced_files(scene: &Scene) -> Vec<ReferencedFile> {
         .chain(scene.recording.iter().flat_map(|recording| iter::once(&recording.file).chain(&recording.run_out)));
     let file = |path: &PathBuf| ReferencedFile {
         name: path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
-        hash: File::open(path).and_then(hash_of).ok(),
+        hash: open_regular(path).and_then(hash_of).ok(),
     };
     paths.map(file).collect()
 }

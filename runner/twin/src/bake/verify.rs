@@ -6,9 +6,9 @@ use super::certificate::{
 };
 use super::{BakeOptions, Core, Language, PoseSource, bake, embedded};
 use crate::error::{Error, Result, VerifyError};
+use crate::scene::bounded::open_regular;
 use crate::scene::read::{load, read_str};
 use serde::Serialize;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -142,7 +142,7 @@ impl Checksum {
 fn read(file: &Path) -> Result<String, VerifyError> {
     let unreadable = |source| VerifyError::Read { file: file.to_owned(), source };
     let mut bytes = Vec::new();
-    File::open(file).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(unreadable)?;
+    open_regular(file).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(unreadable)?;
     String::from_utf8(bytes).map_err(|_| VerifyError::NoBlock { file: file.to_owned(), what: "certificate" })
 }
 

@@ -7,7 +7,8 @@ use crate::error::{Error, Result, with_causes};
 use crate::outcome::{Diagnosis, Estimate, FaultParameters, LimitLine, Outcome, ProbeOutcome};
 use crate::parallel;
 use crate::printable;
-use crate::replay::{Options, open, replay};
+use crate::replay::{Options, Progress, open, replay};
+use std::time::Duration;
 
 /// Result of an evaluation.
 #[derive(Debug, Clone)]
@@ -32,8 +33,23 @@ pub fn failed(machine: &Machine, error: String) -> Row {
     Row { error: Some(printable::message(&error)), ..empty(machine) }
 }
 
+/// Returns the evaluation of a machine whose files do not answer: nothing of it is read here.
+pub(super) fn without_answer(machine: &Machine, patience: Duration) -> Evaluation {
+    let error = format!(
+        "no progress for {} s: a file, or the disk or network under it, does not answer; expected files that can be read, \
+         or a longer --time-limit",
+        patience.as_secs_f64()
+    );
+    Evaluation { row: Row { error: Some(printable::message(&error)), ..blank(machine, String::new()) }, outcome: None }
+}
+
 /// Returns the row of a machine before its evaluation.
 fn empty(machine: &Machine) -> Row {
+    // Computed before the files are read, so that the next run evaluates a file again that changes meanwhile.
+    blank(machine, machine.fingerprint())
+}
+
+fn blank(machine: &Machine, inputs: String) -> Row {
     Row {
         machine: machine.name.clone(),
         recording: machine.recording_name.clone(),
@@ -46,17 +62,25 @@ fn empty(machine: &Machine) -> Row {
         error: None,
         duration_s: None,
         mean_speed_rpm: None,
-        // Computed before the files are read, so that the next run evaluates a file again that changes meanwhile.
-        inputs: machine.fingerprint(),
+        inputs,
     }
 }
 
 /// Evaluates a machine as [`evaluate`] does, with a tolerated error of the force, as [`Options::error`].
 #[must_use]
 pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation {
+    evaluate_watched(machine, force_error, &|_| {})
+}
+
+/// Evaluates a machine as [`evaluate_with`] does, with calls of `progress`.
+pub(super) fn evaluate_watched(
+    machine: &Machine,
+    force_error: Option<f64>,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Evaluation {
     let mut row = empty(machine);
     // Other machines have the other processors.
-    let outcome = match caught(|| parallel::on_this_thread(|| outcome(machine, force_error))) {
+    let outcome = match caught(|| parallel::on_this_thread(|| outcome(machine, force_error, progress))) {
         Ok(Ok(outcome)) => outcome,
         Ok(Err(error)) => {
             row.state = if error.is_implausible() { State::Implausible } else { State::Error };
@@ -77,12 +101,13 @@ pub fn evaluate_with(machine: &Machine, force_error: Option<f64>) -> Evaluation 
     Evaluation { row, outcome: Some(outcome) }
 }
 
-fn outcome(machine: &Machine, error: Option<f64>) -> Result<Outcome> {
+fn outcome(machine: &Machine, error: Option<f64>, progress: &(dyn Fn(Progress) + Sync)) -> Result<Outcome> {
     let scene = machine.read_scene()?;
     let (reader, path) = open(&scene, machine.recording.as_deref())?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
-    replay(&scene, reader, &name, &Options { error, baseline: machine.baseline.as_deref(), ..Options::default() })
-        .map_err(|error| located(error, &scene.path))
+    let baseline = machine.baseline.as_deref();
+    let options = Options { error, baseline, progress: Some(progress), ..Options::default() };
+    replay(&scene, reader, &name, &options).map_err(|error| located(error, &scene.path))
 }
 
 /// Adds the file of the scene to an error that does not name it.

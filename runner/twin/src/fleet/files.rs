@@ -4,14 +4,15 @@ use super::row::{Row, State};
 use super::trend::Trend;
 use crate::caught::caught;
 use crate::error::FleetError;
+use crate::output::cell_text;
 use crate::parquet_table::{self, Column, Values};
 use crate::recording::Time;
+use crate::scene::bounded::open_regular;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -85,7 +86,7 @@ pub(super) fn read_parquet(file: &Path) -> Result<Vec<Row>, FleetError> {
 }
 
 fn rows_of(file: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
-    let reader = SerializedFileReader::new(File::open(file)?)?;
+    let reader = SerializedFileReader::new(open_regular(file)?)?;
     reader.get_row_iter(None)?.map(|row| row_of(&row?)).collect()
 }
 
@@ -131,7 +132,8 @@ pub fn csv<'a>(out: impl Write, rows: impl IntoIterator<Item = &'a Row>) -> Resu
     writer.write_record(TEXTS.iter().chain(&NUMBERS)).map_err(failed)?;
     for row in rows {
         let figures = numbers(row).map(|value| value.map(|value| value.to_string()).unwrap_or_default());
-        writer.write_record(texts(row)?.iter().chain(&figures)).map_err(failed)?;
+        let texts = texts(row)?.map(|text| cell_text(&text).into_owned());
+        writer.write_record(texts.iter().chain(&figures)).map_err(failed)?;
     }
     writer.flush().map_err(failed)
 }
@@ -165,16 +167,17 @@ pub fn trends_csv(out: impl Write, trends: &[Trend]) -> Result<(), FleetError> {
     writer.write_record(header).map_err(failed)?;
     for trend in trends {
         let text = |time: Option<Time>| time.map(|time| time.to_string()).unwrap_or_default();
+        let safe = |text: &str| cell_text(text).into_owned();
         let (first, last) = (trend.snapshots.first(), trend.snapshots.last());
         let quantity = &trend.quantity;
         let crossing = trend.crosses_on;
         let record = [
-            trend.machine.clone(),
-            quantity.kind.clone(),
-            quantity.name.clone(),
-            quantity.probe.clone().unwrap_or_default(),
-            quantity.bearing.clone().unwrap_or_default(),
-            quantity.unit.clone(),
+            safe(&trend.machine),
+            safe(&quantity.kind),
+            safe(&quantity.name),
+            safe(quantity.probe.as_deref().unwrap_or_default()),
+            safe(quantity.bearing.as_deref().unwrap_or_default()),
+            safe(&quantity.unit),
             trend.snapshots.len().to_string(),
             text(first.map(|one| one.time)),
             text(last.map(|one| one.time)),
@@ -198,6 +201,7 @@ pub fn trends_csv(out: impl Write, trends: &[Trend]) -> Result<(), FleetError> {
 mod tests {
     use super::*;
     use crate::fleet::row::tests::{limited, row, with_diagnosis};
+    use std::fs::File;
 
     #[test]
     fn parquet_returns_the_rows() {
@@ -206,6 +210,7 @@ mod tests {
         let mut broken = row("broken, \"quoted\"", State::Error);
         broken.error = Some("no file\nof this name".to_owned());
         broken.duration_s = None;
+        broken.verdict = "=cmd|' /C calc'!A0".to_owned();
         broken.tags.insert("hall".to_owned(), "Ä".to_owned());
         broken.time = Time::parse("2026-01-02T03:04:05Z");
         let rows = vec![limited("a", 0.123_456_789), with_diagnosis("b", 17.0), broken];
@@ -218,6 +223,7 @@ mod tests {
             reader.records().map(|record| record.unwrap()[0].to_owned()).collect::<Vec<_>>()[2],
             rows[2].machine
         );
+        assert!(String::from_utf8(text).unwrap().contains(",'=cmd|"), "a formula");
         let json = serde_json::to_string(&rows).unwrap();
         assert_eq!(serde_json::from_str::<Vec<Row>>(&json).unwrap(), rows);
     }

@@ -1,5 +1,6 @@
 //! One row of the table of machines.
 
+use super::patience::within;
 use super::row::Key;
 use crate::recording::Time;
 use crate::scene::Scene;
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
+use std::time::{Duration, UNIX_EPOCH};
 
 /// Scene of a machine.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -75,6 +76,13 @@ impl Machine {
             SceneSource::Path(path) => read_file(path),
             SceneSource::Text { text, folder } => read_str(text, &folder.join(format!("{}.toml", safe(&self.name)))),
         }
+    }
+
+    /// Returns the [`fingerprint`](Self::fingerprint), or `None` where a file does not answer within `patience`.
+    #[must_use]
+    pub fn fingerprint_within(&self, patience: Duration) -> Option<String> {
+        let one = self.clone();
+        within(patience, move |_| one.fingerprint()).ok().flatten()
     }
 
     /// Returns a hash, in hexadecimal digits, that changes with the row of the table and with the size or modification time of the

@@ -17,6 +17,7 @@
 mod evaluation;
 mod files;
 mod machine;
+mod patience;
 mod rank;
 mod regression;
 mod row;

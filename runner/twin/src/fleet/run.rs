@@ -1,13 +1,15 @@
 //! Evaluation of a table on several threads.
 
-use super::evaluation::{Evaluation, evaluate_with};
+use super::evaluation::{Evaluation, evaluate_watched, without_answer};
 use super::machine::Machine;
+use super::patience::within;
 use super::row::Row;
 use super::store::Store;
 use crate::caught::caught;
 use crate::error::{Error, Result};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 /// Settings of a run.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +18,19 @@ pub struct Settings {
     pub jobs: usize,
     /// Tolerated error of the force, as [`Options::error`](crate::replay::Options::error).
     pub force_error: Option<f64>,
+    /// Longest time of an evaluation without progress, after which its row is an error.
+    pub patience: Duration,
+}
+
+/// Evaluates a machine; where its files do not answer, the row has an error.
+fn evaluated(machine: &Machine, settings: Settings) -> std::io::Result<Evaluation> {
+    let (one, force_error) = (machine.clone(), settings.force_error);
+    let work = move |steps: &AtomicU64| {
+        evaluate_watched(&one, force_error, &|_| {
+            steps.fetch_add(1, Ordering::Relaxed);
+        })
+    };
+    Ok(within(settings.patience, work)?.unwrap_or_else(|| without_answer(machine, settings.patience)))
 }
 
 /// Evaluates `machines`, `settings.jobs` in parallel, and adds each row to the store when it is complete.
@@ -37,7 +52,13 @@ pub fn run(
     let (sender, receiver) = channel::<Result<Row>>();
     let work = |sender: std::sync::mpsc::Sender<Result<Row>>| {
         while let Some(machine) = machines.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let mut evaluation = evaluate_with(machine, settings.force_error);
+            let mut evaluation = match evaluated(machine, settings) {
+                Ok(evaluation) => evaluation,
+                Err(error) => {
+                    let _ = sender.send(Err(Error::from(error)));
+                    return;
+                }
+            };
             let finished = match caught(|| finish(machine, &mut evaluation)) {
                 Ok(finished) => finished,
                 Err(panic) => {

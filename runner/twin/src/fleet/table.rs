@@ -5,13 +5,13 @@ use super::row::Key;
 use crate::caught::caught;
 use crate::error::{FleetError, TablePosition};
 use crate::recording::Time;
+use crate::scene::bounded::open_regular;
 use crate::scene::bounded::read_bytes;
 use chrono::{DateTime, NaiveDate};
 use parquet::basic::{LogicalType, TimeUnit};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fs::File;
 use std::path::Path;
 
 /// Largest length of the file, bytes.
@@ -152,7 +152,7 @@ type Failure = Box<dyn std::error::Error>;
 
 /// Returns the names of the columns and the rows of a Parquet file.
 fn rows_of(file: &Path) -> Result<(Vec<String>, Vec<Vec<String>>), Failure> {
-    let reader = SerializedFileReader::new(File::open(file)?)?;
+    let reader = SerializedFileReader::new(open_regular(file)?)?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let fields = schema.root_schema().get_fields();
     let columns: Vec<String> = fields.iter().map(|field| field.name().to_owned()).collect();
@@ -190,6 +190,7 @@ fn text(field: &Field, nanoseconds: bool) -> String {
 mod tests {
     use super::*;
     use crate::parquet_table::{self, Column, Values};
+    use std::fs::File;
     use std::path::PathBuf;
 
     fn joined(folder: &str, name: &str) -> PathBuf {

@@ -2,8 +2,8 @@
 
 use crate::npy_header::{self, ElementType, NpyHeader};
 use crate::recording::mat;
+use crate::scene::bounded::open_regular;
 use nalgebra::DMatrix;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -88,9 +88,8 @@ pub fn read(path: &Path, variables: &[&str]) -> Result<DMatrix<f64>, MatrixError
 }
 
 fn content(path: &Path, variables: &[&str]) -> Result<DMatrix<f64>, MatrixProblem> {
-    // The length of a device or a pipe is not known before it is read.
     let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))?;
+    open_regular(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(MatrixProblem::TooLong);
     }

@@ -4,7 +4,6 @@
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::error::{RecordingError, listed};
@@ -12,6 +11,7 @@ use super::files::{Files, shown};
 use super::format;
 use super::table::{Cells, Table, TimeOrigin};
 use crate::scene::FileLayout;
+use crate::scene::bounded::open_regular;
 
 /// Largest relative difference between the sampling rates of two files.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -70,11 +70,7 @@ pub(super) fn open(files: Files, layout: FileLayout) -> Result<(Chain, Option<u6
 }
 
 fn open_table(path: &Path, layout: FileLayout) -> Result<(Box<dyn Table>, Option<u64>), RecordingError> {
-    let file = File::open(path).map_err(|cause| RecordingError::Open { file: path.into(), cause })?;
-    if path.is_dir() {
-        let cause = std::io::ErrorKind::IsADirectory.into();
-        return Err(RecordingError::Open { file: path.into(), cause });
-    }
+    let file = open_regular(path).map_err(|cause| RecordingError::Open { file: path.into(), cause })?;
     format::open(file, path, layout)
 }
 

@@ -73,6 +73,7 @@ pub(super) fn open(
         };
         return Ok((table, Some(size)));
     };
+    let packed = file.metadata().map_err(unopened)?.len();
     let mut unpacked = compression.unpack(file, path)?;
     let begin = first_bytes(&mut unpacked).map_err(|cause| compressed::failed(path, cause))?;
     // The extension of the compression hides that of the format.
@@ -80,7 +81,7 @@ pub(super) fn open(
     let format = identified(&begin, &inner, layout)?;
     let whole = Cursor::new(begin).chain(unpacked);
     let table = match format {
-        Some(format) => (format.open)(compressed::to_file(whole, path)?, path, layout)?,
+        Some(format) => (format.open)(compressed::to_file(whole, path, packed)?, path, layout)?,
         None => csv::open(Box::new(whole), path, layout)?,
     };
     Ok((table, None))

@@ -16,6 +16,7 @@ use super::bytes::Bytes;
 use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
+use crate::scene::bounded::open_regular;
 use walk::Element;
 
 const EXPECTED: &str = "a MATLAB file of version 5 with vectors of equal length";
@@ -98,7 +99,7 @@ fn wrong(path: &Path, cause: &io::Error) -> RecordingError {
 /// # Errors
 /// No MATLAB file of version 5, none of the variables, a larger matrix; a file that is truncated.
 pub fn matrix(path: &Path, variables: &[&str], most: usize) -> io::Result<DMatrix<f64>> {
-    let mut file = File::open(path)?;
+    let mut file = open_regular(path)?;
     let arrays = walk::arrays(&mut file)?;
     let named = variables.iter().find_map(|name| arrays.iter().find(|(found, _)| is_same(found, name)));
     let vector = match named {

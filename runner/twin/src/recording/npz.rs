@@ -14,6 +14,7 @@ use std::path::Path;
 use flate2::read::DeflateDecoder;
 
 use super::bytes::Bytes;
+use super::compressed;
 use super::error::{RecordingError, refuse};
 use super::npy::{self, Array};
 use super::numbers::{Lane, Layout, Numbers};
@@ -35,8 +36,7 @@ const LARGEST_DIRECTORY: u64 = 1 << 24;
 const LONG: u64 = 0xffff_ffff;
 /// Identifier of the extra field with 64 bits.
 const ZIP64: u16 = 1;
-/// Largest size of all arrays when unpacked, bytes, and largest ratio of deflate.
-const LARGEST: u64 = 8 << 30;
+/// Largest ratio of deflate.
 const TIGHTEST: u64 = 1032;
 /// Methods of compression.
 const STORED: u16 = 0;
@@ -68,7 +68,7 @@ fn read(mut file: File, given: FileLayout) -> io::Result<(File, Layout)> {
         entry.start = content(&mut file, entry, size)?;
     }
     if entries.iter().any(|entry| entry.method != STORED) {
-        file = unpacked(file, &mut entries)?;
+        file = unpacked(file, &mut entries, size)?;
     }
     let mut layout = Layout::of(Vec::new(), EXPECTED);
     for Entry { name, start, .. } in entries {
@@ -175,15 +175,23 @@ fn content(file: &mut File, entry: &Entry, size: u64) -> io::Result<u64> {
     Ok(start)
 }
 
-/// Unpacks all entries into a temporary file, and sets their offsets there.
-fn unpacked(mut file: File, entries: &mut [Entry]) -> io::Result<File> {
+/// Unpacks all entries of an archive of `packed` bytes into a temporary file, and sets their offsets there.
+fn unpacked(mut file: File, entries: &mut [Entry], packed: u64) -> io::Result<File> {
+    // Before anything is written. An entry that is longer than its size is refused.
+    let total = entries.iter().fold(0, |total: u64, entry| total.saturating_add(entry.size));
+    let most = compressed::largest(packed);
+    if total > most {
+        return Err(refuse(format!("{total} bytes when unpacked, more than {most}")));
+    }
     let mut to = tempfile::tempfile()?;
-    let mut left = LARGEST;
+    if let Some(found) = compressed::lacks_space(&to, total, 0)? {
+        return Err(refuse(found));
+    }
     for entry in entries {
         let start = to.stream_position()?;
         file.seek(SeekFrom::Start(entry.start))?;
         let source = (&mut file).take(entry.packed);
-        let most = left.min(entry.size).min(entry.packed.saturating_mul(TIGHTEST).saturating_add(TIGHTEST));
+        let most = entry.size.min(entry.packed.saturating_mul(TIGHTEST).saturating_add(TIGHTEST));
         let mut source: Box<dyn Read> = match entry.method {
             DEFLATED => Box::new(DeflateDecoder::new(io::BufReader::new(source))),
             _ => Box::new(source),
@@ -192,7 +200,6 @@ fn unpacked(mut file: File, entries: &mut [Entry]) -> io::Result<File> {
         if count != entry.size {
             return Err(refuse(format!("`{}` of {} bytes instead of {}", entry.name, count, entry.size)));
         }
-        left -= count;
         entry.start = start;
     }
     to.flush()?;

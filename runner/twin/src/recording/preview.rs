@@ -3,8 +3,8 @@
 use super::error::RecordingError;
 use super::format;
 use super::table::{Cells, Table};
+use crate::scene::bounded::open_regular;
 use crate::scene::{FileLayout, units};
-use std::fs::File;
 use std::path::Path;
 
 /// Number of rows that are read.
@@ -90,12 +90,10 @@ pub enum NamedDirection {
 /// No such file, an unknown format, no header, no row.
 pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-    let file = File::open(path).map_err(unopened)?;
-    if file.metadata().map_err(unopened)?.is_dir() {
+    if path.metadata().map_err(unopened)?.is_dir() {
         return Err(RecordingError::NoFile { file: path.into() });
     }
-    drop(file);
-    let open = |layout| Ok::<_, RecordingError>(format::open(File::open(path).map_err(unopened)?, path, layout)?.0);
+    let open = |layout| Ok::<_, RecordingError>(format::open(open_regular(path).map_err(unopened)?, path, layout)?.0);
     let mut layout = FileLayout::default();
     let mut table = match open(layout) {
         Err(RecordingError::NoHeader { .. }) => {

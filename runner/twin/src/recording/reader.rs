@@ -6,7 +6,6 @@ mod tests;
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +20,7 @@ use super::format;
 use super::memory::Memory;
 use super::probe::{ProbeWatch, ReadingState};
 use super::table::{Cells, EXPECTED, Table};
+use crate::scene::bounded::open_regular;
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
 
@@ -123,15 +123,9 @@ impl<'a> Reader<'a> {
     /// Opens one file.
     pub(crate) fn open_file(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
         let unopened = |cause| RecordingError::Open { file: path.into(), cause };
-        let file = File::open(path).map_err(unopened)?;
-        let about = file.metadata().map_err(unopened)?;
-        // A pipe has no size and cannot be rewound.
-        let size = about.is_file().then_some(about.len());
-        if size.is_some() {
-            let (table, size) = format::open(file, path, recording.layout)?;
-            return Self::new(table, path, size, recording);
-        }
-        Self::from_reader(Box::new(file), path, size, recording)
+        let file = open_regular(path).map_err(unopened)?;
+        let (table, size) = format::open(file, path, recording.layout)?;
+        Self::new(table, path, size, recording)
     }
 
     /// Opens any source of CSV text as [`open`](Self::open) does; `name` is its name in messages.

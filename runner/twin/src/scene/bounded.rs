@@ -1,16 +1,31 @@
-//! Reading from files and devices of unbounded length.
+//! Reading from files of unbounded length.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Returns the content of a file of at most `limit` bytes; a device without an end does not fill the memory.
+/// Opens a regular file. A pipe, which waits for its writer, or a device is refused before it is opened.
 ///
 /// # Errors
-/// A file that cannot be read or is larger.
+/// A file that cannot be read, a folder, a pipe or a device.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    let about = std::fs::metadata(path)?;
+    if about.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !about.is_file() {
+        return Err(io::Error::other("a pipe or a device, expected a regular file"));
+    }
+    File::open(path)
+}
+
+/// Returns the content of a file of at most `limit` bytes; the memory is bounded.
+///
+/// # Errors
+/// As [`open_regular`], and a file that is larger.
 pub fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    open_regular(path)?.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(io::Error::other(format!("more than {limit} bytes, expected a smaller file")));
     }

@@ -13,7 +13,6 @@ mod rotor;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -26,6 +25,7 @@ use super::{
     Allowed, Bearing, Direction, Indicator, Integration, Limit, Method, Observer, Scene, Shaft, Speed, System,
     SystemUnbalance,
 };
+use crate::scene::bounded::open_regular;
 use catalogue::Expansion;
 
 /// Largest size of a scene, bytes: a larger file is most likely a recording.
@@ -70,13 +70,11 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
 /// A file that cannot be read, is not UTF-8 text or is larger than 4 MiB.
 pub fn load(path: &Path) -> Result<String, SceneError> {
     let unreadable = |e: std::io::Error| SceneError::file(path, format!("no readable file ({e})"));
-    let file = File::open(path).map_err(|e| match e.kind() {
+    let file = open_regular(path).map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => SceneError::file(path, "no file of this name"),
+        std::io::ErrorKind::IsADirectory => SceneError::file(path, "a directory"),
         _ => unreadable(e),
     })?;
-    if file.metadata().is_ok_and(|m| m.is_dir()) {
-        return Err(SceneError::file(path, "a directory"));
-    }
     let mut bytes = Vec::new();
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST_FILE {

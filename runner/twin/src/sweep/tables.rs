@@ -1,5 +1,6 @@
 //! The results of a sweep as tables: CSV and Parquet, the same numbers in the same order.
 
+use crate::output::quoted;
 use crate::parquet_table::{self, Column, Values};
 use std::io::Write;
 
@@ -43,7 +44,7 @@ fn cell(column: &Column, i: usize) -> String {
         Values::Count(values) | Values::Time(values) => {
             values.get(i).copied().flatten().map_or(String::new(), |x| x.to_string())
         }
-        Values::Word(values) => values.get(i).cloned().unwrap_or_default(),
+        Values::Word(values) => values.get(i).map(|text| quoted(text)).unwrap_or_default(),
     }
 }
 
@@ -53,7 +54,7 @@ fn cell(column: &Column, i: usize) -> String {
 /// Returns the writer's error.
 pub fn csv(out: &mut impl Write, axes: &[Axis], rows: &[&Row]) -> std::io::Result<()> {
     let columns = columns(axes, rows);
-    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    let names: Vec<String> = columns.iter().map(|column| quoted(&column.name)).collect();
     writeln!(out, "{}", names.join(","))?;
     for i in 0..rows.len() {
         let cells: Vec<String> = columns.iter().map(|column| cell(column, i)).collect();

@@ -60,3 +60,22 @@ fn short_and_damaged_files() {
     damaged(&file, &["x", "y"]);
     assert!(error(&gzip(&npy())[..40], &recording(&["c0"])).contains("a compressed file that is truncated"));
 }
+
+#[test]
+fn the_unpacked_size_is_bounded() {
+    let sizes = [0, 1 << 20, 1 << 24, 1 << 30].map(super::largest);
+    assert_eq!(sizes, [1 << 30, 1 << 30, 100 << 24, 8 << 30]);
+    let copied = |bytes: u64, most: u64| {
+        let mut file = tempfile::tempfile().unwrap();
+        let found = super::copied(std::io::Read::take(std::io::repeat(0), bytes), &mut file, most).unwrap();
+        (found, file.metadata().unwrap().len())
+    };
+    assert_eq!(copied(1000, 1000), (None, 1000));
+    assert_eq!(copied(40 << 20, 40 << 20), (None, 40 << 20));
+    let (found, written) = copied(u64::MAX, 40 << 20);
+    assert!(found.is_some_and(|found| found.contains("more than 41943040 bytes")) && written <= (40 << 20) + 1);
+    let file = tempfile::tempfile().unwrap();
+    assert_eq!(super::lacks_space(&file, 1, 0).unwrap(), None);
+    #[cfg(unix)]
+    assert!(super::lacks_space(&file, 1 << 62, 0).unwrap().is_some_and(|found| found.contains("free space")));
+}

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::RecordingError;
 use super::decimal::DecimalMark;
 use super::source::failed;
+use crate::output::without_apostrophe;
 
 /// Largest length of the first line; a longer one is a binary file.
 const LONGEST: u64 = 1 << 20;
@@ -107,7 +108,7 @@ fn names(text: &[u8], delimiter: u8) -> Vec<String> {
     let mut record = ::csv::ByteRecord::new();
     // Reading from memory cannot fail, and a line that is not blank has a record.
     let _ = reader.read_byte_record(&mut record);
-    record.iter().map(|name| decoded(name).trim().to_owned()).collect()
+    record.iter().map(|name| without_apostrophe(decoded(name).trim()).to_owned()).collect()
 }
 
 /// Decodes UTF-8, or else Latin-1, in which loggers on Windows write their micro and degree signs.

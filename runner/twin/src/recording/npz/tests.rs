@@ -43,3 +43,13 @@ fn short_and_damaged_files() {
     }
     assert!(error(&STORED[..3000], &recording(&["x"])).contains("an archive without its directory"));
 }
+
+/// An archive whose directory announces more than may be unpacked is refused before anything is written.
+#[test]
+fn the_unpacked_size_is_bounded() {
+    let mut bytes = PACKED.to_vec();
+    let entry = bytes.windows(4).position(|bytes| bytes == b"PK\x01\x02").unwrap();
+    bytes[entry + 24..entry + 28].copy_from_slice(&(3_u32 << 30).to_le_bytes());
+    let found = error(&bytes, &recording(&["x"]));
+    assert!(found.contains("bytes when unpacked, more than 1073741824"), "{found}");
+}

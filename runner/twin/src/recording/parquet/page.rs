@@ -1,6 +1,6 @@
 //! Checks of page headers before the library allocates memory for their sizes.
 
-use std::fs::File;
+use crate::scene::bounded::open_regular;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(super) fn check(path: &Path, chunk: &ColumnChunkMetaData) -> Decoded<u64> {
     let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
     let declared = (u64::try_from(start).ok(), u64::try_from(chunk.compressed_size()).ok());
     let (Some(start), Some(length)) = declared else { return Err(implausible("a column before its beginning")) };
-    let mut file = File::open(path)?;
+    let mut file = open_regular(path)?;
     if start.checked_add(length).is_none_or(|end| file.metadata().is_ok_and(|about| about.len() < end)) {
         return Err(implausible("a column that extends beyond the file"));
     }
