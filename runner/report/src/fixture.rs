@@ -545,6 +545,11 @@ pub(crate) fn usual() -> Outcome {
             .to_owned(),
     };
     Outcome {
+        file: Some(RecordingFile {
+            sha256: "27ca0587c537a3ead0a97132ad2452e3f402dd242d2b8c6c0a71ede89289c175".to_owned(),
+            bytes: 588_866,
+            modified: "2026-11-27T11:03:22Z".to_owned(),
+        }),
         snapshots: vec![],
         snapshot_trends: vec![],
         implausible: vec![],
@@ -606,6 +611,7 @@ pub(crate) fn usual() -> Outcome {
 /// Returns an empty outcome.
 pub(crate) fn bare() -> Outcome {
     Outcome {
+        file: None,
         snapshots: vec![],
         snapshot_trends: vec![],
         implausible: vec![],

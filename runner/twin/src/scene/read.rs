@@ -307,7 +307,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
     let mut bearings: Vec<Bearing> = Vec::new();
     for (node, expansion) in node.list(expected)?.iter().zip(catalogue) {
         let table = bearing::table(node)?;
-        let table = match (expansion, table.optional(catalogue::KEY)) {
+        let table = match (expansion, table.optional(bearing::DESIGNATION)) {
             (Some(expansion), Some(key)) => table.with_defaults(&expansion.defaults, &key),
             _ => table,
         };
