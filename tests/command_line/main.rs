@@ -33,6 +33,7 @@ mod hostile_text;
 mod kernel_documents;
 mod kills;
 mod kinematics;
+mod learn;
 mod limits;
 mod live;
 mod live_sources;

@@ -9,7 +9,7 @@ use ballrace_twin::campbell::campbell;
 use ballrace_twin::equilibrium::static_equilibrium;
 use ballrace_twin::error::Error;
 use ballrace_twin::fit::parameters::{ALL, Group};
-use ballrace_twin::fit::{fit_recording, written};
+use ballrace_twin::fit::{FitPlan, fit_recording, written};
 use ballrace_twin::motion::{self, Span};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::replay::{Options, Source as ForceSource, replay};
@@ -27,6 +27,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A scene: its text and its content.
 #[pyclass(frozen, module = "ballrace._native")]
@@ -324,11 +325,13 @@ impl Scene {
             return Err(wrong_argument(py, &format!("turns: out of range: {turns}, expected 1 or more")));
         }
         let groups = only.map_or_else(|| Ok(ALL.to_vec()), |only| groups(py, &only))?;
+        // The caller ends a fit that takes too long.
+        let plan = FitPlan { groups: &groups, turns, time_limit: Duration::MAX };
         let source = Source::new(recording)?;
         let opening = source.opening(py, &self.content)?;
         let run = interruptible(py, |interrupt| {
             let (reader, name) = opening.reader(&self.content)?;
-            let fitted = fit_recording(&self.content, reader, &name, turns, &groups, &mut |_| interrupt.check())?;
+            let fitted = fit_recording(&self.content, reader, &name, &plan, &mut |_| interrupt.check())?;
             let text = written(&fitted, &self.content, &self.text)?;
             Ok::<_, Error>((fitted, text))
         })?;
@@ -405,6 +408,9 @@ impl Outcome {
 
     /// Returns the learned baseline as JSON.
     fn baseline(&self, py: Python<'_>) -> PyResult<String> {
+        if let Some(reason) = self.0.no_baseline() {
+            return Err(wrong_argument(py, &format!("no baseline: {reason}")));
+        }
         json_of(py, &self.0.learned)
     }
 }

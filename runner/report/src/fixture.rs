@@ -603,6 +603,7 @@ pub(crate) fn usual() -> Outcome {
             "The scene gives no rotor temperature; 20 degrees are assumed.".to_owned(),
             "Runout was not removed: part of 1X may be runout.".to_owned(),
         ],
+        learning: None,
         learned: baseline::Baseline::default(),
         pictures: pictures(),
     }
@@ -634,6 +635,7 @@ pub(crate) fn bare() -> Outcome {
         diagnosis: None,
         flaws: Vec::new(),
         notes: Vec::new(),
+        learning: None,
         learned: baseline::Baseline::default(),
         pictures: Pictures::default(),
     }

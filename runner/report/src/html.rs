@@ -7,7 +7,8 @@ use super::words;
 use anyhow::Result;
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, Diagnosis, FaultKind, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
+    BearingOutcome, Diagnosis, FaultKind, LearnedParameter, Learning, Motion, Outcome, ProbeOutcome, Quantiles,
+    Standing, TabularList, Timing,
 };
 use ballrace_twin::verdict;
 use serde_json::json;
@@ -292,6 +293,9 @@ fn tables(outcome: &Outcome, compared: bool) -> Vec<PageSection> {
         all.push(PageSection::table("Comparison at the probes", comparison(&outcome.probes)));
         all.push(PageSection::table("Residual of simpler models", baselines(&outcome.probes)));
     }
+    if let Some(learning) = &outcome.learning {
+        all.push(PageSection::table("Learned parameters", learned(learning)));
+    }
     if outcome.probes.iter().any(|probe| !probe.ball_pass.is_empty()) {
         all.push(PageSection::table("Ball-pass lines of the outer races", ball_pass(&outcome.probes)));
     }
@@ -302,6 +306,22 @@ fn tables(outcome: &Outcome, compared: bool) -> Vec<PageSection> {
         }
     }
     all
+}
+
+fn learned(learning: &Learning) -> Table {
+    let columns = vec![
+        Column::name("Parameter"),
+        Column::name("Unit"),
+        Column::number("Scene", ""),
+        Column::number("Learned", ""),
+        Column::number("From", ""),
+        Column::number("To", ""),
+    ];
+    let row = |of: &LearnedParameter| {
+        let values = column([of.scene, of.value, of.low, of.high].into_iter());
+        [of.name.clone(), of.unit.to_owned()].into_iter().chain(values).collect::<Vec<_>>()
+    };
+    Table::of(columns, learning.parameters.iter().map(row), &words::learned(learning))
 }
 
 fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Table {

@@ -3,7 +3,9 @@
 use super::number::{NONE, alone, counted, decimals, fixed, maybe, microseconds, shortened};
 use super::words;
 use ballrace_twin::replay::Source;
-use ballrace_twin::replay::outcome::{BearingOutcome, Motion, Outcome, ProbeOutcome, Quantiles, Timing};
+use ballrace_twin::replay::outcome::{
+    BearingOutcome, LearnedParameter, Motion, Outcome, ProbeOutcome, Quantiles, Timing,
+};
 
 /// Width at which sentences are broken.
 const WIDTH: usize = 80;
@@ -29,6 +31,7 @@ pub fn text(outcome: &Outcome) -> String {
         ball_pass(&mut page, outcome);
         forces(&mut page, outcome);
     }
+    learned(&mut page, outcome);
     orders(&mut page, &outcome.bearings);
     sentences(&mut page, "FLAWS OF THE RECORDING", outcome.flaws.iter().map(|flaw| flaw.sentence.as_str()));
     sentences(&mut page, "NOTES", outcome.notes.iter().map(String::as_str));
@@ -270,6 +273,23 @@ fn force_rows(bearing: &BearingOutcome) -> Vec<Vec<String>> {
         [vec![first, COMPONENTS[i].to_owned()], cells].concat()
     };
     (0..COMPONENTS.len()).map(row).collect()
+}
+
+/// Writes the learned parameters with their intervals.
+fn learned(page: &mut Page, outcome: &Outcome) {
+    let Some(learning) = &outcome.learning else { return };
+    page.title(if learning.taken { "LEARNED PARAMETERS" } else { "LEARNED PARAMETERS, not taken" });
+    let row = |of: &LearnedParameter| {
+        let values = [of.scene, of.value, of.low, of.high];
+        let digits = decimals(values);
+        let mut cells = vec![of.name.clone()];
+        cells.extend(values.map(|value| fixed(value, digits)));
+        cells.push(of.unit.to_owned());
+        cells
+    };
+    let rows: Vec<Vec<String>> = learning.parameters.iter().map(row).collect();
+    page.table(1, &[&["", "scene", "learned", "from", "to", "unit"]], &rows);
+    page.sentence("  ", &words::learned(learning));
 }
 
 fn orders(page: &mut Page, bearings: &[BearingOutcome]) {

@@ -3,8 +3,8 @@
 use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, ForceFigures, Observation, Outcome,
-    OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing,
+    BearingOutcome, ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, ForceFigures, Learning, Observation,
+    Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing,
 };
 use ballrace_twin::verdict;
 
@@ -470,6 +470,18 @@ fn source(source: &SourceFigures) -> String {
         losses.join(", "),
         count(source.ring_highest),
         count(source.ring_capacity)
+    )
+}
+
+/// Returns what the intervals of learned parameters mean, and how well the parameters describe the recording.
+pub(super) fn learned(of: &Learning) -> String {
+    let meaning = match of.taken {
+        true => "The intervals have a joint confidence level of 95 %.",
+        false => "They do not describe the recording, so that the intervals state nothing about the machine.",
+    };
+    format!(
+        "{meaning} Chi-squared per value: {:.3}; expected about 1, at most {:.3}.",
+        of.chi_square_per_value, of.largest_chi_square_per_value
     )
 }
 

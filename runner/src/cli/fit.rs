@@ -1,17 +1,21 @@
 //! `ballrace fit`: estimates parameters of the scene from a recording.
 
+use super::progress::ProgressLines;
 use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::fit::{csv, html, text};
+use ballrace_twin::error::{Error, FitError};
 use ballrace_twin::fit::parameters::{ALL, Group};
-use ballrace_twin::fit::{Fitted, fit_recording, written};
+use ballrace_twin::fit::{FitPlan, FitProgress, Fitted, MAX_ITERATIONS, fit_recording, written};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::scene::read::read_file;
+use ballrace_twin::scene::units::{Dimension, parse};
 use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Arguments of `fit`.
 #[derive(Debug, clap::Args)]
@@ -27,6 +31,9 @@ pub struct Args {
     /// Number of shaft revolutions used, from the start of the recording.
     #[arg(long, default_value_t = 64.0)]
     turns: f64,
+    /// Time after which the fit is given up, e.g. "1 h".
+    #[arg(long, value_name = "T", default_value = "30 min", value_parser = parse_time_limit)]
+    time_limit: Duration,
     /// Scene file to write with the fitted values [default: beside the scene, ending in -fitted.toml].
     #[arg(short, long, value_name = "F.toml")]
     output: Option<PathBuf>,
@@ -59,18 +66,43 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let groups = if args.only.is_empty() { ALL.to_vec() } else { args.only.clone() };
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new_spinner() } else { ProgressBar::hidden() };
-    let fitted = fit_recording(&scene, reader, &name, args.turns, &groups, &mut |i| {
-        bar.set_message(format!("Fitting, iteration {}", i + 1));
+    let lines = ProgressLines::new();
+    let mut part = 0.0;
+    let mut progress = |at: FitProgress| {
+        let FitProgress { iteration, turns, all_turns } = at;
+        let message = || {
+            format!(
+                "Fitting {turns:.1} of {all_turns:.1} revolutions, iteration {iteration} of at most {MAX_ITERATIONS}"
+            )
+        };
+        bar.set_message(message());
         bar.tick();
-    });
+        if part == turns {
+            lines.now_and_then(message);
+        } else {
+            lines.print(message);
+        }
+        part = turns;
+    };
+    let plan = FitPlan { groups: &groups, turns: args.turns, time_limit: args.time_limit };
+    let fitted = fit_recording(&scene, reader, &name, &plan, &mut progress);
     bar.finish_and_clear();
-    let fitted = fitted.map_err(UsageError::new)?;
+    let fitted = fitted.map_err(|error| match error {
+        Error::Fit(FitError::NotConverged { .. } | FitError::TooLong { .. }) => anyhow::Error::new(error),
+        error => anyhow::Error::new(UsageError::new(error)),
+    })?;
     let source = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
     AtomicFile::write(&output, &written(&fitted, &scene, &source)?)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &html(&fitted)?)?;
     }
     print(&fitted, &output, args.report.as_deref(), format)
+}
+
+fn parse_time_limit(text: &str) -> Result<Duration, String> {
+    let seconds = parse(text, Dimension::Time).ok().filter(|seconds| *seconds > 0.0);
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| format!("expected {}", Dimension::Time.expected("above 0")))
 }
 
 /// Returns the path of the fitted scene: the name of `scene` with the ending -fitted.toml.

@@ -11,6 +11,7 @@ pub mod force;
 mod live;
 pub mod man;
 pub mod new;
+mod progress;
 pub mod replay;
 pub mod scenes;
 pub mod simulate;
@@ -210,13 +211,14 @@ pub enum ReplayStatus {
     Completed,
     /// A limit of the scene was exceeded: exit code 3.
     LimitCrossed,
-    /// The recording is not plausible for the scene: exit code 4.
+    /// The recording is not plausible for the scene, or is refused as a baseline: exit code 4.
     Implausible,
 }
 
 impl From<&Outcome> for ReplayStatus {
     fn from(outcome: &Outcome) -> Self {
-        match (outcome.implausible.is_empty(), outcome.events.is_empty()) {
+        let is_plausible = outcome.implausible.is_empty() && !outcome.is_refused_as_baseline();
+        match (is_plausible, outcome.events.is_empty()) {
             (false, _) => Self::Implausible,
             (true, false) => Self::LimitCrossed,
             (true, true) => Self::Completed,

@@ -1,6 +1,7 @@
 //! `ballrace replay`: compares a recording with the digital twin and diagnoses the machine.
 
 use super::live::{self, DEMO_NAME, DEMO_RECORDING, LiveArgs};
+use super::progress::ProgressLines;
 use super::{Format, ReplayStatus, check_distinct_paths};
 use crate::error::UsageError;
 use crate::live as monitor;
@@ -70,15 +71,35 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     check_outputs(args, &scene, &path, report.as_deref())?;
     let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
     let bar = progress_bar(&name);
+    // Only learning takes long.
+    let lines = args.learn.as_ref().map(|_| ProgressLines::new());
+    let now_and_then = |text: &dyn Fn() -> String| {
+        if let Some(lines) = &lines {
+            lines.now_and_then(text);
+        }
+    };
     let progress = |progress: Progress| match progress {
         Progress::Read(read, total) => {
+            now_and_then(&|| match total {
+                Some(total) => format!("Replaying {name}: {:.0} %", 100.0 * read as f64 / total.max(1) as f64),
+                None => format!("Replaying {name}: {read} bytes"),
+            });
             if let Some(total) = total {
                 bar.set_length(total);
             }
             bar.set_message(name.clone());
             bar.set_position(read);
         }
-        Progress::Diagnosis(share) => bar.set_message(format!("Diagnosing {name}: {:.0} %", 100.0 * share)),
+        Progress::Learning(round) => {
+            let message = || format!("Learning from {name}: round {round}");
+            bar.set_message(message());
+            now_and_then(&message);
+        }
+        Progress::Diagnosis(share) => {
+            let message = || format!("Diagnosing {name}: {:.0} %", 100.0 * share);
+            bar.set_message(message());
+            now_and_then(&message);
+        }
     };
     let options = Options {
         error,
@@ -119,20 +140,22 @@ fn replay_paced(args: &Args, scene: &Scene, format: Format, error: Option<f64>) 
     write_results(args, outcome, report.as_deref(), format)
 }
 
-/// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene is not stored
-/// as a baseline.
+/// Writes the report and the baseline, and prints the outcome. A recording that is not plausible for the scene, or that the
+/// model does not describe, is not stored as a baseline.
 fn write_results(
     args: &Args,
     mut outcome: Outcome,
     report_path: Option<&Path>,
     format: Format,
 ) -> Result<ReplayStatus> {
-    let is_plausible = outcome.implausible.is_empty() && outcome.not_judged.is_empty();
-    let baseline = args.learn.as_deref().filter(|_| is_plausible);
-    if let (Some(path), None) = (&args.learn, baseline) {
-        outcome
-            .notes
-            .push(format!("No baseline is stored in {}: nothing in the recording was judged.", path.display()));
+    let reason = outcome.no_baseline();
+    let baseline = args.learn.as_deref().filter(|_| reason.is_none());
+    if let (Some(path), Some(reason)) = (&args.learn, &reason) {
+        let hint = match outcome.is_refused_as_baseline() {
+            true => ". --force stores its levels and faults, without parameters",
+            false => "",
+        };
+        outcome.notes.push(format!("No baseline is stored in {}: {reason}{hint}.", path.display()));
     }
     let written = write_files(&outcome, report_path, baseline);
     // The outcome is printed even if a file cannot be written.

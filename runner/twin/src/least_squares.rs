@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Step of the differences, in units of the scale of an unknown.
 const DIFFERENCE: f64 = 1e-4;
+/// Largest number of iterations of a search without another limit.
 const ITERATIONS: usize = 40;
 
 /// Smallest and largest value of an unknown, in units of its scale.
@@ -18,13 +19,19 @@ pub struct Limits {
     pub bounds: Vec<Bounds>,
     /// Longest step of an unknown, in units of its scale.
     pub longest_step: f64,
+    /// Largest number of iterations.
+    pub iterations: usize,
 }
 
 impl Limits {
     /// Creates infinite limits for `count` unknowns.
     #[must_use]
     pub fn none(count: usize) -> Self {
-        Self { bounds: vec![[f64::NEG_INFINITY, f64::INFINITY]; count], longest_step: f64::INFINITY }
+        Self {
+            bounds: vec![[f64::NEG_INFINITY, f64::INFINITY]; count],
+            longest_step: f64::INFINITY,
+            iterations: ITERATIONS,
+        }
     }
 }
 
@@ -39,6 +46,11 @@ pub struct Solution {
     pub residuals: DVector<f64>,
     /// Jacobian of the residuals.
     pub jacobian: DMatrix<f64>,
+    /// Iterations of the search.
+    pub iterations: usize,
+    /// Relative decrease of the sum of squares in the last iteration where the search ended at its largest number of iterations; `None`
+    /// where it ended at a minimum.
+    pub still_falls: Option<f64>,
 }
 
 /// Returns the unknowns that minimise the sum of squares, from `start`, until an iteration reduces it by less than the share
@@ -48,7 +60,7 @@ pub struct Solution {
 /// Returns the errors of [`solve_within`].
 pub fn solve<E: Send>(start: Vec<f64>, residuals: Residuals<E>, least_fall: f64) -> Result<Vec<f64>, E> {
     let limits = Limits::none(start.len());
-    Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.0)
+    Ok(minimise(start, &limits, residuals, least_fall, &mut |_| {})?.x)
 }
 
 /// Minimises the sum of squares as [`solve`], with `residuals` evaluated only within `limits`; calls `progress` before each
@@ -64,24 +76,37 @@ pub fn solve_within<E: Send>(
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Solution, E> {
-    let (x, r) = minimise(start, limits, residuals, least_fall, progress)?;
+    let Minimum { x, residuals: r, iterations, still_falls } =
+        minimise(start, limits, residuals, least_fall, progress)?;
     let jacobian = slopes(&x, None, &limits.bounds, residuals)?;
-    Ok(Solution { x, residuals: r, jacobian })
+    Ok(Solution { x, residuals: r, jacobian, iterations, still_falls })
 }
 
-/// Returns the unknowns of the minimum and the residuals there.
+/// Unknowns and residuals where a search ended, as in [`Solution`].
+struct Minimum {
+    x: Vec<f64>,
+    residuals: DVector<f64>,
+    iterations: usize,
+    still_falls: Option<f64>,
+}
+
+/// Searches the minimum.
 fn minimise<E: Send>(
     start: Vec<f64>,
     limits: &Limits,
     residuals: Residuals<E>,
     least_fall: f64,
     progress: &mut dyn FnMut(usize),
-) -> Result<(Vec<f64>, DVector<f64>), E> {
+) -> Result<Minimum, E> {
     let mut x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = DVector::from_vec(residuals(&x)?);
     let mut damping = 1e-3;
-    for iteration in 0..ITERATIONS {
-        progress(iteration);
+    let mut still_falls = None;
+    let mut iterations = 0;
+    while iterations < limits.iterations {
+        progress(iterations);
+        iterations += 1;
+        still_falls = None;
         let jacobian = slopes(&x, Some(&r), &limits.bounds, residuals)?;
         let (normal, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &r);
         let Some((next, reduced)) = step((&x, &r), limits, (&normal, &gradient), &mut damping, residuals) else {
@@ -92,15 +117,16 @@ fn minimise<E: Send>(
         if fall < least_fall {
             break;
         }
+        still_falls = Some(fall);
     }
-    Ok((x, r))
+    Ok(Minimum { x, residuals: r, iterations, still_falls })
 }
 
 /// Returns the next unknowns; `None` if no step reduces the residuals. An unknown at a bound that the step would cross is
 /// fixed there while the others move.
 fn step<E>(
     (x, r): (&[f64], &DVector<f64>),
-    Limits { bounds, longest_step }: &Limits,
+    Limits { bounds, longest_step, .. }: &Limits,
     (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
     damping: &mut f64,
     residuals: Residuals<E>,
@@ -182,7 +208,7 @@ mod tests {
     const OPEN: Bounds = [f64::NEG_INFINITY, f64::INFINITY];
 
     fn solved(start: Vec<f64>, bounds: &[Bounds], residuals: Residuals<std::io::Error>) -> Solution {
-        let limits = Limits { bounds: bounds.to_vec(), longest_step: 10.0 };
+        let limits = Limits { bounds: bounds.to_vec(), longest_step: 10.0, iterations: ITERATIONS };
         solve_within(start, &limits, residuals, 1e-12, &mut |_| {}).unwrap()
     }
 
@@ -217,6 +243,17 @@ mod tests {
             let found = solved(vec![start], &[[0.0, 9.0]], &residuals);
             assert!((found.x[0] - 1.0).abs() < 1e-6, "{start}: {:?}", found.x);
         }
+    }
+
+    /// A search whose minimum is at infinity ends at its largest number of iterations.
+    #[test]
+    fn a_search_without_a_minimum_ends() {
+        let limits = Limits { bounds: vec![OPEN], longest_step: 1.0, iterations: 7 };
+        let residuals = |x: &[f64]| Ok::<_, std::io::Error>(vec![(-x[0]).exp()]);
+        let mut count = 0;
+        let found = solve_within(vec![0.0], &limits, &residuals, 1e-7, &mut |_| count += 1).unwrap();
+        assert_eq!((found.iterations, count), (7, 7));
+        assert!(found.still_falls.is_some_and(|fall| fall > 0.1), "{:?}", found.still_falls);
     }
 
     /// A step to where nothing can be computed is shortened instead of ending the search.

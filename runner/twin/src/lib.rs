@@ -144,6 +144,7 @@ pub mod replay;
 pub mod scene;
 pub mod simd;
 pub mod spectrum;
+mod statistics;
 pub mod sweep;
 pub mod trade;
 pub mod verdict;

@@ -55,6 +55,8 @@ pub enum Source {
 pub enum Progress {
     /// Bytes read and, where known, their total.
     Read(u64, Option<u64>),
+    /// Round of the calibration that begins, from 1.
+    Learning(usize),
     /// Share of the diagnosis that is done.
     Diagnosis(f64),
 }

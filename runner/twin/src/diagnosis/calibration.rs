@@ -1,12 +1,13 @@
 //! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
 use super::candidates::SLIPS;
-use super::fit::{Fitted, Prior, changed, fit_whole};
+use super::fit::{Fitted, MODEL_ERROR, Prior, changed, fit_whole};
 use super::machine::{Machine, Unknown};
 use super::residual::Evidence;
 use super::{Prepared, Result, cage};
-use crate::outcome::{CalibratedParameter, Calibration, ParameterName};
+use crate::outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
 use crate::scene::Scene;
+use crate::statistics::{largest_chi_square, quantile};
 use nalgebra::{DMatrix, DVector};
 
 /// Clearances that are tried where a bearing carries no load, over that of the scene.
@@ -26,7 +27,35 @@ const SETTLED: f64 = 0.1;
 /// The same, below which the calibration ends.
 const DONE: f64 = 0.01;
 
+/// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
+const UNLIKELY: f64 = 1e-3;
+/// Share of machines of which an interval does not contain the true parameter, all parameters together.
+const MISSED: f64 = 0.05;
+
+/// A calibration with the number of values of its residual.
+#[derive(Debug)]
+pub struct Calibrated {
+    /// The calibration.
+    pub calibration: Calibration,
+    /// Number of values of the residual.
+    pub values: usize,
+}
+
 impl ParameterName {
+    /// Returns the name in a table, the unit there, and its size in SI.
+    const fn printed(self) -> (&'static str, &'static str, f64) {
+        match self {
+            Self::DiametralClearance => ("diametral_clearance", "um", 1e-6),
+            Self::YoungsModulus => ("youngs_modulus", "GPa", 1e9),
+            Self::TranslationDamping => ("damping of translations", "N s/m", 1.0),
+            Self::RotationDamping => ("damping of tilt", "N m s/rad", 1.0),
+            Self::UnbalanceX => ("unbalance along X", "g mm", 1e-6),
+            Self::UnbalanceY => ("unbalance along Y", "g mm", 1e-6),
+            Self::CoupleX => ("unbalance couple along X", "g mm^2", 1e-9),
+            Self::CoupleY => ("unbalance couple along Y", "g mm^2", 1e-9),
+        }
+    }
+
     const OF_ROTOR: [(Self, Unknown); 6] = [
         (Self::TranslationDamping, Unknown::Damping(0)),
         (Self::RotationDamping, Unknown::Damping(1)),
@@ -73,6 +102,45 @@ impl Calibration {
         let Some(mut machine) = Machine::new(scene) else { return scene.clone() };
         self.apply(&mut machine);
         machine.scene(scene)
+    }
+
+    /// Returns the calibration compared with its scene, and with the noise of the probes by its residual of `values` values.
+    #[must_use]
+    pub fn learning(&self, scene: &Scene, values: usize) -> Learning {
+        let largest = largest_chi_square(values.max(1) as f64) + MODEL_ERROR;
+        let found = self.chi_square_per_value;
+        let mut learning = Learning {
+            parameters: vec![],
+            chi_square_per_value: found,
+            largest_chi_square_per_value: largest,
+            // NaN is no chi-squared of a machine.
+            taken: found <= largest,
+            stored: found <= largest,
+            chi_square_with_faults: None,
+        };
+        let Some(machine) = Machine::new(scene) else { return learning };
+        let present = self.present(&machine);
+        let each = present.len().max(1) as f64;
+        let (unlikely, reach) = (quantile(0.5 * UNLIKELY / each), quantile(0.5 * MISSED / each));
+        for (i, unknown) in present {
+            let CalibratedParameter { name, bearing, value, deviation } = &self.parameters[i];
+            let (printed, unit, size) = name.printed();
+            let given = unknown.get(&machine);
+            let known = name.deviation().map(|share| share * given.abs()).filter(|known| *known > 0.0);
+            let deviations = known.map(|known| (value - given) / known.hypot(*deviation));
+            let least = if name.deviation().is_some() { 0.0 } else { f64::NEG_INFINITY };
+            learning.parameters.push(LearnedParameter {
+                name: bearing.as_ref().map_or_else(|| printed.to_owned(), |bearing| format!("{bearing}: {printed}")),
+                unit,
+                scene: given / size,
+                value: value / size,
+                low: (value - reach * deviation).max(least) / size,
+                high: (value + reach * deviation) / size,
+                deviations,
+                unlikely: deviations.is_some_and(|deviations| deviations.abs() > unlikely),
+            });
+        }
+        learning
     }
 
     /// Returns the parameters that a machine has, with their indices in the calibration.
@@ -185,7 +253,7 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior) -> Result<Fit
 }
 
 /// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
-pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Result<Calibration> {
+pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>, begin: &dyn Fn(usize)) -> Result<Calibrated> {
     let own = parameters(&of.healthy.machine);
     let prior = match earlier {
         Some(calibration) => calibration.prior(&of.healthy.machine),
@@ -200,7 +268,8 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
     }
     let loose = prior.times(LOOSE);
     let mut has_modulus = false;
-    for _ in 0..MAX_ROUNDS {
+    for round in 1..=MAX_ROUNDS {
+        begin(round);
         let before = now.chi_square;
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !matches!(unknown, Unknown::Modulus(_)));
@@ -236,5 +305,6 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>) -> Res
         })
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
-    Ok(Calibration { parameters, correlation, chi_square_per_value })
+    let calibration = Calibration { parameters, correlation, chi_square_per_value };
+    Ok(Calibrated { calibration, values: now.residual.len() })
 }

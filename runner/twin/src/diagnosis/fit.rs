@@ -192,8 +192,9 @@ fn levenberg_marquardt(
         let mut improved = None;
         for _ in 0..DAMPINGS {
             let Some(machine) = system.step(e, &now.machine, unknowns, damping) else { break };
-            let next = weights.changed(e, &now, &machine)?;
-            if objective(&next) < objective(&now) {
+            // A machine that cannot be built is rejected like one with a larger residual.
+            let next = weights.changed(e, &now, &machine).ok();
+            if let Some(next) = next.filter(|next| objective(next) < objective(&now)) {
                 improved = Some(next);
                 damping = (damping * 0.1).max(1e-9);
                 break;
@@ -279,14 +280,18 @@ impl NormalEquations {
     /// Returns the inverse of the normal matrix in the units of the unknowns.
     fn inverse(&self) -> DMatrix<f64> {
         let n = self.scale.len();
-        let inverse = self.matrix.clone().try_inverse().unwrap_or_else(|| DMatrix::identity(n, n));
+        let inverse = self.matrix.clone().try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
+        let inverse = inverse.unwrap_or_else(|| DMatrix::identity(n, n));
         DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (self.scale[i] * self.scale[j]))
     }
 
-    /// Returns the machine after a damped step of bounded length; `None` if the equations have no solution.
+    /// Returns the machine after a damped step of bounded length; `None` if the equations have no finite solution.
     fn step(&self, e: &Evidence, from: &Machine, unknowns: &[Unknown], damping: f64) -> Option<Machine> {
         let n = unknowns.len();
         let step = (&self.matrix + DMatrix::identity(n, n) * damping).lu().solve(&self.gradient)?;
+        if !step.iter().all(|x| x.is_finite()) {
+            return None;
+        }
         let length = |i: usize| step[i] / self.scale[i];
         let excess = unknowns.iter().enumerate().map(|(i, u)| length(i).abs() / e.longest_step(*u));
         let shorten = 1.0 / excess.fold(1.0, f64::max);

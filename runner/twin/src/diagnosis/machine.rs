@@ -369,6 +369,9 @@ impl Evaluated {
     }
 }
 
+/// Least value of a positive parameter after a step, over the one before: no step makes a stiffness or a damping negative.
+const LEAST_OF_BEFORE: f64 = 1e-3;
+
 /// A parameter that a hypothesis varies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unknown {
@@ -487,7 +490,8 @@ impl Unknown {
         }
         if let Self::Damping(i) = self {
             let range = if i == 0 { 0..3 } else { 3..5 };
-            let factor = x / machine.damping[3 * i];
+            let before = machine.damping[3 * i];
+            let factor = x.max(LEAST_OF_BEFORE * before) / before;
             machine.damping[range].iter_mut().for_each(|c| *c *= factor);
             return;
         }
@@ -505,7 +509,7 @@ impl Unknown {
             }
             Self::Modulus(_) => {
                 if let Some(g) = &mut bearing.scene.geometry {
-                    g.youngs_modulus = x;
+                    g.youngs_modulus = x.max(LEAST_OF_BEFORE * g.youngs_modulus);
                 }
             }
             Self::Tilt(_, axis) => bearing.tilt[axis] = x,

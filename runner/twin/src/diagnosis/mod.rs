@@ -29,6 +29,7 @@ mod result;
 mod surface;
 mod unexplained;
 
+pub use calibration::Calibrated;
 pub use result::{CageEstimate, DiagnosisResult};
 
 use crate::outcome::Calibration;
@@ -184,11 +185,13 @@ pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
 
 /// Calibrates the scene with the recording of a healthy machine; `None` if the rotor or its probes do not allow it.
 ///
+/// `begin` receives the number of each round before it, from 1.
+///
 /// # Errors
 /// Returns an error if a bearing cannot be built.
-pub fn calibrate(of: &DiagnosisInput) -> std::result::Result<Option<Calibration>, BuildError> {
+pub fn calibrate(of: &DiagnosisInput, begin: &dyn Fn(usize)) -> std::result::Result<Option<Calibrated>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };
     let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
-    Ok(Some(calibration::calibrate(&mut prepared, of.calibration)?))
+    Ok(Some(calibration::calibrate(&mut prepared, of.calibration, begin)?))
 }

@@ -20,10 +20,12 @@ use crate::recording::Sample;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::scene::{RotationSource, Scene};
-use intervals::{covariance, expanded, largest_chi_square, quantile, unbalance};
+use crate::statistics::{largest_chi_square, quantile};
+use intervals::{covariance, expanded, unbalance};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, ParameterKind, cage_parameters, parameters, with};
 use serde::Serialize;
+use std::time::{Duration, Instant};
 
 pub use written::written;
 
@@ -37,6 +39,31 @@ const NEAR: f64 = 1e-3;
 const THERE: f64 = 1e-7;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
+/// Largest number of iterations of the search over one part of the recording.
+pub const MAX_ITERATIONS: usize = 40;
+
+/// Parameters, part of the recording and time of a fit.
+#[derive(Debug, Clone, Copy)]
+pub struct FitPlan<'a> {
+    /// Groups of the scene's numbers that are fitted.
+    pub groups: &'a [Group],
+    /// Number of shaft revolutions used, from the start of the recording.
+    pub turns: f64,
+    /// Time after which the fit is given up.
+    pub time_limit: Duration,
+}
+
+/// Progress of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitProgress {
+    /// Iteration over this part of the recording, from 1; at most [`MAX_ITERATIONS`].
+    pub iteration: usize,
+    /// Number of shaft revolutions in this part of the recording.
+    pub turns: f64,
+    /// Number of shaft revolutions in all samples.
+    pub all_turns: f64,
+}
+
 /// A scene fitted to a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fitted {
@@ -185,8 +212,7 @@ fn state_units(plant: &Plant) -> Vec<f64> {
 /// Unknowns that move together, at least one.
 type Tied = Vec<usize>;
 
-/// Fits `groups` of the scene's numbers to the first `turns` turns of a recording with the name `recording`; calls `progress`
-/// after each iteration.
+/// Fits the scene's numbers of a `plan` to a recording with the name `recording`; calls `progress` before each iteration.
 ///
 /// # Errors
 /// Returns the errors of [`read`] and [`fit`].
@@ -194,30 +220,30 @@ pub fn fit_recording(
     scene: &Scene,
     reader: Reader,
     recording: &str,
-    turns: f64,
-    groups: &[Group],
-    progress: &mut dyn FnMut(usize),
+    plan: &FitPlan,
+    progress: &mut dyn FnMut(FitProgress),
 ) -> Result<Fitted> {
     let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
     let rate = reader.rate() / f64::from(average);
-    let RecordingSamples { samples, cage_samples } = read(scene, reader, turns)?;
+    let RecordingSamples { samples, cage_samples } = read(scene, reader, plan.turns)?;
     fit(
         &FitInput { scene, recording, samples: &samples, cage_samples: &cage_samples, period: 1.0 / rate },
-        groups,
+        plan,
         progress,
     )
 }
 
-/// Fits `groups` of the scene's numbers; calls `progress` after each iteration.
+/// Fits the scene's numbers of a `plan`; calls `progress` before each iteration.
 ///
 /// # Errors
-/// Returns an error if the scene has no rotor, no probes or no parameter to fit, if there is no sample, or if the kernel rejects a
-/// parameter.
-pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> Result<Fitted> {
+/// Returns an error if the scene has no rotor, no probes or no parameter to fit, if there is no sample, if the kernel rejects a
+/// parameter, or if the search does not converge in its iterations and its time.
+pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress)) -> Result<Fitted> {
     only_rotor(of.scene, "fit")?;
     only_observable(of.scene, "fit")?;
     let plant = Plant::try_new(of.scene)?;
-    let mut unknown = parameters(of.scene, &plant, groups);
+    let end = Instant::now().checked_add(plan.time_limit);
+    let mut unknown = parameters(of.scene, &plant, plan.groups);
     let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
         return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
     };
@@ -240,7 +266,10 @@ pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     let given: Vec<f64> = unknown.iter().map(Parameter::prior_mean).collect();
     let state: Vec<f64> = start.iter().zip(state_units(&plant)).map(|(x, unit)| x / unit).collect();
     let at = [given, state].concat();
-    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at };
+    let last = of.samples.last().unwrap_or(first);
+    let turns = turns_of(last) - total;
+    let (all_turns, time) = (turns.abs(), (plan.time_limit, end));
+    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at, all_turns, time };
     let before = model.residuals(&at)?;
     let everything = model.search(progress)?;
     let open = covariance(&everything, &model);
@@ -251,20 +280,18 @@ pub fn fit(of: &FitInput, groups: &[Group], progress: &mut dyn FnMut(usize)) -> 
     (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.prior[i]);
     let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
     let solution = if identified.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
+    if let Some(still_falls) = solution.still_falls {
+        return Err(model.not_converged(&solution, still_falls).into());
+    }
     let covariance = expanded(&covariance(&solution, &model), &open, &identified);
     let found = model.judged(&solution, &covariance);
-    let rms = |left: &[f64], p: usize| {
-        let own = left.iter().take(of.samples.len() * rows.len()).skip(p).step_by(rows.len());
-        (own.clone().map(|r| r * r).sum::<f64>() / own.count().max(1) as f64).sqrt() * sigma[p] * 1e6
-    };
+    let rms = |left: &[f64], p: usize| 1e6 * model.rms(left, p);
     let residual = |(p, probe): (usize, &crate::scene::Probe)| Residual {
         probe: probe.column.clone(),
         before_um: rms(&before, p),
         after_um: rms(solution.residuals.as_slice(), p),
         noise_um: sigma[p] * 1e6,
     };
-    let last = of.samples.last().unwrap_or(first);
-    let turns = turns_of(last) - total;
     let readings = of.samples.iter().flat_map(|s| &s.row.probes).filter(|x| x.is_finite()).count();
     let chi_square: f64 = probe_residuals(&solution, rows.len(), of).iter().map(|r| r * r).sum();
     let freedom = readings.saturating_sub(solution.x.len()).max(1) as f64;
@@ -346,6 +373,10 @@ struct Model<'a> {
     unknown: &'a [Parameter],
     /// Prior mean of every unknown, each with a standard deviation of 1.
     prior: &'a [f64],
+    /// Number of shaft revolutions in all samples of the fit.
+    all_turns: f64,
+    /// Time of the fit, and its end; `None` where no clock reaches it.
+    time: (Duration, Option<Instant>),
 }
 
 impl Model<'_> {
@@ -357,7 +388,7 @@ impl Model<'_> {
     /// frequency shifts the phase by whole periods, and each period is a local minimum. On the first parts the offsets of
     /// the probes, the damping and the cages are fixed and the stiffness of all contacts has a common factor: freed too early, they
     /// diverge.
-    fn search(&self, progress: &mut dyn FnMut(usize)) -> Result<Solution> {
+    fn search(&self, progress: &mut dyn FnMut(FitProgress)) -> Result<Solution> {
         let first = self.of.samples.first().map_or(0.0, turns_of);
         let all: Vec<Tied> = (0..self.prior.len()).map(|i| vec![i]).collect();
         let early = self.early();
@@ -387,21 +418,23 @@ impl Model<'_> {
         free
     }
 
-    /// Fits the unknowns `free`. While residuals are large, the prior has the same weight as the residuals.
+    /// Fits the unknowns `free` in at most [`MAX_ITERATIONS`]. While residuals are large, the prior has the same weight as the residuals.
     fn stage(
         &self,
         start: &[f64],
         free: &[Tied],
         least_fall: f64,
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(FitProgress),
     ) -> Result<Solution> {
         let whole = |x: &[f64], from: &[f64]| {
             let mut all = from.to_vec();
             free.iter().zip(x).for_each(|(tied, x)| tied.iter().for_each(|&i| all[i] = *x));
             all
         };
+        let turns = self.turns();
         let mut at = start.to_vec();
         let mut last = f64::INFINITY;
+        let mut made = 0;
         loop {
             let left = self.residuals(&at)?;
             let weight = (left.iter().map(|r| r * r).sum::<f64>() / left.len().max(1) as f64).sqrt().max(1.0);
@@ -413,13 +446,56 @@ impl Model<'_> {
             };
             let from: Vec<f64> = free.iter().map(|tied| at[tied[0]]).collect();
             let bounds = free.iter().map(|tied| self.bounds(tied)).collect();
-            let limits = Limits { bounds, longest_step: LONGEST_STEP };
-            let found = least_squares::solve_within(from, &limits, &residuals, least_fall, progress)?;
+            let limits = Limits { bounds, longest_step: LONGEST_STEP, iterations: MAX_ITERATIONS - made };
+            let mut report =
+                |i: usize| progress(FitProgress { iteration: made + i + 1, turns, all_turns: self.all_turns });
+            let found = least_squares::solve_within(from, &limits, &residuals, least_fall, &mut report)?;
+            made += found.iterations;
             at = whole(&found.x, &at);
-            if weight > 0.7 * last || weight <= 1.0 {
+            if weight > 0.7 * last || weight <= 1.0 || made >= MAX_ITERATIONS {
                 return Ok(Solution { x: at, ..found });
             }
             last = weight;
+        }
+    }
+
+    /// Returns the error that a search over all samples ended at its largest number of iterations, with the probe that leaves most.
+    fn not_converged(&self, found: &Solution, still_falls: f64) -> FitError {
+        let rms = |p: usize| self.rms(found.residuals.as_slice(), p);
+        let share = |p: &usize| rms(*p) / self.sigma[*p];
+        let worst = (0..self.rows.len()).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
+        let probes = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
+        FitError::NotConverged {
+            recording: self.of.recording.to_owned(),
+            iterations: MAX_ITERATIONS,
+            still_falls,
+            probe: probes.get(worst).map_or_else(String::new, |probe| probe.column.clone()),
+            left_um: 1e6 * rms(worst),
+            noise_um: 1e6 * self.sigma.get(worst).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// Returns the error that the time has ended.
+    fn too_long(&self) -> FitError {
+        FitError::TooLong {
+            recording: self.of.recording.to_owned(),
+            limit_s: self.time.0.as_secs_f64(),
+            turns: self.turns(),
+            all_turns: self.all_turns,
+        }
+    }
+
+    /// Returns the rms of the residuals `left` at probe `p`, m.
+    fn rms(&self, left: &[f64], p: usize) -> f64 {
+        let own = left.iter().take(self.of.samples.len() * self.rows.len()).skip(p).step_by(self.rows.len());
+        (own.clone().map(|r| r * r).sum::<f64>() / own.count().max(1) as f64).sqrt() * self.sigma[p]
+    }
+
+    /// Returns the number of shaft revolutions in the samples.
+    fn turns(&self) -> f64 {
+        match self.of.samples {
+            [first, .., last] => (turns_of(last) - turns_of(first)).abs(),
+            _ => 0.0,
         }
     }
 
@@ -430,7 +506,12 @@ impl Model<'_> {
     }
 
     /// Computes the residuals by sample and probe, in units of the probes' noise; 0 for a missing reading.
+    ///
+    /// After the end of the time it is an error. A search takes that at a trial step for a bad step, and at the slopes it ends.
     fn residuals(&self, x: &[f64]) -> Result<Vec<f64>> {
+        if self.time.1.is_some_and(|end| Instant::now() > end) {
+            return Err(self.too_long().into());
+        }
         let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());
         let scene = with(self.of.scene, self.unknown, &values);
         let plant = Plant::try_new(&scene)?;

@@ -14,7 +14,7 @@ mod rotor_drawing;
 mod snapshots;
 mod timing;
 
-pub use calibration::{CalibratedParameter, Calibration, ParameterName};
+pub use calibration::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
 pub use diagnosis::{
     Diagnosis, Estimate, EvidenceSource, FaultForm, FaultKind, FaultParameters, Precession, UnexplainedLine,
     VibrationLine,
@@ -91,6 +91,9 @@ pub struct Outcome {
     pub flaws: Vec<FlawSummary>,
     /// Notes on assumptions and restrictions.
     pub notes: Vec<String>,
+    /// Parameters learned from the recording; none without `--learn`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learning: Option<Learning>,
     /// This recording as a baseline for later ones, not part of the JSON.
     #[serde(skip)]
     pub learned: baseline::Baseline,
@@ -100,6 +103,22 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Returns true if parameters were to be learned and neither they nor the faults found describe the recording.
+    #[must_use]
+    pub fn is_refused_as_baseline(&self) -> bool {
+        self.learning.as_ref().is_some_and(|learning| !learning.stored)
+    }
+
+    /// Returns why this recording is no baseline; `None` where it is one.
+    #[must_use]
+    pub fn no_baseline(&self) -> Option<String> {
+        if !self.implausible.is_empty() || !self.not_judged.is_empty() {
+            return Some("nothing in the recording was judged".to_owned());
+        }
+        let refused = self.learning.as_ref().filter(|learning| !learning.stored);
+        refused.map(Learning::misfit)
+    }
+
     /// Returns the outcome with stations from the centre of mass replaced by those of the scene's drawing; a rigid rotor has its origin
     /// at the centre of mass. An axial probe keeps the station of the scene. On a `[system]` no station is a number.
     #[must_use]

@@ -174,6 +174,11 @@ impl Pipeline<'_> {
                 not_judged.push(reason);
             }
         }
+        let mut learning = self.learning.take();
+        if let Some(learning) = &mut learning {
+            learning.judge(diagnosed.as_ref().map(|of| of.outcome.chi_square_after), self.force_diagnosis);
+            diagnosis_notes.extend(learning.notes());
+        }
         let observer = self.follower.observer.outcome();
         let twin = self.compared_twin();
         let mut notes = std::mem::take(&mut self.notes);
@@ -238,6 +243,7 @@ impl Pipeline<'_> {
             events,
             flaws: facts.flaws,
             notes,
+            learning,
             learned,
             pictures,
         }

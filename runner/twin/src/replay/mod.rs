@@ -131,12 +131,21 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     let begun = Instant::now();
     let implausible = ahead.implausible(&scene);
     let is_diagnosed = options.force_diagnosis || implausible.is_empty();
+    let mut learning = None;
     if options.learn && is_diagnosed {
         // An error of the scene is no fault of the machine.
-        calibration = ahead.calibrate(&scene, &plant, recording, calibration.as_ref())?;
-        if let Some(calibration) = &calibration {
-            scene = calibration.scene(&scene);
+        let begin = |round: usize| {
+            if let Some(progress) = options.progress {
+                progress(Progress::Learning(round));
+            }
+        };
+        let found = ahead.calibrate(&scene, &plant, recording, calibration.as_ref(), &begin)?;
+        learning = found.as_ref().map(|found| found.calibration.learning(&given, found.values));
+        // A recording that the parameters do not describe is compared with the scene as it was.
+        if let Some(found) = found.filter(|_| learning.as_ref().is_some_and(|learning| learning.taken)) {
+            scene = found.calibration.scene(&scene);
             plant = Plant::try_new(&scene).map_err(Error::setup)?;
+            calibration = Some(found.calibration);
         }
     }
     let diagnosed = match is_diagnosed {
@@ -151,6 +160,7 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
     let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);
+    replay.set_learning(learning);
     replay.add_diagnosis_time(took);
     if let Some(diagnosis) = diagnosed {
         if ahead.is_longer_than_block {

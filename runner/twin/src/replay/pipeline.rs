@@ -21,7 +21,7 @@ use crate::effect_significance;
 use crate::error::Result;
 use crate::options::Options;
 use crate::outcome::baseline::Baseline;
-use crate::outcome::{Calibration, Diagnosis, Implausibility};
+use crate::outcome::{Calibration, Diagnosis, Implausibility, Learning};
 use crate::plant::{Plant, only_observable, unbalance_note};
 use crate::plausibility::Collector;
 use crate::probes::{self, Plane};
@@ -52,6 +52,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) running_diagnosis: Option<RunningDiagnosis>,
     /// Calibration of the scene by this recording.
     pub(super) calibration: Option<Calibration>,
+    /// Learned parameters, compared with the scene.
+    pub(super) learning: Option<Learning>,
     /// Baseline for comparison.
     pub(super) baseline: Option<Baseline>,
     /// Signals of the vibration sensors; none without sensors, and in live operation.
@@ -118,6 +120,7 @@ impl<'a> Pipeline<'a> {
                 .live
                 .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone(), options)),
             calibration: None,
+            learning: None,
             // Sensors keep the rate of the recording.
             vibration: if options.live {
                 RunningVibration::new(scene, rate * f64::from(recording.average), baseline.as_ref(), options.background)

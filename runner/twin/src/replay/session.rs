@@ -15,7 +15,7 @@ use crate::diagnosis::{CageEstimate, DiagnosisResult};
 use crate::error::{Error, ReplayError, Result};
 use crate::observer::CageTracker;
 use crate::options::Options;
-use crate::outcome::{Calibration, Diagnosis, Event, Implausibility, Outcome};
+use crate::outcome::{Calibration, Diagnosis, Event, Implausibility, Learning, Outcome};
 use crate::parallel;
 use crate::recording::Row;
 use crate::recording::flaws::FlawSummary;
@@ -300,6 +300,11 @@ impl<'a> Replay<'a> {
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
         self.pipeline.calibration = calibration;
         self.pipeline.notes.extend(note);
+    }
+
+    /// Sets the learned parameters of the outcome.
+    pub(super) fn set_learning(&mut self, learning: Option<Learning>) {
+        self.pipeline.learning = learning;
     }
 
     /// Notes the checks of the first samples that failed and that a forced diagnosis overrides.

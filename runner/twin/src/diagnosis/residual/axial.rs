@@ -31,12 +31,19 @@ impl Evidence<'_> {
         let has_spalls = machine.bearings.iter().any(|bearing| !bearing.scene.defect.is_empty());
         // The pulses of the spalls are those of the axial motion of the pass before.
         for _ in 0..if has_spalls { PASSES } else { 1 } {
-            self.move_axially(machine, [mass, stiffness])?;
+            if !self.move_axially(machine, [mass, stiffness])? {
+                self.is_axially_free = false;
+                break;
+            }
         }
         Ok(())
     }
 
-    fn move_axially(&mut self, machine: &Machine, [mass, stiffness]: [f64; 2]) -> Result<()> {
+    /// Returns false, with the axial coordinate as it was, where the axial motion leaves the bearings: at the measured radial motion
+    /// they do not carry the load.
+    fn move_axially(&mut self, machine: &Machine, [mass, stiffness]: [f64; 2]) -> Result<bool> {
+        let diameters = machine.bearings.iter().filter_map(|b| b.scene.geometry.map(|g| g.ball_diameter));
+        let farthest = diameters.reduce(f64::max).unwrap_or(f64::MAX);
         let bearings = (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<Vec<_>>>()?;
         let constant = machine.load[2] + self.gravity[2];
         let motion = &*self.motion;
@@ -50,13 +57,17 @@ impl Evidence<'_> {
             let force = |w: f64| constant + pulse + axial_force(&bearings, motion, t, w - q.w);
             let damping = if t < lead { critical.max(machine.damping[2]) } else { machine.damping[2] };
             state = state.next(motion.period, mass, damping, stiffness, force);
+            if !state.w.is_finite() || state.w.abs() > farthest {
+                return Ok(false);
+            }
             q.w = state.w;
         }
         let mut moved = motion.clone();
         moved.q = q;
         self.motion = Arc::new(moved);
         self.set_pose();
-        self.displace(machine)
+        self.displace(machine)?;
+        Ok(true)
     }
 }
 
