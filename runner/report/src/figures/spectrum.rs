@@ -16,7 +16,12 @@ const HEIGHT: f64 = 170.0;
 const BEYOND_LINES: f64 = 3.0;
 /// The same factor for a full spectrum, whose sides have half the width.
 const BEYOND_LINES_FULL: f64 = 1.6;
-/// The close view ends at least at this many times the lowest natural frequency.
+/// Highest harmonic of a marked line that gets a mark.
+const HARMONICS: u32 = 10;
+/// Share of the largest residual above which a harmonic gets a mark, and the number of these.
+const STRONG: f64 = 0.3;
+const MARKED_HARMONICS: usize = 6;
+/// The close view ends at least at this many times the lowest natural frequency, and the largest residual.
 const BEYOND_NATURAL: f64 = 1.15;
 /// Largest ratio of the highest peak to the lower end of the amplitude axis.
 const DYNAMIC_RANGE: f64 = 1e6;
@@ -54,7 +59,8 @@ pub(super) fn half(spectrum: &HalfSpectrum, data: &Pictures, budget: PointBudget
     let close = close_view(data, whole, BEYOND_LINES);
     let curves = Curves::new(spectrum, mean_bins(&data.lines, spectrum.bin_hz));
     let y = curves.amplitude_axis();
-    let mut marks = mark::marks(&data.lines, &data.natural_frequencies, close);
+    let lines = [data.lines.as_slice(), &harmonics(spectrum, &data.lines)].concat();
+    let mut marks = mark::marks(&lines, &data.natural_frequencies, close);
     let split = whole > 1.5 * close;
     let width = if split { 0.72 * WIDE } else { WIDE };
     let x = Axis::exact(Some((0.0, close)), if split { 5 } else { 7 }, "Frequency, Hz");
@@ -184,6 +190,29 @@ fn whole_range(bin_hz: f64, bins: usize) -> f64 {
 
 fn longest(spectrum: &HalfSpectrum) -> usize {
     spectrum.measured.len().max(spectrum.twin.len()).max(spectrum.residual.len())
+}
+
+/// Returns the strongest harmonics of the marked lines in the residual, which have no mark of their own.
+fn harmonics(spectrum: &HalfSpectrum, lines: &[MarkedLine]) -> Vec<MarkedLine> {
+    let near = |hz: f64| {
+        let within = |i: &usize| (*i as f64 * spectrum.bin_hz - hz).abs() <= 1.5 * spectrum.bin_hz;
+        let bins = spectrum.residual.iter().enumerate().filter(|(i, a)| within(i) && a.is_finite());
+        bins.map(|(_, amplitude)| *amplitude).fold(0.0, f64::max)
+    };
+    let largest = spectrum.residual.iter().skip(MEAN_BINS).filter(|a| a.is_finite()).fold(0.0, |a, b| f64::max(a, *b));
+    let apart = |hz: f64| lines.iter().all(|line| (line.hz - hz).abs() > 3.0 * spectrum.bin_hz);
+    let all = lines.iter().filter(|line| line.hz > 3.0 * spectrum.bin_hz).flat_map(|line| {
+        (2..=HARMONICS).map(move |k| {
+            let times = f64::from(k);
+            let label = if line.label == "1X" { format!("{k}X") } else { format!("{} x{k}", line.label) };
+            MarkedLine { label, order: times * line.order, hz: times * line.hz }
+        })
+    });
+    let mut strong: Vec<(f64, MarkedLine)> = all.map(|line| (near(line.hz), line)).collect();
+    strong.retain(|(amplitude, line)| *amplitude > STRONG * largest && apart(line.hz));
+    strong.sort_by(|a, b| b.0.total_cmp(&a.0));
+    strong.truncate(MARKED_HARMONICS);
+    strong.into_iter().map(|(_, line)| line).collect()
 }
 
 /// Returns the frequency of the largest residual of all probes, Hz; 0 where there is none.
