@@ -307,3 +307,25 @@ fn nonsense_is_not_certified() {
     let parts = ["healthy.csv: bearing DE: median force of ", "10 times the loads on the rotor", "(offset)"];
     desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &parts);
 }
+
+/// The language of the constants is that of the name of their file.
+#[test]
+fn the_name_of_the_file_gives_the_language() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", DEMO_SCENE);
+    desk.put("healthy.csv", crate::support::DEMO_RECORDING);
+    desk.done(&["bake", "scene.toml", "-o", "bearings.h"]);
+    assert!(desk.read("bearings.h").contains("#include") && desk.read("bearings.c").contains("bearings.h"));
+    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    assert!(desk.read("bearings.rs").contains("// language: rust"));
+    desk.refused(
+        &["bake", "scene.toml", "-o", "bearings.txt"],
+        2,
+        &["--output: no language for this name: bearings.txt, expected a name that ends in .rs, .h or .c"],
+    );
+    desk.refused(
+        &["bake", "scene.toml", "--language", "rust", "-o", "one.h"],
+        2,
+        &["--output: invalid name for --language rust: one.h"],
+    );
+}

@@ -20,6 +20,7 @@ mod documented;
 mod documents;
 mod eigenvalues;
 mod equilibrium;
+mod examples;
 mod fit;
 mod fit_validity;
 mod fleet;

@@ -22,12 +22,14 @@ pub struct Args {
     /// Write this bearing only.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
-    /// Language of the constants.
-    #[arg(long, value_enum, default_value_t = Language::Rust)]
-    language: Language,
+    /// Language of the constants [default: rust for F.rs, c for F.h and F.c].
+    #[arg(long, value_enum)]
+    language: Option<Language>,
     /// Processor core whose measured cost the certificate states.
     #[arg(long, value_enum, default_value_t = Core::CortexM4f)]
     core: Core,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Runs the command.
@@ -37,17 +39,12 @@ pub struct Args {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let text = load(&args.scene)?;
     let scene = read_str(&text, &args.scene)?;
-    let outputs = outputs(args)?;
+    let language = language(args)?;
+    let outputs = outputs(args, language)?;
     let named: Vec<_> = outputs.iter().map(|path| ("--output", path.as_path())).collect();
     check_distinct_paths(&named, &[&args.scene])?;
     let name = args.output.file_stem().unwrap_or_default().to_string_lossy();
-    let options = BakeOptions {
-        bearing: args.bearing.as_deref(),
-        language: args.language,
-        core: args.core,
-        poses: None,
-        name: &name,
-    };
+    let options = BakeOptions { bearing: args.bearing.as_deref(), language, core: args.core, poses: None, name: &name };
     let baked = bake(&scene, &text, &options).map_err(UsageError::with_bearing_option)?;
     for (path, file) in outputs.iter().zip(&baked.files) {
         AtomicFile::write(path, &file.source)?;
@@ -61,10 +58,30 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     }
 }
 
+/// Returns the language of the constants: `--language`, else that of the name of the file.
+fn language(args: &Args) -> Result<Language, UsageError> {
+    let extension = args.output.extension().and_then(|extension| extension.to_str());
+    let of_name = match extension {
+        Some("rs") => Some(Language::Rust),
+        Some("h" | "c") => Some(Language::C),
+        _ => None,
+    };
+    let output = args.output.display();
+    match (args.language, of_name) {
+        (Some(Language::Rust), Some(Language::C)) => Err(UsageError(format!(
+            "--output: invalid name for --language rust: {output}, expected a name that ends in .rs, or --language c"
+        ))),
+        (Some(language), _) | (None, Some(language)) => Ok(language),
+        (None, None) => Err(UsageError(format!(
+            "--output: no language for this name: {output}, expected a name that ends in .rs, .h or .c, or --language"
+        ))),
+    }
+}
+
 /// Returns the paths of the files to write: for C, header and source.
-fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
+fn outputs(args: &Args, language: Language) -> Result<Vec<PathBuf>> {
     let output = &args.output;
-    if args.language == Language::Rust {
+    if language == Language::Rust {
         return Ok(vec![output.clone()]);
     }
     let invalid = |expected| {

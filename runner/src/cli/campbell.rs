@@ -25,6 +25,8 @@ pub struct Args {
     /// HTML page with the diagram.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Runs the command.

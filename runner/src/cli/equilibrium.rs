@@ -26,6 +26,8 @@ pub struct Args {
     /// HTML page with the load distribution and the contact angles.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Runs the command.

@@ -27,6 +27,8 @@ pub struct Args {
     /// Write no report of each machine.
     #[arg(long)]
     no_report: bool,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Runs the command and returns the status for the exit code.

@@ -52,6 +52,8 @@ pub struct Args {
     /// Print forces and status as bits in hexadecimal digits, as a device logs them.
     #[arg(long)]
     bits: bool,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

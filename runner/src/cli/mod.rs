@@ -8,6 +8,7 @@ pub mod equilibrium;
 pub mod fit;
 pub mod fleet;
 pub mod force;
+mod help;
 mod live;
 pub mod man;
 pub mod new;
@@ -36,7 +37,7 @@ use std::process::ExitCode;
 
 /// Rolling-bearing forces in fixed time, and a digital twin that replays measured shaft motion.
 #[derive(Debug, Parser)]
-#[command(name = "ballrace", version, about)]
+#[command(name = "ballrace", version, about, after_help = help::PROGRAM)]
 pub struct Cli {
     /// Subcommand.
     #[command(subcommand)]
@@ -44,9 +45,14 @@ pub struct Cli {
     /// Format of standard output.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     pub format: Format,
+}
+
+/// Error of force of the commands that predict effects.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct ErrorLimit {
     /// Acceptable relative force error, e.g. 1%: warns about neglected effects with a larger predicted error; `trade`
     /// chooses the cheapest model within it.
-    #[arg(long, global = true, value_name = "E", value_parser = parse_fraction)]
+    #[arg(long, value_name = "E", value_parser = parse_fraction)]
     pub error: Option<f64>,
 }
 
@@ -72,38 +78,55 @@ fn print_effects(out: &mut impl Write, effects: &[EffectSignificance], error: Op
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Replay a recording through the digital twin, compare measured and computed motion, write a report.
+    #[command(after_help = help::REPLAY)]
     Replay(replay::Args),
     /// Monitor a machine in real time in the terminal.
+    #[command(after_help = help::WATCH)]
     Watch(watch::Args),
     /// Compute the forces of a bearing for given ring displacements.
+    #[command(after_help = help::FORCE)]
     Force(force::Args),
     /// Write a scene's bearings as constants for firmware, with a certificate of accuracy and cost.
+    #[command(after_help = help::BAKE)]
     Bake(bake::Args),
     /// Bake the scene of a baked file again and compare every constant and field of the certificate.
+    #[command(after_help = help::VERIFY)]
     Verify(verify::Args),
     /// Compute the static equilibrium of the rotor or of one bearing, with the load on each element.
+    #[command(after_help = help::EQUILIBRIUM)]
     Equilibrium(equilibrium::Args),
     /// Simulate the time response of the scene's rotor.
+    #[command(after_help = help::SIMULATE)]
     Simulate(simulate::Args),
     /// Compute natural frequencies, damping and whirl of the rotor over the shaft speed.
+    #[command(after_help = help::CAMPBELL)]
     Campbell(campbell::Args),
     /// Simulate a scene over ranges of its keys: response curve, bifurcation diagram, waterfall.
+    #[command(after_help = help::SWEEP)]
     Sweep(sweep::Args),
     /// Estimate unbalance, clearance, damping, stiffness and offsets from a recording, with confidence intervals.
+    #[command(after_help = help::FIT)]
     Fit(fit::Args),
     /// Evaluate the recordings of many machines on all processors: table of outcomes, trends, reports, overview.
+    #[command(after_help = help::FLEET)]
     Fleet(fleet::Args),
     /// Compare error and cost of every model, precision, integrator and step on the scene's own motion.
+    #[command(after_help = help::TRADE)]
     Trade(trade::Args),
     /// Check a scene and its recording: draw the machine, list what is not plausible and its probable cause.
+    #[command(after_help = help::CHECK)]
     Check(check::Args),
     /// Write the draft of a scene from the catalogue of bearings and the columns of a recording.
+    #[command(after_help = help::NEW)]
     New(new::Args),
     /// List or print the scenes that come with the program.
+    #[command(after_help = help::SCENES)]
     Scenes(scenes::Args),
     /// Print the completion script of a shell.
+    #[command(after_help = help::COMPLETIONS)]
     Completions(completions::Args),
     /// Print the manual page of the program or of a subcommand, in roff.
+    #[command(after_help = help::MAN)]
     Man(man::Args),
 }
 
@@ -177,20 +200,20 @@ pub fn run(cli: &Cli) -> ExitCode {
     }
     let result = match &cli.command {
         Command::Replay(args) => {
-            return replay_exit_code(replay::run(args, cli.format, cli.error));
+            return replay_exit_code(replay::run(args, cli.format, args.limit.error));
         }
-        Command::Watch(args) => return replay_exit_code(watch::run(args, cli.error)),
+        Command::Watch(args) => return replay_exit_code(watch::run(args, args.limit.error)),
         Command::Check(args) => return replay_exit_code(check::run(args, cli.format)),
-        Command::Fleet(args) => return replay_exit_code(fleet::run(args, cli.format, cli.error)),
-        Command::Force(args) => force::run(args, cli.format, cli.error),
-        Command::Bake(args) => bake::run(args, cli.format, cli.error),
+        Command::Fleet(args) => return replay_exit_code(fleet::run(args, cli.format, args.limit.error)),
+        Command::Force(args) => force::run(args, cli.format, args.limit.error),
+        Command::Bake(args) => bake::run(args, cli.format, args.limit.error),
         Command::Verify(args) => verify::run(args, cli.format),
-        Command::Equilibrium(args) => equilibrium::run(args, cli.format, cli.error),
-        Command::Simulate(args) => simulate::run(args, cli.format, cli.error),
-        Command::Campbell(args) => campbell::run(args, cli.format, cli.error),
-        Command::Sweep(args) => sweep::run(args, cli.format, cli.error),
+        Command::Equilibrium(args) => equilibrium::run(args, cli.format, args.limit.error),
+        Command::Simulate(args) => simulate::run(args, cli.format, args.limit.error),
+        Command::Campbell(args) => campbell::run(args, cli.format, args.limit.error),
+        Command::Sweep(args) => sweep::run(args, cli.format, args.limit.error),
         Command::Fit(args) => fit::run(args, cli.format),
-        Command::Trade(args) => trade::run(args, cli.format, cli.error),
+        Command::Trade(args) => trade::run(args, cli.format, args.limit.error),
         Command::New(args) => new::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
         Command::Completions(args) => completions::run(args),

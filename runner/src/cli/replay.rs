@@ -51,6 +51,8 @@ pub struct Args {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
+    #[command(flatten, next_help_heading = "Live operation, only with --paced")]
     live: LiveArgs,
 }
 

@@ -49,6 +49,8 @@ pub struct Args {
     /// Selects the noise.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "as_recording")]
     seed: u64,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 #[derive(Serialize)]

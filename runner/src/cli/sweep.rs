@@ -51,6 +51,8 @@ pub struct Args {
     /// Number of points computed in parallel [default: number of processors].
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Values of `--section`.

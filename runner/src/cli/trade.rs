@@ -32,6 +32,8 @@ pub struct Args {
     /// HTML report to write, with the Pareto fronts.
     #[arg(long, value_name = "FILE.html", default_value = "ballrace-trade.html")]
     report: PathBuf,
+    #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
 }
 
 /// Runs the command.

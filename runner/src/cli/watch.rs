@@ -31,6 +31,8 @@ pub struct Args {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    pub(super) limit: super::ErrorLimit,
+    #[command(flatten)]
     live: LiveArgs,
 }
 
