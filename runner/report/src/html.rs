@@ -321,7 +321,7 @@ fn learned(learning: &Learning) -> Table {
         let values = column([of.scene, of.value, of.low, of.high].into_iter());
         [of.name.clone(), of.unit.to_owned()].into_iter().chain(values).collect::<Vec<_>>()
     };
-    Table::of(columns, learning.parameters.iter().map(row), &words::learned(learning))
+    Table::of(columns, learning.parameters.iter().map(row), words::learned(learning))
 }
 
 fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Table {
