@@ -100,8 +100,13 @@ fn identified(begin: &[u8], path: &Path, layout: FileLayout) -> Result<Option<&'
     let by_name = || FORMATS.iter().find(|format| ending.eq_ignore_ascii_case(format.ending));
     let format = by_content.or_else(by_name);
     let misplaced = |key, expected| RecordingError::Misplaced { file: path.into(), key, expected };
-    if layout.is_headless && format.is_some() {
-        return Err(misplaced("header", "`header = false` only for text"));
+    let of_text = [
+        ("header", layout.is_headless, "`header = false` only for text"),
+        ("skip", layout.skip.is_some(), "`skip` only for text"),
+        ("comment", layout.comment.is_some(), "`comment` only for text"),
+    ];
+    if let Some((key, _, expected)) = of_text.into_iter().find(|(_, given, _)| *given && format.is_some()) {
+        return Err(misplaced(key, expected));
     }
     if layout.orientation.is_some() && !format.is_some_and(|format| ORIENTED.contains(&format.ending)) {
         return Err(misplaced("orientation", "`orientation` only for NPY and NPZ files"));

@@ -3,6 +3,7 @@
 //! Integers are parts of full scale, which is 1: 16 bits reach from -1 to 32767/32768.
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
 use std::fs::File;
