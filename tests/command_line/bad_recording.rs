@@ -115,6 +115,26 @@ fn overload_in_a_cell() {
     }
 }
 
+/// Three of a hundred samples at the upper end of a probe with noise in coarse steps.
+#[test]
+fn clipped_probe() {
+    let plain = short_recording(SHORT);
+    let reading = |row: &str| row.split(',').nth(DE_X).and_then(|cell| cell.parse::<f64>().ok());
+    let mut readings: Vec<f64> = plain.lines().skip(1).filter_map(reading).collect();
+    readings.sort_by(f64::total_cmp);
+    let rail = readings[SHORT * 97 / 100];
+    let clipped = edited_recording(|_, row| {
+        let clipped = reading(row).is_some_and(|reading| reading > rail);
+        vec![if clipped { with_cell(row, DE_X, &format!("{rail:.3}")) } else { row.into() }]
+    });
+    for (text, is_clipped) in [(&plain, false), (&clipped, true)] {
+        let outcome = Desk::with(DEMO_SCENE, text).replay("scene.toml", &[]);
+        let flaws = list(&outcome, "flaws");
+        let found = flaws.iter().any(|flaw| flaw["kind"] == "clipped_probe" && flaw["column"] == "DE_X_um");
+        assert_eq!(found, is_clipped, "{flaws:?}");
+    }
+}
+
 /// Lines above the rows, and clocks of loggers: the figures are those of the plain recording.
 #[test]
 fn lines_above_the_rows() {
