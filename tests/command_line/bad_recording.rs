@@ -12,7 +12,6 @@ const REPLAY: [&str; 4] = ["replay", "scene.toml", "--forces", "forces.csv"];
 /// Columns of the demonstration's recording.
 const DE_X: usize = 1;
 const DE_Y: usize = 2;
-const KEYPHASOR: usize = 6;
 
 /// This recording is rejected with the demonstration's scene.
 fn refused(recording: impl AsRef<[u8]>, code: i32, parts: &[&str]) {
@@ -105,10 +104,93 @@ fn text_in_a_cell() {
     refused(text, 1, &["healthy.csv:100: column DE_Y_um: invalid value: `oops`, expected a number, or NaN or nothing"]);
 }
 
+/// A word, an infinity or nothing in place of a reading: a missing value at its position, as for NaN.
 #[test]
-fn infinity_in_a_cell() {
-    let text = edited(1900, |row| with_cell(row, KEYPHASOR, "inf"));
-    refused(text, 1, &["healthy.csv:1900: column keyphasor: invalid value: `inf`, expected a number"]);
+fn overload_in_a_cell() {
+    for cell in ["OVL", "-Inf", "inf", "1.#INF00", "n/a"] {
+        let text = edited(1001, |row| with_cell(row, DE_Y, cell));
+        let said = "DE_Y_um: no value in 1 sample, at line 1001 (0.078047 s)";
+        let outcome = flawed(DEMO_SCENE, &text, &[("missing_value", Some("DE_Y_um"), 1001, 1, 1, said)]);
+        assert_eq!(number(&outcome, "/record/compared"), SHORT as f64 - 1.0, "{cell}");
+    }
+}
+
+/// Three of a hundred samples at the upper end of a probe with noise in coarse steps.
+#[test]
+fn clipped_probe() {
+    let plain = short_recording(SHORT);
+    let reading = |row: &str| row.split(',').nth(DE_X).and_then(|cell| cell.parse::<f64>().ok());
+    let mut readings: Vec<f64> = plain.lines().skip(1).filter_map(reading).collect();
+    readings.sort_by(f64::total_cmp);
+    let rail = readings[SHORT * 97 / 100];
+    let clipped = edited_recording(|_, row| {
+        let clipped = reading(row).is_some_and(|reading| reading > rail);
+        vec![if clipped { with_cell(row, DE_X, &format!("{rail:.3}")) } else { row.into() }]
+    });
+    for (text, is_clipped) in [(&plain, false), (&clipped, true)] {
+        let outcome = Desk::with(DEMO_SCENE, text).replay("scene.toml", &[]);
+        let flaws = list(&outcome, "flaws");
+        let found = flaws.iter().any(|flaw| flaw["kind"] == "clipped_probe" && flaw["column"] == "DE_X_um");
+        assert_eq!(found, is_clipped, "{flaws:?}");
+    }
+}
+
+/// Lines above the rows, and clocks of loggers: the figures are those of the plain recording.
+#[test]
+fn lines_above_the_rows() {
+    let plain = short_recording(SHORT);
+    let (names, rows) = plain.split_once('\n').unwrap();
+    let expected = Desk::with(DEMO_SCENE, &plain).replay("scene.toml", &[]);
+    let units = "s,um,um,um,um,um,V";
+    for text in [
+        format!("# logger 5\n# rate: 12800 Hz\n{plain}"),
+        format!(";Scopy version,0.2\n;Sample rate,12800\n;Tool,Oscilloscope\n{plain}"),
+        format!("sep=,\n{plain}"),
+        format!("{names}\n{units}\n{rows}"),
+        format!("{names}\n{units}\n,DE,DE,NDE,NDE,NDE,shaft\n{rows}"),
+        format!("# {names}\n{rows}"),
+    ] {
+        let found = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+        assert_eq!(found["probes"], expected["probes"], "{}", &text[..200]);
+    }
+    let desk =
+        Desk::with(&scene(&[("rate = \"12.8 kHz\"", "rate = \"12.8 kHz\"\nskip = 2")]), &format!("1,2\n3,4\n{plain}"));
+    assert_eq!(desk.replay("scene.toml", &[])["probes"], expected["probes"]);
+}
+
+/// Time stamps in another unit than seconds are refused by name, and read with their unit.
+#[test]
+fn time_in_another_unit() {
+    let text = |stamp: &dyn Fn(f64) -> String| {
+        edited_recording(|line, row| {
+            vec![if line == 1 { row.into() } else { with_cell(row, 0, &stamp((line - 2) as f64 / 12_800.0)) }]
+        })
+    };
+    let milliseconds = text(&|time| format!("{:.4}", 1_764_151_872_000.0 + 1e3 * time));
+    let days = text(&|time| format!("{:.15}", 45_983.4 + time / 86_400.0));
+    let desk = Desk::with(&timed(), &milliseconds);
+    desk.refused(
+        &REPLAY,
+        2,
+        &["milliseconds since 1970, expected seconds, or time = { column = \"time_s\", unit = \"ms\" }"],
+    );
+    let desk = Desk::with(&timed(), &days);
+    let said = "time stamps of 45983.4, days since 1900 as Excel counts them, expected seconds, or time = {";
+    desk.refused(&REPLAY, 2, &[said]);
+    // `check` does not look for another number of marks.
+    desk.refused(&["check", "scene.toml"], 2, &[said]);
+    let nanoseconds = text(&|time| format!("{:.0}", 1e9 * time));
+    let desk = Desk::with(&timed(), &nanoseconds);
+    for command in [&REPLAY[..], &["check", "scene.toml"]] {
+        let said = ["sampling rate from its time stamps: implausible rate", "in ns the rate is plausible"];
+        desk.refused(command, 1, &said);
+    }
+    for (unit, text) in [("ms", &milliseconds), ("d", &days)] {
+        let time = format!("time = {{ column = \"time_s\", unit = \"{unit}\" }}");
+        let outcome = Desk::with(&scene(&[("rate = \"12.8 kHz\"", &time)]), text).replay("scene.toml", &[]);
+        assert_eq!(number(&outcome, "/record/samples"), SHORT as f64);
+        assert!((number(&outcome, "/record/duration_s") - (SHORT - 1) as f64 / 12_800.0).abs() < 1e-5, "{unit}");
+    }
 }
 
 #[test]

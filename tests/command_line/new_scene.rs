@@ -287,3 +287,76 @@ fn a_dead_keyphasor_and_a_slow_recorder() {
         found(&[("rate = \"12.8 kHz\"", "rate = \"128 Hz\""), ("3000 rpm", "30 rpm")], &short_recording(SAMPLES));
     assert!(slow.iter().all(|one| one[0] != "recording.rate"), "30 rpm needs 7 Hz: {slow:?}");
 }
+
+/// The draft takes names, directions, noise and offsets from the recording, and states which of them are estimates.
+#[test]
+fn probes_of_a_draft() {
+    // Between -0.5 and 0.5 by a hash of the row and the column.
+    let noise = |row: u32, column: u32| {
+        let mut hash = row ^ (column << 20);
+        for factor in [0x7feb_352d_u32, 0x846c_a68b] {
+            hash = (hash ^ (hash >> 16)).wrapping_mul(factor);
+        }
+        f64::from(hash ^ (hash >> 16)) / f64::from(u32::MAX) - 0.5
+    };
+    let table = |names: &str| {
+        let row = |i: u32| {
+            let turn = 2.0 * std::f64::consts::PI * f64::from(i) / 256.0;
+            let mark = if i % 256 < 8 { -8.0 } else { -2.0 };
+            let probe = |mean: f64, phase: f64, of: u32| mean + (turn + phase).cos() + 0.173 * noise(i, of);
+            format!(
+                "{:.3},{:.3},{:.3},{:.3}\n",
+                probe(0.4, 0.0, 1),
+                probe(1650.0, 1.0, 2),
+                mark + 0.1 * noise(i, 3),
+                i % 3
+            )
+        };
+        format!("{names}\n{}", (0..4096).map(row).collect::<String>())
+    };
+    let draft = |names: &str| {
+        let desk = Desk::empty();
+        desk.put("run.csv", table(names));
+        desk.done(&["new", "--bearing", "6205", "--recording", "run.csv"]).out
+    };
+    let text = draft("DE_45_um,DE_135_um,KP_V,note");
+    assert!(text.contains("keyphasor = { column = \"KP_V\", pulses_per_turn = 1 }"), "{text}");
+    let probe = |column: &str| {
+        let line = text.lines().find(|line| line.contains(column)).unwrap_or_else(|| panic!("{text}"));
+        let number = |key: &str| {
+            let value = line.split_once(&format!("{key} = \""))?.1.split(' ').next()?;
+            value.parse::<f64>().ok()
+        };
+        (line.to_owned(), number("angle"), number("noise").unwrap(), number("offset"))
+    };
+    // Noise of a uniform distribution of 0.173 um, whose standard deviation is 0.05 um.
+    let (line, angle, noise_um, offset) = probe("DE_45_um");
+    assert_eq!((angle, offset), (Some(45.0), None), "{line}");
+    assert!((0.035..0.065).contains(&noise_um), "{line}");
+    assert!(
+        line.contains("noise estimated from 4096 rows; mean 0.4") && line.contains("within the clearance"),
+        "{line}"
+    );
+    let (line, angle, noise_um, offset) = probe("DE_135_um");
+    assert_eq!(angle, Some(135.0), "{line}");
+    assert!((0.035..0.065).contains(&noise_um) && (offset.unwrap() - 1650.0).abs() < 0.1, "{line}");
+    assert!(line.contains("noise and offset estimated from 4096 rows: the mean is beyond the clearance"), "{line}");
+
+    // Columns without a unit keep their names.
+    let text = draft("DE_X,DE_Y,kp,note");
+    assert!(text.contains("keyphasor = { column = \"kp\""), "{text}");
+    for line in [
+        "{ column = \"DE_X\", unit = \"?\", station = \"?\", angle = \"0 deg\" },",
+        "{ column = \"DE_Y\", unit = \"?\", station = \"?\", angle = \"90 deg\" },",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let text = draft("DE_3_um,b,kp,t");
+    assert!(probe_line(&text, "DE_3_um").contains("angle = \"?\", noise = "), "{text}");
+    assert!(probe_line(&text, "DE_3_um").contains("# unit by the name of the column; noise"), "{text}");
+}
+
+/// Returns the line of a draft with this column.
+fn probe_line<'a>(draft: &'a str, column: &str) -> &'a str {
+    draft.lines().find(|line| line.contains(&format!("column = \"{column}\""))).unwrap_or_default()
+}

@@ -107,10 +107,10 @@ fn files() -> Vec<Wrong> {
             text(|text| {
                 text.lines()
                     .enumerate()
-                    .map(|(i, line)| if i == 40 { with_cell(line, 1, "n/a") + "\n" } else { line.to_owned() + "\n" })
+                    .map(|(i, line)| if i == 40 { with_cell(line, 1, "oops") + "\n" } else { line.to_owned() + "\n" })
                     .collect()
             }),
-            &["healthy.csv:41", "n/a"],
+            &["healthy.csv:41", "oops"],
         ),
         in_recording(
             "a decimal comma between commas",

@@ -96,7 +96,7 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
         E::Cell { file, line, column, found, expected } => {
             (file, Some(*line), Some(column.clone()), Some(found.clone()), Some((*expected).to_owned()))
         }
-        E::RowTooLong { file, line, found, expected } => {
+        E::RowTooLong { file, line, found, expected, .. } => {
             (file, Some(*line), None, Some(found.to_string()), Some(expected.to_string()))
         }
         E::Misplaced { file, key, expected } => {

@@ -126,7 +126,7 @@ impl Scene {
             RotationSource::Scene | RotationSource::Synchronous => None,
         };
         let clock = match &recording.clock {
-            Clock::Column(column) => Some(column.as_str()),
+            Clock::Column { name, .. } => Some(name.as_str()),
             Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
         };
         Some(probes.chain(sensors).chain(temperatures).chain(rotation).chain(clock).collect())

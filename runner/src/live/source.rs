@@ -93,7 +93,7 @@ pub fn start(
     };
     let frame_rate = match recording.clock {
         Clock::Rate(rate) => rate,
-        Clock::Column(_) | Clock::Stated | Clock::Number { .. } => 0.0,
+        Clock::Column { .. } | Clock::Stated | Clock::Number { .. } => 0.0,
     };
     let reader = SourceReader {
         layout: FrameLayout::new(recording, encoding == Encoding::FramesCrc),
@@ -197,7 +197,7 @@ impl SourceReader {
     fn frame_rate(&self) -> Result<f64> {
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
-            Clock::Column(_) => bail!(UsageError(
+            Clock::Column { .. } => bail!(UsageError(
                 "[recording] time: frames have no time column, expected a sampling rate, such as rate = \"51.2 kHz\""
                     .to_owned()
             )),
@@ -379,7 +379,7 @@ impl SourceReader {
             }
             RotationSource::Scene | RotationSource::Synchronous => {}
         }
-        if let Clock::Column(column) = &self.recording.clock {
+        if let Clock::Column { name: column, .. } = &self.recording.clock {
             names.push(column.clone());
         }
         Preamble::Columns(names)

@@ -1,8 +1,10 @@
 //! Draft of a scene: every value that the catalogue and a recording give, and `"?"` for those that the user has to fill in.
 
-use crate::catalogue::{BearingKind, Listed, scene_keys};
-use crate::recording::preview::{ColumnRole, NamedDirection, Preview, PreviewColumn};
+use crate::catalogue::{BearingKind, Listed, clearance_range, scene_keys};
+use crate::printable::number;
+use crate::recording::preview::{ColumnLevel, ColumnRole, NamedDirection, Preview, PreviewColumn};
 pub use crate::scene::edit::UNKNOWN;
+use crate::scene::units;
 use std::fmt::Write;
 use toml_edit::Value;
 
@@ -53,13 +55,19 @@ pub fn draft(of: &Draft) -> String {
         bearing(&mut page, i, listed, of);
     }
     match &of.recording {
-        Some((file, preview)) => recording(&mut page, file, preview),
+        Some((file, preview)) => recording(&mut page, file, preview, of.radial_clearance()),
         None => no_recording(&mut page),
     }
     page.0
 }
 
 impl Draft<'_> {
+    /// Returns the largest play to either side of the centre of a bearing, m; none where a bearing has no class of clearance.
+    fn radial_clearance(&self) -> Option<f64> {
+        let each = self.bearings.iter().map(|listed| Some(clearance_range(listed)?[1] / 2.0));
+        each.collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)
+    }
+
     /// Returns true for a recording of vibration, which needs no rotor.
     fn is_vibration(&self) -> bool {
         let Some((_, preview)) = &self.recording else { return false };
@@ -180,7 +188,7 @@ fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
     }
 }
 
-fn recording(page: &mut Page, file: &str, preview: &Preview) {
+fn recording(page: &mut Page, file: &str, preview: &Preview, clearance: Option<f64>) {
     page.table("[recording]");
     page.key("file", &quoted(file), "recording; a relative path begins at the folder of this scene");
     let column = |role: &ColumnRole| preview.columns.iter().find(|column| column.role == *role);
@@ -189,7 +197,13 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
     }
     match (column(&ColumnRole::Time), preview.rate) {
         (None, Some(_)) if preview.is_synchronous => page.key("rate", "\"file\"", "samples per revolution times speed"),
-        (Some(time), _) => page.key("time", &quoted(&time.name), "column of the time in s"),
+        (Some(time), _) => match units::unit_in_name(&time.name) {
+            Some(unit) if unit != "s" => {
+                let value = format!("{{ column = {}, unit = {} }}", quoted(&time.name), quoted(unit));
+                page.key("time", &value, "column of the time, unit by its name");
+            }
+            _ => page.key("time", &quoted(&time.name), "column of the time in s"),
+        },
         (None, Some(rate)) => {
             // The inverse of a stated period has rounding errors.
             let rate = (rate * 1e6).round() / 1e6;
@@ -220,32 +234,47 @@ fn recording(page: &mut Page, file: &str, preview: &Preview) {
             "No keyphasor and no speed: the shaft turns at the scene's speed from angle 0 at the first sample.",
         );
     }
-    let lists = [("probes", probe as fn(&PreviewColumn) -> Option<String>), ("sensors", sensor)];
+    let probes = preview.columns.iter().filter_map(|column| probe(column, clearance)).collect();
+    let sensors = preview.columns.iter().filter_map(sensor).collect();
     let mut is_empty = true;
-    for (key, line) in lists {
-        let lines: Vec<String> = preview.columns.iter().filter_map(line).collect();
+    for (key, lines) in [("probes", probes), ("sensors", sensors)] {
+        let lines: Vec<String> = lines;
         if lines.is_empty() {
             continue;
         }
         is_empty = false;
         if preview.columns.iter().any(|column| matches!(column.role, ColumnRole::GapVoltage(..))) {
             page.comment(
-                "Voltages: sensitivity such as \"7.87 mV/um\"; offset such as \"-9.5 V\", with the shaft in the middle.",
+                "Voltages: sensitivity such as \"7.87 mV/um\"; offset such as \"-9.5 V\", with the shaft in the middle; noise such as \"0.05 um\".",
             );
         }
         page.line(&format!("{key} = ["));
         lines.iter().for_each(|line| page.line(line));
         page.line("]");
     }
-    if is_empty {
+    let unknown = || preview.columns.iter().filter(|column| column.role == ColumnRole::Unknown);
+    // Columns without a unit may be probes; their names are known.
+    let unitless: Vec<&PreviewColumn> = unknown().filter(|column| column.level.is_some()).collect();
+    if is_empty && !unitless.is_empty() {
+        page.comment("Columns without a unit. Delete those that are no probes.");
+        page.line("probes = [");
+        for column in &unitless {
+            let (column, direction) = (quoted(&column.name), direction(column.direction));
+            page.line(&format!("  {{ column = {column}, unit = \"?\", {direction} }},"));
+        }
+        page.line("]");
+    } else if is_empty {
         page.comment("Such as { column = \"DE_X\", unit = \"um\", station = \"-120 mm\", angle = \"0 deg\" }.");
         page.line("probes = [{ column = \"?\", unit = \"?\", station = \"?\", angle = \"?\" }]");
+    }
+    if is_empty {
         page.comment(
             "Vibration of the housing instead: sensors = [{ column = \"...\", unit = \"g\" }], without probes and [rotor].",
         );
     }
+    let is_listed = |column: &&PreviewColumn| is_empty && column.level.is_some();
     let others: Vec<String> =
-        preview.columns.iter().filter(|c| c.role == ColumnRole::Unknown).map(|c| quoted(&c.name)).collect();
+        unknown().filter(|column| !is_listed(column)).map(|column| quoted(&column.name)).collect();
     if !others.is_empty() {
         page.comment(&format!("Other columns of the recording: {}", others.join(", ")));
     }
@@ -275,27 +304,85 @@ fn speed(column: &PreviewColumn) -> Option<(&PreviewColumn, &str)> {
     }
 }
 
-fn probe(column: &PreviewColumn) -> Option<String> {
-    let (unit, direction, conversion) = match &column.role {
-        ColumnRole::Displacement(unit, direction) => (unit, direction, ""),
-        ColumnRole::GapVoltage(unit, direction) => (unit, direction, "sensitivity = \"?\", offset = \"?\", "),
+fn probe(column: &PreviewColumn, clearance: Option<f64>) -> Option<String> {
+    let (unit, named, is_voltage) = match &column.role {
+        ColumnRole::Displacement(unit, direction) => (unit, *direction, false),
+        ColumnRole::GapVoltage(unit, direction) => (unit, *direction, true),
         _ => return None,
     };
-    let mut line = format!("  {{ column = {}, unit = {}, {conversion}", quoted(&column.name), quoted(unit));
-    let direction = match direction {
-        Some(NamedDirection::Axial) => "axial = true",
-        Some(NamedDirection::X) => "station = \"?\", angle = \"0 deg\"",
-        Some(NamedDirection::Y) => "station = \"?\", angle = \"90 deg\"",
-        None => "station = \"?\", angle = \"?\"",
+    let mut line = format!("  {{ column = {}, unit = {}, ", quoted(&column.name), quoted(unit));
+    if is_voltage {
+        let offset = column.level.map_or_else(|| UNKNOWN.to_owned(), |level| in_unit(level.mean, level.noise, unit));
+        let _ = write!(line, "sensitivity = \"?\", offset = {}, ", quoted(&offset));
+    }
+    line += &direction(named);
+    let mut comments = match (column.has_unit, named.is_some()) {
+        (true, true) => vec!["unit of the file, direction by the name".to_owned()],
+        (true, false) => vec!["unit of the file".to_owned()],
+        (false, true) => vec!["unit and direction by the name of the column".to_owned()],
+        (false, false) => vec!["unit by the name of the column".to_owned()],
     };
-    let _ = write!(line, "{direction} }},  # unit and direction by the name of the column");
+    if let Some(level) = column.level {
+        comments.push(estimates(&mut line, level, unit, is_voltage, named, clearance));
+    }
+    let _ = write!(line, " }},  # {}", comments.join("; "));
     Some(line)
+}
+
+/// Adds noise and offset to a probe as far as the rows give them, and returns the comment on both.
+fn estimates(
+    line: &mut String,
+    level: ColumnLevel,
+    unit: &str,
+    is_voltage: bool,
+    named: Option<NamedDirection>,
+    clearance: Option<f64>,
+) -> String {
+    let (noise, mean) = (in_unit(level.noise, level.noise, unit), in_unit(level.mean, level.noise, unit));
+    let of = format!("estimated from {} rows", level.rows);
+    if is_voltage {
+        return format!("offset {of}, as the mean; noise of {noise} by the scatter, to be divided by the sensitivity");
+    }
+    let _ = write!(line, ", noise = {}", quoted(&noise));
+    let metres = units::length_column(unit).map_or(f64::NAN, |metres| level.mean.abs() * metres);
+    match (named, clearance) {
+        (Some(NamedDirection::Axial), _) => format!("noise {of}; mean {mean}"),
+        (_, Some(play)) if metres <= play => {
+            format!("noise {of}; mean {mean}, within the clearance of +-{} um", number(play * 1e6))
+        }
+        (_, Some(play)) => {
+            let _ = write!(line, ", offset = {}", quoted(&mean));
+            format!("noise and offset {of}: the mean is beyond the clearance of +-{} um", number(play * 1e6))
+        }
+        (_, None) => format!("noise {of}; mean {mean}, of which offset is the part that is no displacement"),
+    }
+}
+
+/// Returns a value with two digits of its noise, and its unit.
+fn in_unit(value: f64, noise: f64, unit: &str) -> String {
+    let digits = if noise > 0.0 { (1.0 - noise.log10().floor()).clamp(0.0, 12.0) as usize } else { 3 };
+    let text = format!("{value:.digits$}");
+    // A mean within its rounding has no sign.
+    let is_zero = !text.contains(|digit: char| ('1'..='9').contains(&digit));
+    format!("{} {unit}", if is_zero { text.trim_start_matches('-') } else { &text })
+}
+
+/// Returns the keys of a direction.
+fn direction(named: Option<NamedDirection>) -> String {
+    match named {
+        Some(NamedDirection::Axial) => "axial = true".to_owned(),
+        Some(NamedDirection::X) => "station = \"?\", angle = \"0 deg\"".to_owned(),
+        Some(NamedDirection::Y) => "station = \"?\", angle = \"90 deg\"".to_owned(),
+        Some(NamedDirection::Degrees(angle)) => format!("station = \"?\", angle = \"{angle} deg\""),
+        None => "station = \"?\", angle = \"?\"".to_owned(),
+    }
 }
 
 fn sensor(column: &PreviewColumn) -> Option<String> {
     let ColumnRole::Vibration(unit) = &column.role else { return None };
     let (name, unit) = (quoted(&column.name), quoted(unit));
-    Some(format!("  {{ column = {name}, unit = {unit} }},  # unit by the name of the column"))
+    let origin = if column.has_unit { "unit of the file" } else { "unit by the name of the column" };
+    Some(format!("  {{ column = {name}, unit = {unit} }},  # {origin}"))
 }
 
 #[cfg(test)]
@@ -304,14 +391,20 @@ mod tests {
 
     #[test]
     fn a_column_of_gap_voltages() {
-        let column = |name: &str, role| PreviewColumn { name: name.to_owned(), role };
+        let column = |name: &str, role| PreviewColumn {
+            name: name.to_owned(),
+            role,
+            has_unit: false,
+            direction: None,
+            level: Some(ColumnLevel { mean: -9.512_34, noise: 0.002_1, rows: 4096 }),
+        };
         let columns = vec![
             column("DE_X_V", ColumnRole::GapVoltage("V".to_owned(), Some(NamedDirection::X))),
             column("key", ColumnRole::Keyphasor),
         ];
         let preview = Preview { columns, rate: None, is_headless: false, is_synchronous: false, numbers: vec![] };
         let text = draft(&Draft { recording: Some(("a.csv".to_owned(), &preview)), ..Draft::default() });
-        let line = "{ column = \"DE_X_V\", unit = \"V\", sensitivity = \"?\", offset = \"?\", station = \"?\", angle = \"0 deg\" }";
+        let line = "{ column = \"DE_X_V\", unit = \"V\", sensitivity = \"?\", offset = \"-9.5123 V\", station = \"?\", angle = \"0 deg\" },";
         assert!(text.contains(line) && text.contains("such as \"7.87 mV/um\"") && text.contains("[rotor]"), "{text}");
     }
 }

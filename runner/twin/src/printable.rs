@@ -7,11 +7,11 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// Longest name in a message, in characters.
-const NAME: usize = 60;
+const NAME: usize = 120;
 /// Longest message, in characters: thirty column names and a sentence.
 const MESSAGE: usize = 4000;
 
-/// Returns a name or cell for a message: escaped, at most 60 characters long.
+/// Returns a name or cell for a message: escaped, at most 120 characters long.
 #[must_use]
 pub fn name(text: &str) -> String {
     escaped(&bounded(text, NAME), false).into_owned()

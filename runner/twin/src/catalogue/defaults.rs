@@ -22,6 +22,12 @@ pub struct SceneKey {
     pub is_estimated: bool,
 }
 
+/// Returns the least and the greatest diametral clearance of a bearing before mounting, m; none without a class of clearance.
+#[must_use]
+pub fn clearance_range(listed: &Listed) -> Option<[f64; 2]> {
+    range(listed.entry, listed.class)
+}
+
 /// Returns the scene keys of a bearing of the catalogue before mounting.
 #[must_use]
 pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {

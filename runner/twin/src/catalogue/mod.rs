@@ -13,7 +13,7 @@ mod tests;
 
 pub use clearance::ClearanceClass;
 pub use data::{BearingKind, Entry, Provenance, PublishedFactors, all};
-pub use defaults::{SceneKey, scene_keys};
+pub use defaults::{SceneKey, clearance_range, scene_keys};
 
 use crate::printable;
 

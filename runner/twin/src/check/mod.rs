@@ -17,12 +17,13 @@ use crate::outcome::{ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{Plant, mounting_notes};
 use crate::plausibility::{Collector, Evidence, implausible, implausible_scene};
 use crate::recording::Reader;
+use crate::recording::clock::check_rate;
 use crate::recording::flaws::FlawSummary;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::replay::range::ReadingRange;
 use crate::scene::build::kinematics;
-use crate::scene::{RotationSource, Scene};
+use crate::scene::{Clock, RotationSource, Scene};
 use serde::Serialize;
 
 /// Largest number of samples between two pulses of a keyphasor.
@@ -149,6 +150,10 @@ fn read(
     let Some(recording) = &scene.recording else {
         return Err(crate::error::ReplayError::NoRecording { file: scene.path.clone() }.into());
     };
+    // A rate of the scene is one of the values that are listed.
+    if matches!(recording.clock, Clock::Column { .. }) && !recording.probes.is_empty() {
+        check_rate(reader.rate(), recording, scene.shaft.speed).map_err(|e| e.of(scene, file))?;
+    }
     let mut range = match plant {
         Some(plant) if !recording.probes.is_empty() => Some(ReadingRange::try_new(scene, plant, &recording.probes)?),
         _ => None,

@@ -17,6 +17,7 @@ use crate::plant::{Plant, only_observable, only_rotor};
 use crate::probes::reading;
 use crate::recording::Reader;
 use crate::recording::Sample;
+use crate::recording::clock::check_rate;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
 use crate::scene::{RotationSource, Scene};
@@ -224,6 +225,9 @@ pub fn fit_recording(
     progress: &mut dyn FnMut(FitProgress),
 ) -> Result<Fitted> {
     let average = scene.recording.as_ref().map_or(1, |recording| recording.average);
+    if let Some(keys) = &scene.recording {
+        check_rate(reader.rate(), keys, scene.shaft.speed).map_err(|e| e.of(scene, recording))?;
+    }
     let rate = reader.rate() / f64::from(average);
     let RecordingSamples { samples, cage_samples } = read(scene, reader, plan.turns)?;
     fit(

@@ -3,7 +3,7 @@
 use super::ResponseSample;
 use crate::plant::Plant;
 use crate::recording::write::WrittenColumn;
-use crate::scene::{Clock, KeyphasorSignal, PulseDetection, Recording, RotationSource, Scene, Slope};
+use crate::scene::{Clock, KeyphasorSignal, PulseDetection, Recording, RotationSource, Scene, Slope, units};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
@@ -40,7 +40,8 @@ pub enum InstrumentError {
 /// Instruments of a scene, with the state of their noise.
 pub struct Instruments {
     columns: Vec<WrittenColumn>,
-    has_time: bool,
+    /// Seconds for one unit of the column of time, where there is one.
+    seconds: Option<f64>,
     probes: Vec<Instrument>,
     rotation: RotationSource,
     noise: fastrand::Rng,
@@ -87,7 +88,10 @@ impl Instruments {
         });
         Ok(Self {
             columns: columns(recording),
-            has_time: matches!(recording.clock, Clock::Column(_)),
+            seconds: match recording.clock {
+                Clock::Column { seconds, .. } => Some(seconds.unwrap_or(1.0)),
+                Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
+            },
             probes: probes.collect(),
             rotation: recording.rotation.clone(),
             noise: fastrand::Rng::with_seed(seed),
@@ -104,8 +108,8 @@ impl Instruments {
     /// Writes the readings of a sample, in the units of the columns.
     pub fn read(&mut self, sample: &ResponseSample<'_>, into: &mut Vec<f64>) {
         into.clear();
-        if self.has_time {
-            into.push(sample.time);
+        if let Some(seconds) = self.seconds {
+            into.push(sample.time / seconds);
         }
         let coordinates = sample.twin.coordinates();
         for probe in &self.probes {
@@ -136,7 +140,9 @@ impl Instruments {
 
 fn columns(recording: &Recording) -> Vec<WrittenColumn> {
     let time = match &recording.clock {
-        Clock::Column(name) => Some(WrittenColumn { name: name.clone(), unit: Some("s") }),
+        Clock::Column { name, seconds } => {
+            Some(WrittenColumn { name: name.clone(), unit: units::time_name(seconds.unwrap_or(1.0)) })
+        }
         Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
     };
     let rotation = match &recording.rotation {

@@ -16,6 +16,8 @@ use crate::scene::bounded::open_regular;
 /// Largest relative difference between the sampling rates of two files.
 const RATE_TOLERANCE: f64 = 1e-3;
 
+const SECONDS_PER_DAY: f64 = 86_400.0;
+
 /// The tables of several files, of which one is open at a time.
 pub(super) struct Chain {
     files: Files,
@@ -167,6 +169,7 @@ impl Chain {
         if self.rows == 1 {
             let form = |origin: Option<TimeOrigin>| match origin {
                 None => "seconds",
+                Some(TimeOrigin { has_date: false, .. }) => "times of day",
                 Some(TimeOrigin { has_zone: true, .. }) => "dates with a zone",
                 Some(_) => "dates without a zone",
             };
@@ -177,6 +180,12 @@ impl Chain {
             }
             if let (Some(own), Some(of_first)) = (origin, of_first) {
                 time.offset = (own.nanoseconds - of_first.nanoseconds) as f64 / 1e9;
+                // A file begins on the day on which its time of day is nearest to the end of the file before.
+                if !own.has_date
+                    && let Some(end) = time.last
+                {
+                    time.offset += ((end - time.offset) / SECONDS_PER_DAY).round() * SECONDS_PER_DAY;
+                }
             }
         }
         *stamp += time.offset;
@@ -252,11 +261,15 @@ impl Table for Chain {
         Ok(true)
     }
 
-    fn bytes_read(&self) -> u64 {
-        self.bytes + self.table.bytes_read()
+    fn refusal(&self, name: &str) -> Option<RecordingError> {
+        self.table.refusal(name)
     }
 
-    fn file(&self) -> Option<&Path> {
-        self.files.paths.get(self.at).map(PathBuf::as_path)
+    fn unrated(&self) -> Option<&str> {
+        self.table.unrated()
+    }
+
+    fn bytes_read(&self) -> u64 {
+        self.bytes + self.table.bytes_read()
     }
 }

@@ -1,7 +1,7 @@
 //! Conversion of time stamps to sample numbers, by a grid that follows the clock of the recording.
 
 use crate::printable::number;
-use crate::scene::{Clock, Recording, Scene, Speed};
+use crate::scene::{Clock, Recording, Scene, Speed, units};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ const HIGHEST_RATE: f64 = 1e7;
 
 /// Error returned for a sampling rate at which the scene's shaft cannot have been recorded.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("implausible rate at a shaft speed of {speed_rpm:.0} rpm: {} Hz, expected {} Hz to 10 MHz", number(*rate), number(*least))]
+#[error("implausible rate at a shaft speed of {speed_rpm:.0} rpm: {} Hz, expected {} Hz to 10 MHz{hint}", number(*rate), number(*least), hint = self.hint())]
 pub struct ImplausibleRate {
     /// Samples a second, averaged ones counted once, Hz.
     rate: f64,
@@ -21,9 +21,26 @@ pub struct ImplausibleRate {
     least: f64,
     /// The scene states the rate.
     by_scene: bool,
+    /// The scene states the unit of the time stamps.
+    is_unit_given: bool,
 }
 
 impl ImplausibleRate {
+    /// Returns the units in which the time stamps have a plausible rate.
+    fn hint(&self) -> String {
+        if self.by_scene || self.is_unit_given {
+            return String::new();
+        }
+        let fits = |rate: f64| rate >= self.least && rate <= HIGHEST_RATE;
+        match units::time_units_with(self.rate, fits).as_slice() {
+            [] => String::new(),
+            units => format!(
+                "; in {} the rate is plausible, expected time = {{ column, unit }} where the column is not in seconds",
+                units.join(" or ")
+            ),
+        }
+    }
+
     /// Returns the error with its place: the scene where that states the rate, else the recording `name`.
     #[must_use]
     pub fn of(self, scene: &Scene, name: &str) -> RateError {
@@ -66,10 +83,11 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
     if rate >= least && rate <= HIGHEST_RATE {
         return Ok(());
     }
-    let by_scene = !matches!(recording.clock, Clock::Column(_));
+    let is_unit_given = matches!(recording.clock, Clock::Column { seconds: Some(_), .. });
+    let by_scene = !matches!(recording.clock, Clock::Column { .. });
     // The last digits of a rate from time stamps are rounding.
     let rate = format!("{rate:.8e}").parse().unwrap_or(rate);
-    Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene })
+    Err(ImplausibleRate { rate, speed_rpm: 60.0 * turns_per_second, least, by_scene, is_unit_given })
 }
 
 /// Number of rows from which the step is determined.

@@ -44,16 +44,18 @@ pub(super) fn open(
     if !is_system1 {
         return Ok(Box::new(CsvTable::new(whole, name, layout)?));
     }
-    if layout.is_headless {
-        let expected = "no `header = false` for an export of System 1";
-        return Err(RecordingError::Misplaced { file: name.into(), key: "header", expected });
+    let keys = [("header", layout.is_headless), ("skip", layout.skip.is_some()), ("comment", layout.comment.is_some())];
+    if let Some((key, _)) = keys.into_iter().find(|(_, given)| *given) {
+        let expected = "only `file` and the columns for an export of System 1";
+        return Err(RecordingError::Misplaced { file: name.into(), key, expected });
     }
     Ok(Box::new(system1::open(whole, name)?))
 }
 
 /// A CSV file, row by row.
 ///
-/// The delimiter (`,` `;` tab `|`, or blanks without a header) is detected from the first line. Blank lines are skipped.
+/// The delimiter (`,` `;` tab `|`, or blanks without a header), the names and comments are detected from the lines up to the
+/// first row. Blank lines are skipped.
 struct CsvTable {
     name: PathBuf,
     header: Header,
@@ -77,8 +79,8 @@ impl CsvTable {
         name: &Path,
         layout: FileLayout,
     ) -> Result<Self, RecordingError> {
-        let header = Header::read(&mut reader, name, layout.is_headless)?;
-        let first = Cursor::new(header.first_row.clone());
+        let mut header = Header::read(&mut reader, name, layout)?;
+        let first = Cursor::new(core::mem::take(&mut header.first_rows));
         let whole = first.chain(reader);
         let whole: Box<dyn Read + Send> =
             if header.delimiter == b' ' { Box::new(SqueezedBlanks::new(whole)) } else { Box::new(whole) };
@@ -87,6 +89,7 @@ impl CsvTable {
             .delimiter(header.delimiter)
             .has_headers(false)
             .flexible(true)
+            .comment(header.comment)
             // A carriage return before it is trimmed with the cell; the parser would count it as a line.
             .terminator(Terminator::Any(b'\n'))
             .buffer_capacity(BUFFER)
@@ -177,7 +180,7 @@ impl CsvTable {
     fn expected(&self, place: usize) -> &'static str {
         let found = self.record.get(place).unwrap_or_default();
         if self.time.is_some() && self.selected.first() == Some(&place) {
-            return time::EXPECTED;
+            return TimeStamps::expected(found);
         }
         match self.mark {
             DecimalMark::Comma if found.contains(&b'.') => decimal::EXPECTED_COMMA,
@@ -209,7 +212,16 @@ impl Table for CsvTable {
     }
 
     fn header_line(&self) -> Option<u64> {
-        Some(self.header.line)
+        Some(self.header.names_line)
+    }
+
+    fn unit(&self, place: usize) -> Option<&str> {
+        let unit = self.header.units.get(place)?.trim_matches(['(', ')', '[', ']']).trim();
+        (!unit.is_empty()).then_some(unit)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.header.notes.clone()
     }
 
     fn set_time(&mut self, _place: usize) {
@@ -234,7 +246,9 @@ impl Table for CsvTable {
         }
         let (found, expected) = (self.cells(), self.header.names.len());
         if found > expected {
-            return Err(RecordingError::RowTooLong { file: self.name.clone(), line: self.line, found, expected });
+            let (file, line, names) = (self.name.clone(), self.line, self.header.names_line);
+            let is_first = line == self.header.line + 1;
+            return Err(RecordingError::RowTooLong { file, line, found, expected, names: is_first.then_some(names) });
         }
         let mut whole = if found < self.least { found.saturating_sub(1) } else { expected };
         let broke_off = self.ahead.is_empty() && self.source.get_ref().broke_off();

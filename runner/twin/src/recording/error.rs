@@ -130,9 +130,17 @@ pub enum RecordingError {
         /// First line that is not text.
         line: u64,
     },
+    /// A line above the rows is too long.
+    #[error("{file}:{line}: a line longer than 4 MiB, expected lines of text")]
+    LongLine {
+        /// The recording.
+        file: PathBuf,
+        /// The line.
+        line: u64,
+    },
     /// The first line has numbers instead of column names.
     #[error(
-        "{file}:{line}: numbers instead of a header: `{found}`, expected a line with the names of the columns, or `header = false` in the scene"
+        "{file}:{line}: numbers instead of a header: `{found}`, expected a line with the names of the columns, `skip` with the number of lines above it, or `header = false` in the scene"
     )]
     NoHeader {
         /// The recording.
@@ -225,7 +233,7 @@ pub enum RecordingError {
         expected: &'static str,
     },
     /// A row has more cells than the header has names.
-    #[error("{file}:{line}: too many cells: {found}, expected {expected} as in the header")]
+    #[error("{file}:{line}: too many cells: {found}, expected {expected} as in the header{}", or_skip(*.names))]
     RowTooLong {
         /// The recording.
         file: PathBuf,
@@ -235,6 +243,30 @@ pub enum RecordingError {
         found: usize,
         /// Number of names in the header.
         expected: usize,
+        /// Line of the header, for the first row.
+        names: Option<u64>,
+    },
+    /// The time stamps are in another unit than seconds.
+    #[error("{file}: column {column}: {found}, expected seconds, or time = {{ column = \"{column}\", unit = \"{unit}\" }} in the scene", column = name(.column))]
+    TimeUnit {
+        /// The recording.
+        file: PathBuf,
+        /// The column of time stamps.
+        column: String,
+        /// Evidence of the unit.
+        found: String,
+        /// The unit.
+        unit: String,
+    },
+    /// The time stamps go back at the end of summer time.
+    #[error(
+        "{file}:{line}: time stamps go back by 1 h and go on, as at the end of summer time, expected time stamps in UTC or with a zone, or `rate` instead of `time` in the scene"
+    )]
+    SummerTime {
+        /// The recording.
+        file: PathBuf,
+        /// First line of winter time.
+        line: u64,
     },
     /// The time stamps give no sampling rate.
     #[error(
@@ -272,6 +304,7 @@ impl RecordingError {
                 | Self::NotSynchronous { .. }
                 | Self::Misplaced { .. }
                 | Self::NoSequence { .. }
+                | Self::TimeUnit { .. }
         )
     }
 }
@@ -287,6 +320,13 @@ fn other_files(count: usize) -> String {
         1 => "folder without a recording: 1 other file".to_owned(),
         _ => format!("folder without a recording: {count} other files"),
     }
+}
+
+/// Returns the other cause of a first row that does not fit to line `names`.
+fn or_skip(names: Option<u64>) -> String {
+    names.map_or_else(String::new, |line| {
+        format!(" at line {line}, or `skip` in the scene with the number of lines above the names of the columns")
+    })
 }
 
 fn at_line(line: Option<u64>) -> String {

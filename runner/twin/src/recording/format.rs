@@ -27,7 +27,11 @@ const fn format(ending: &'static str, begins: &'static [u8], open: Open) -> Form
     Format { ending, begins, goes_on: (0, b""), open }
 }
 
-const FORMATS: [Format; 12] = [
+const fn wav(begins: &'static [u8]) -> Format {
+    Format { goes_on: (8, b"WAVE"), ..format("wav", begins, |file, path, _| wav::open(file, path)) }
+}
+
+const FORMATS: [Format; 15] = [
     format("mat", b"MATLAB 5.0 MAT-file", |file, path, _| mat::open(file, path)),
     format("mat", b"MATLAB 7.3 MAT-file", |file, path, _| hdf5::open(file, path)),
     format("h5", hdf5::SIGNATURE, |file, path, _| hdf5::open(file, path)),
@@ -37,7 +41,10 @@ const FORMATS: [Format; 12] = [
     Format { goes_on: (6, b" "), ..format("uff", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
     Format { goes_on: (6, b"\r"), ..format("unv", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
     Format { goes_on: (6, b"\n"), ..format("uff", uff::SEPARATOR, |file, path, _| uff::open(file, path)) },
-    Format { goes_on: (8, b"WAVE"), ..format("wav", b"RIFF", |file, path, _| wav::open(file, path)) },
+    wav(wav::BEGINNINGS[0]),
+    wav(wav::BEGINNINGS[1]),
+    wav(wav::BEGINNINGS[2]),
+    wav(wav::BEGINNINGS[3]),
     Format { goes_on: (4, b"\x15"), ..format("parquet", b"PAR1", |file, path, _| parquet::open(file, path)) },
     Format { goes_on: (5, b"\0\0\0"), ..format("tdms", b"TDSm", |file, path, _| tdms::open(file, path)) },
 ];
@@ -48,7 +55,10 @@ pub(super) fn is_ending(ending: &str) -> bool {
 }
 
 /// Number of bytes that identify a format.
-const IDENTIFICATION: u64 = 32;
+const IDENTIFICATION: u64 = 128;
+/// Place of the version in a MATLAB file of version 5, which any text of its maker may precede, and its forms.
+const MAT_VERSION: usize = 124;
+const MAT_VERSIONS: [&[u8]; 2] = [b"\0\x01IM", b"\x01\0MI"];
 /// Extensions of formats whose arrays have an orientation.
 const ORIENTED: [&str; 2] = ["npy", "npz"];
 
@@ -97,12 +107,19 @@ fn first_bytes(source: &mut impl Read) -> io::Result<Vec<u8>> {
 fn identified(begin: &[u8], path: &Path, layout: FileLayout) -> Result<Option<&'static Format>, RecordingError> {
     let has = |at: usize, bytes: &[u8]| begin.get(at..).unwrap_or_default().starts_with(bytes);
     let by_content = FORMATS.iter().find(|format| has(0, format.begins) && has(format.goes_on.0, format.goes_on.1));
+    let is_mat = MAT_VERSIONS.iter().any(|version| has(MAT_VERSION, version));
+    let by_content = by_content.or_else(|| FORMATS.iter().find(|format| is_mat && format.ending == "mat"));
     let ending = path.extension().unwrap_or_default();
     let by_name = || FORMATS.iter().find(|format| ending.eq_ignore_ascii_case(format.ending));
     let format = by_content.or_else(by_name);
     let misplaced = |key, expected| RecordingError::Misplaced { file: path.into(), key, expected };
-    if layout.is_headless && format.is_some() {
-        return Err(misplaced("header", "`header = false` only for text"));
+    let of_text = [
+        ("header", layout.is_headless, "`header = false` only for text"),
+        ("skip", layout.skip.is_some(), "`skip` only for text"),
+        ("comment", layout.comment.is_some(), "`comment` only for text"),
+    ];
+    if let Some((key, _, expected)) = of_text.into_iter().find(|(_, given, _)| *given && format.is_some()) {
+        return Err(misplaced(key, expected));
     }
     if layout.orientation.is_some() && !format.is_some_and(|format| ORIENTED.contains(&format.ending)) {
         return Err(misplaced("orientation", "`orientation` only for NPY and NPZ files"));

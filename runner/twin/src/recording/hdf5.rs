@@ -3,7 +3,7 @@
 //!
 //! Format: The HDF Group, HDF5 File Format Specification, version 3.0. The reader supports superblocks 0 to 3, both forms of
 //! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under a B-tree
-//! of version 1, with the filters deflate, shuffle and Fletcher-32.
+//! of version 1, with the filters deflate, shuffle and Fletcher-32. The fields of a compound type are vectors, such as `/table.x`.
 
 mod data;
 mod group;
@@ -22,8 +22,10 @@ use super::bytes::Bytes;
 use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
+use crate::printable::name;
 
-const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, uncompressed or by deflate";
+const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, compact, contiguous or in chunks under a B-tree of \
+                        version 1, uncompressed or by deflate, as h5py writes it with libver=\"earliest\"";
 
 /// First bytes of the superblock.
 pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -128,6 +130,8 @@ struct Hdf5 {
     vectors: Vec<Vector>,
     datasets: Vec<Dataset>,
     scalars: Vec<(String, walk::Scalar)>,
+    /// Paths of data that cannot be columns, with the reason.
+    refused: Vec<(String, String)>,
     is_matlab: bool,
     selected: LoadedColumns,
 }
@@ -144,11 +148,11 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
     };
     let (source, found, is_matlab) = contents(&mut file).map_err(|cause: io::Error| wrong(path, &cause))?;
     if found.vectors.is_empty() {
-        let found = found.refused.unwrap_or_else(|| "no vector of numbers".to_owned());
-        return Err(wrong(path, &refuse(found)));
+        let reason = found.refused.first().map(|(path, reason)| format!("`{}`: {reason}", name(path)));
+        return Err(wrong(path, &refuse(reason.unwrap_or_else(|| "no vector of numbers".to_owned()))));
     }
     let (names, vectors) = found.vectors.into_iter().unzip();
-    let (datasets, scalars, path) = (found.datasets, found.scalars, path.into());
+    let (datasets, scalars, refused, path) = (found.datasets, found.scalars, found.refused, path.into());
     Ok(Box::new(Hdf5 {
         path,
         source,
@@ -156,6 +160,7 @@ pub(super) fn open(mut file: File, path: &Path) -> Result<Box<dyn Table>, Record
         vectors,
         datasets,
         scalars,
+        refused,
         is_matlab,
         selected: LoadedColumns::default(),
     }))
@@ -197,6 +202,15 @@ impl Table for Hdf5 {
 
     fn is_called(&self, place: usize, name: &str) -> bool {
         self.names.get(place).is_some_and(|own| self.is_same(own, name))
+    }
+
+    fn refusal(&self, wanted: &str) -> Option<RecordingError> {
+        let is_within = |own: &str| {
+            let longer = wanted.strip_prefix(own).or_else(|| wanted.strip_prefix(own.strip_prefix('/')?));
+            longer.is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '(', '.']))
+        };
+        let (path, reason) = self.refused.iter().find(|(own, _)| is_within(own))?;
+        Some(wrong(&self.path, &refuse(format!("`{}`: {reason}", name(path)))))
     }
 
     fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {

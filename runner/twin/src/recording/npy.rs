@@ -122,7 +122,7 @@ impl Array {
 fn number(kind: &PlainType) -> Option<Number> {
     let bytes = u8::try_from(kind.bytes?).ok()?;
     let kind_of = match (kind.kind, bytes) {
-        ('f', 4 | 8) => Kind::Float,
+        ('f', 2 | 4 | 8) => Kind::Float,
         ('i', 1 | 2 | 4 | 8) => Kind::Signed,
         ('u', 1 | 2 | 4 | 8) | ('b', 1) => Kind::Unsigned,
         _ => return None,
@@ -154,7 +154,7 @@ fn structure(fields: Vec<Field>, start: u64, rows: u64) -> io::Result<Vec<Lane>>
         let kind = if shape.is_empty() { format!("type {}", plain.text) } else { "arrays".to_owned() };
         let refused = own.is_none().then(|| format!("is of {kind}"));
         let runs = own.map(|number| Run::once(number, at, width, rows)).into_iter().collect();
-        lanes.push(Lane { name, unit: None, rate: None, runs, refused });
+        lanes.push(Lane { name, group: None, unit: None, rate: None, runs, refused });
         at = at.saturating_add(size);
     }
     Ok(lanes)

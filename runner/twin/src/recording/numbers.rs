@@ -14,7 +14,7 @@ const BLOCK: u64 = 1 << 16;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Number {
     pub(super) kind: Kind,
-    /// Size in bytes: 1 to 8; 4 or 8 for a float.
+    /// Size in bytes: 1 to 8; 2, 4 or 8 for a float.
     pub(super) bytes: u8,
     pub(super) big_endian: bool,
     /// Factor of the stored number.
@@ -50,12 +50,25 @@ impl Number {
         let value = match self.kind {
             Kind::Signed => ((bits << unused) as i64 >> unused) as f64,
             Kind::Unsigned => bits as f64,
+            Kind::Float if size == 2 => half(bits as u16),
             Kind::Float if size == 4 => f64::from(f32::from_bits(bits as u32)),
             Kind::Float => f64::from_bits(bits),
             Kind::Centred => bits as f64 - (1_u64 << (8 * size - 1)) as f64,
         };
         value * self.scale + self.offset
     }
+}
+
+/// Returns the value of a float of 16 bits (IEEE 754 binary16).
+fn half(bits: u16) -> f64 {
+    let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+    let size = match exponent {
+        0 => mantissa * 2.0_f64.powi(-24),
+        31 if mantissa == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (1024.0 + mantissa) * 2.0_f64.powi(exponent - 25),
+    };
+    if bits >> 15 == 0 { size } else { -size }
 }
 
 /// Positions of numbers in a file: `count` numbers `stride` bytes apart, in `repeats` groups `every` bytes apart.
@@ -99,6 +112,8 @@ impl Run {
 /// One column of a file: its name and the positions of its numbers.
 pub(super) struct Lane {
     pub(super) name: String,
+    /// Name of its group, which the name begins with.
+    pub(super) group: Option<String>,
     pub(super) unit: Option<String>,
     /// Sampling rate, Hz.
     pub(super) rate: Option<f64>,
@@ -110,7 +125,7 @@ pub(super) struct Lane {
 impl Lane {
     /// Creates a column of a single run.
     pub(super) fn even(name: String, run: Run) -> Self {
-        Self { name, unit: None, rate: None, runs: vec![run], refused: None }
+        Self { name, group: None, unit: None, rate: None, runs: vec![run], refused: None }
     }
 }
 
@@ -142,6 +157,8 @@ pub(super) struct Numbers {
     layout: Layout,
     selected: Vec<Column>,
     rate: Option<f64>,
+    /// Name of a selected column without a rate, of which no other column of its group has one.
+    unrated: Option<String>,
     rows: u64,
     row: u64,
     /// Bytes of all numbers of a row that is read.
@@ -163,7 +180,8 @@ impl Numbers {
     pub(super) fn new(file: File, path: &Path, layout: Layout) -> Self {
         let names = layout.lanes.iter().map(|lane| lane.name.clone()).collect();
         let (path, selected, bytes) = (path.into(), Vec::new(), Vec::new());
-        Self { path, file, names, layout, selected, rate: None, rows: 0, row: 0, width: 0, bytes }
+        let (rate, unrated) = (None, None);
+        Self { path, file, names, layout, selected, rate, unrated, rows: 0, row: 0, width: 0, bytes }
     }
 
     fn wrong(&self, found: String) -> RecordingError {
@@ -202,8 +220,9 @@ impl Table for Numbers {
 
     /// A channel in a group is also found by its own name.
     fn is_called(&self, place: usize, name: &str) -> bool {
-        let own = self.names.get(place).map(String::as_str);
-        own == Some(name) || own.and_then(|own| own.split_once('/')).is_some_and(|(_, channel)| channel == name)
+        let Some(lane) = self.layout.lanes.get(place) else { return false };
+        let channel = lane.group.as_ref().and_then(|group| lane.name.strip_prefix(group.as_str())?.strip_prefix('/'));
+        lane.name == name || channel == Some(name)
     }
 
     fn unit(&self, place: usize) -> Option<&str> {
@@ -212,6 +231,10 @@ impl Table for Numbers {
 
     fn rate(&self) -> Option<f64> {
         self.rate
+    }
+
+    fn unrated(&self) -> Option<&str> {
+        self.unrated.as_deref()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -237,6 +260,8 @@ impl Table for Numbers {
         let lengths: Vec<_> = lanes.iter().zip(&columns).map(|(lane, c)| (lane.name.as_str(), c.length())).collect();
         let rows = equal_lengths(&self.path, &lengths)?;
         let rate = self.common_rate(&lanes)?;
+        let is_rated = |lane: &&Lane| lanes.iter().any(|other| other.group == lane.group && other.rate.is_some());
+        self.unrated = lanes.iter().copied().find(|lane| !is_rated(lane)).map(|lane| lane.name.clone());
         let width = columns.iter().filter_map(|c| c.runs.first()).map(|run| u64::from(run.number.bytes)).sum();
         (self.selected, self.rows, self.rate, self.width) = (columns, rows, rate, width);
         Ok(())

@@ -1,4 +1,5 @@
-//! Parquet files as recordings: flat columns of numbers by their names, decoded a row group and a block at a time.
+//! Parquet files as recordings: flat columns of numbers by their names, decoded a row group and a block at a time. A column of
+//! timestamps is the time of the samples.
 
 mod page;
 #[cfg(test)]
@@ -8,7 +9,7 @@ mod tests;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
+use ::parquet::basic::{ConvertedType, LogicalType, Repetition, TimeUnit, Type as Physical};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use ::parquet::data_type::DataType;
 use ::parquet::errors::{ParquetError, Result as Decoded};
@@ -17,10 +18,10 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::schema::types::Type;
 
 use super::error::RecordingError;
-use super::table::{Cells, Table, equal_lengths};
+use super::table::{Cells, Table, TimeOrigin, equal_lengths};
 use crate::caught::caught;
 
-const EXPECTED: &str = "a Parquet file with flat columns of numbers";
+const EXPECTED: &str = "a Parquet file with flat columns of numbers, and with seconds or timestamps for `time`";
 
 /// Values decoded at once.
 const BLOCK: usize = 4096;
@@ -32,6 +33,10 @@ struct ParquetTable {
     names: Vec<String>,
     fields: Vec<Field>,
     selected: Vec<Column>,
+    /// Field of the time stamps.
+    time: Option<usize>,
+    /// First timestamp, in nanoseconds from 1970.
+    first: Option<i128>,
     /// The row group to open next.
     group: usize,
     /// Number of rows left in the current row group.
@@ -46,8 +51,18 @@ struct Field {
     leaf: usize,
     optional: bool,
     unsigned: bool,
+    /// Form of timestamps, which are read as time only.
+    timestamp: Option<Timestamp>,
     /// Reason for which it cannot be read; reported where the scene names it.
     refused: Option<String>,
+}
+
+/// Form of timestamps.
+#[derive(Debug, Clone, Copy)]
+struct Timestamp {
+    /// Nanoseconds of one unit.
+    unit: i128,
+    has_zone: bool,
 }
 
 /// A column that is read.
@@ -66,8 +81,8 @@ pub(super) fn open(file: File, path: &Path) -> Result<Box<dyn Table>, RecordingE
     let fields = roots.iter().enumerate().map(|(place, root)| field(root, leaf(place))).collect();
     let names = roots.iter().map(|root| root.name().to_owned()).collect();
     let path = path.into();
-    let (selected, group, left, row, bytes_read) = (Vec::new(), 0, 0, 0, 0);
-    Ok(Box::new(ParquetTable { path, reader, names, fields, selected, group, left, row, bytes_read }))
+    let (selected, time, first, group, left, row, bytes_read) = (Vec::new(), None, None, 0, 0, 0, 0);
+    Ok(Box::new(ParquetTable { path, reader, names, fields, selected, time, first, group, left, row, bytes_read }))
 }
 
 fn wrong(path: &Path, error: impl ToString) -> RecordingError {
@@ -95,7 +110,31 @@ fn field(root: &Type, leaf: Option<usize>) -> Field {
         leaf: leaf.unwrap_or_default(),
         optional: about.has_repetition() && about.repetition() == Repetition::OPTIONAL,
         unsigned: logical_unsigned || unsigned(about.converted_type()),
+        timestamp: timestamp(root),
         refused: refusal(root).or_else(|| leaf.is_none().then(|| "has no values".into())),
+    }
+}
+
+/// Returns the form of a field of timestamps; none for other fields. Those of 96 bits (Impala, Spark) state no zone.
+fn timestamp(root: &Type) -> Option<Timestamp> {
+    let about = root.get_basic_info();
+    let form = |unit, has_zone| Some(Timestamp { unit, has_zone });
+    if !root.is_primitive() || about.has_repetition() && about.repetition() == Repetition::REPEATED {
+        return None;
+    }
+    match (root.get_physical_type(), about.logical_type_ref(), about.converted_type()) {
+        (Physical::INT96, ..) => form(1, false),
+        (Physical::INT64, Some(LogicalType::Timestamp(of)), _) => {
+            let unit = match of.unit {
+                TimeUnit::MILLIS => 1_000_000,
+                TimeUnit::MICROS => 1000,
+                TimeUnit::NANOS => 1,
+            };
+            form(unit, of.is_adjusted_to_u_t_c)
+        }
+        (Physical::INT64, None, ConvertedType::TIMESTAMP_MILLIS) => form(1_000_000, true),
+        (Physical::INT64, None, ConvertedType::TIMESTAMP_MICROS) => form(1000, true),
+        _ => None,
     }
 }
 
@@ -153,7 +192,11 @@ impl ParquetTable {
             if column.block.len() == 0
                 && let (Some(field), Some(reader)) = (self.fields.get(column.field), &mut column.reader)
             {
-                column.block = guarded(|| decode(reader, field))?.into_iter();
+                let is_time = self.time == Some(column.field);
+                column.block = match field.timestamp.filter(|_| is_time) {
+                    Some(form) => guarded(|| decode_time(reader, field, form, &mut self.first))?.into_iter(),
+                    None => guarded(|| decode(reader, field))?.into_iter(),
+                };
             }
             let short = || ParquetError::General(format!("fewer values than rows, after row {}", self.row));
             values.push(column.block.next().ok_or_else(short)?);
@@ -178,11 +221,29 @@ fn decode(reader: &mut ColumnReader, field: &Field) -> Decoded<Vec<f64>> {
     }
 }
 
+/// Reads the next block of timestamps, in seconds from the first. The differences are computed in whole nanoseconds.
+fn decode_time(
+    reader: &mut ColumnReader,
+    field: &Field,
+    form: Timestamp,
+    first: &mut Option<i128>,
+) -> Decoded<Vec<f64>> {
+    let mut seconds = |nanoseconds: i128| {
+        let first = *first.get_or_insert(nanoseconds);
+        (nanoseconds - first) as f64 / 1e9
+    };
+    match reader {
+        ColumnReader::Int64ColumnReader(own) => block(own, field, |x| seconds(i128::from(x) * form.unit)),
+        ColumnReader::Int96ColumnReader(own) => block(own, field, |x| seconds(i128::from(x.to_nanos()))),
+        _ => Err(ParquetError::General("a column of another type than its field".into())),
+    }
+}
+
 /// Reads the next numbers, one for each row; NaN for a null.
 fn block<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     field: &Field,
-    number: impl Fn(T::T) -> f64,
+    number: impl FnMut(T::T) -> f64,
 ) -> Decoded<Vec<f64>> {
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     reader.read_records(BLOCK, field.optional.then_some(&mut levels), None, &mut values)?;
@@ -203,9 +264,10 @@ impl Table for ParquetTable {
         let groups = self.reader.metadata().row_groups().iter();
         let rows = groups.fold(0_u64, |sum, group| sum.saturating_add(u64::try_from(group.num_rows()).unwrap_or(0)));
         let mut lengths = Vec::new();
-        for (field, name) in places.iter().filter_map(|place| Some((self.fields.get(*place)?, self.names.get(*place)?)))
-        {
-            if let Some(reason) = &field.refused {
+        let named = |place: &usize| Some((*place, self.fields.get(*place)?, self.names.get(*place)?));
+        for (place, field, name) in places.iter().filter_map(named) {
+            let is_time = self.time == Some(place) && field.timestamp.is_some();
+            if let Some(reason) = field.refused.as_ref().filter(|_| !is_time) {
                 return Err(wrong(&self.path, format!("`{name}`: {reason}")));
             }
             lengths.push((name.as_str(), rows));
@@ -222,6 +284,15 @@ impl Table for ParquetTable {
         self.row += 1;
         (cells.line, cells.whole) = (self.row, self.names.len());
         Ok(more)
+    }
+
+    fn set_time(&mut self, place: usize) {
+        self.time = Some(place);
+    }
+
+    fn time_origin(&self) -> Option<TimeOrigin> {
+        let form = self.fields.get(self.time?)?.timestamp?;
+        Some(TimeOrigin { nanoseconds: self.first?, has_zone: form.has_zone, has_date: true })
     }
 
     fn bytes_read(&self) -> u64 {

@@ -19,7 +19,8 @@ use super::flaws::{Flaw, FlawLedger, Position};
 use super::format;
 use super::memory::Memory;
 use super::probe::{ProbeWatch, ReadingState};
-use super::table::{Cells, EXPECTED, Table};
+use super::table::{Cells, Table};
+use crate::printable::name;
 use crate::scene::bounded::open_regular;
 use crate::scene::units;
 use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
@@ -27,11 +28,23 @@ use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, Temperatur
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
 
+/// Least time stamp that counts another unit from 1970, with the unit: more than 3000 years of seconds, milliseconds and so on.
+const SINCE_1970: [(f64, &str, &str); 3] =
+    [(1e11, "ms", "milliseconds"), (1e14, "us", "microseconds"), (1e17, "ns", "nanoseconds")];
+
+/// Days since 1900 of the years 1970 to 2100, and the largest step of such time stamps: 1 s. Of seconds it is a rate above 80 kHz,
+/// hours after the start.
+const EXCEL_DAYS: (f64, f64) = (25_569.0, 73_051.0);
+const EXCEL_STEP: f64 = 1.0 / 86_400.0;
+
+/// Seconds by which clocks go back at the end of summer time.
+const SUMMER_TIME: f64 = 3600.0;
+
 /// A recording of any format, read row by row.
 ///
 /// Flaws of single readings, rows and time stamps are counted in [`flaws`](Self::flaws):
 ///
-/// - A cell that is NaN or empty is a missing reading.
+/// - A cell that is NaN, infinite, empty or a word such as `OVL` is a missing reading.
 /// - In a short row the last cell is missing too: it may be a part of a number.
 /// - A row whose time stamp repeats or goes back is omitted. A row whose time stamp is missing is the next sample.
 /// - A probe that repeats one reading exactly for 64 samples and 10 ms is stuck: from then until they change, its
@@ -162,7 +175,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Self, RecordingError> {
         let mut wanted = Wanted::new(table.as_ref(), recording, name)?;
         wanted.check_units(table.as_ref(), recording, name)?;
-        if let Some(stamp) = &wanted.stamp {
+        if let (Some(stamp), Clock::Column { seconds: None, .. }) = (&wanted.stamp, &recording.clock) {
             table.set_time(stamp.place);
         }
         table.select(&wanted.places())?;
@@ -253,7 +266,10 @@ impl<'a> Reader<'a> {
             return Err(RecordingError::NoRows { file: self.name.clone() });
         }
         self.check_rate(recording)?;
-        if let Clock::Column(column) = &recording.clock {
+        if let Clock::Column { name: column, .. } = &recording.clock {
+            if matches!(recording.clock, Clock::Column { seconds: None, .. }) {
+                self.check_seconds(column)?;
+            }
             self.timing = Timing::Stamps(self.learn(column)?);
         }
         self.watches = self.wanted.channels().map(|_| ProbeWatch::new(self.rate())).collect();
@@ -265,11 +281,33 @@ impl<'a> Reader<'a> {
         let (Some(found), Timing::Rate { rate: expected, .. }) = (self.table.rate(), &self.timing) else {
             return Ok(());
         };
-        let is_time = matches!(recording.clock, Clock::Column(_));
+        let is_time = matches!(recording.clock, Clock::Column { .. });
         if is_time || (found / expected - 1.0).abs() <= RATE_TOLERANCE {
             return Ok(());
         }
         Err(RecordingError::Rate { file: self.name.clone(), found, expected: *expected })
+    }
+
+    /// Checks that stamps which the scene has in seconds are not in another unit.
+    fn check_seconds(&self, column: &str) -> Result<(), RecordingError> {
+        let stamps = || self.ahead.iter().map(|parsed| parsed.row.time).filter(|time| time.is_finite());
+        if self.table.time_origin().is_some() {
+            return Ok(());
+        }
+        let unit = units::unit_in_name(column).filter(|unit| *unit != "s");
+        let of_name = unit.map(|unit| (unit, format!("time stamps in {unit} by the name of the column")));
+        let since_1970 = || {
+            let first = stamps().next()?;
+            let (_, unit, name) = SINCE_1970.into_iter().rfind(|(least, _, _)| first >= *least)?;
+            Some((unit, format!("time stamps of {first}, {name} since 1970")))
+        };
+        let days = || {
+            let (first, second) = (stamps().next()?, stamps().nth(1)?);
+            let is_date = (EXCEL_DAYS.0..EXCEL_DAYS.1).contains(&first) && second - first < EXCEL_STEP;
+            is_date.then(|| ("d", format!("time stamps of {first}, days since 1900 as Excel counts them")))
+        };
+        let Some((unit, found)) = of_name.or_else(since_1970).or_else(days) else { return Ok(()) };
+        Err(RecordingError::TimeUnit { file: self.name.clone(), column: column.into(), found, unit: unit.into() })
     }
 
     fn learn(&self, column: &str) -> Result<Grid, RecordingError> {
@@ -301,15 +339,9 @@ impl<'a> Reader<'a> {
         if !self.table.next(&mut self.cells)? {
             return Ok(None);
         }
-        let values = self.wanted.columns().zip(&self.cells.values);
-        if let Some((column, value)) = values.clone().find(|(_, value)| value.is_infinite()) {
-            return Err(RecordingError::Cell {
-                file: self.table.file().unwrap_or(&self.name).into(),
-                line: self.cells.line,
-                column: self.table.columns()[column.place].clone(),
-                found: value.to_string(),
-                expected: EXPECTED,
-            });
+        // Infinity stands for an overload or for a division by zero, not for a reading.
+        for value in self.cells.values.iter_mut().filter(|value| value.is_infinite()) {
+            *value = f64::NAN;
         }
         row.line = self.cells.line;
         self.wanted.fill(&self.cells.values, row);
@@ -331,9 +363,34 @@ impl<'a> Reader<'a> {
             StampPosition::Next => self.accept(row, 0),
             StampPosition::After(missing) => self.place_after(row, missing)?,
             StampPosition::Repeated => return Ok(self.leave_out(row, Flaw::RepeatedTimeStamp)),
-            StampPosition::Backward => return Ok(self.leave_out(row, Flaw::BackwardTimeStamp)),
+            StampPosition::Backward => {
+                self.check_summer_time(row)?;
+                return Ok(self.leave_out(row, Flaw::BackwardTimeStamp));
+            }
         }
         Ok(true)
+    }
+
+    /// Checks that stamps without a zone do not go back by one hour and go on from there.
+    fn check_summer_time(&mut self, row: &Row) -> Result<(), RecordingError> {
+        if self.table.time_origin().is_none_or(|origin| origin.has_zone) {
+            return Ok(());
+        }
+        let Timing::Stamps(grid) = &self.timing else { return Ok(()) };
+        let (due, step) = (grid.next_time(), grid.step());
+        if (due - row.time - SUMMER_TIME).abs() > 1.5 * step {
+            return Ok(());
+        }
+        if self.ahead.is_empty()
+            && let Some(parsed) = self.parse_new()?
+        {
+            self.ahead.push_back(parsed);
+        }
+        let rise = self.ahead.front().map(|next| next.row.time - row.time);
+        if rise.is_some_and(|rise| rise > 0.0 && rise < 1.5 * step) {
+            return Err(RecordingError::SummerTime { file: self.name.clone(), line: row.line });
+        }
+        Ok(())
     }
 
     fn accept(&mut self, row: &mut Row, missing: u64) {
@@ -436,7 +493,7 @@ impl Wanted {
         };
         let stamp = match &recording.clock {
             Clock::Rate(_) | Clock::Stated | Clock::Number { .. } => None,
-            Clock::Column(name) => Some(column(name, 1.0)?),
+            Clock::Column { name, seconds } => Some(column(name, seconds.unwrap_or(1.0))?),
         };
         let probe = |of: &Probe| column(&of.column, of.metres_per_unit).map(|c| Column { offset: of.offset, ..c });
         let probes = recording.probes.iter().map(probe).collect::<Result<_, _>>()?;
@@ -471,8 +528,8 @@ impl Wanted {
             }),
             _ => Ok(()),
         };
-        if let Some(stamp) = &self.stamp {
-            check(stamp, "s")?;
+        if let (Some(stamp), Clock::Column { seconds, .. }) = (&self.stamp, &recording.clock) {
+            check(stamp, units::time_name(seconds.unwrap_or(1.0)).unwrap_or("s"))?;
         }
         if let (Some(column), Some(meant)) = (&self.rotation, recording.rotation.unit()) {
             check(column, meant)?;
@@ -507,10 +564,15 @@ impl Wanted {
 fn rate(table: &mut dyn Table, recording: &Recording, file: &Path) -> Result<Option<f64>, RecordingError> {
     let stated = |found, expected| RecordingError::StatedRate { file: file.into(), found, expected };
     let rate = match &recording.clock {
-        Clock::Column(_) => return Ok(None),
+        Clock::Column { .. } => return Ok(None),
         Clock::Rate(rate) => return Ok(Some(*rate)),
         Clock::Stated => {
-            table.rate().ok_or_else(|| stated("none".into(), "rate = \"12.8 kHz\" or `time` in the scene"))?
+            let expected = "rate = \"12.8 kHz\" or `time` in the scene";
+            let rate = table.rate().ok_or_else(|| stated("none".into(), expected))?;
+            if let Some(column) = table.unrated() {
+                return Err(stated(format!("none for `{}`", name(column)), expected));
+            }
+            rate
         }
         Clock::Number { name, hertz } => {
             let number = table.scalar(name)?.ok_or_else(|| {
@@ -539,12 +601,12 @@ fn find(table: &dyn Table, column: &str, file: &Path) -> Result<usize, Recording
         (Some(_), Some(_)) => {
             Err(RecordingError::ColumnTwice { file: file.into(), line: table.header_line(), column: column.into() })
         }
-        (None, _) => Err(RecordingError::AbsentColumn {
+        (None, _) => Err(table.refusal(column.trim()).unwrap_or_else(|| RecordingError::AbsentColumn {
             file: file.into(),
             line: table.header_line(),
             column: column.into(),
             found: listed(names),
             nearest: nearest(column, names),
-        }),
+        })),
     }
 }

@@ -26,6 +26,11 @@ pub(super) trait Table: Send {
         None
     }
 
+    /// Name of a selected column whose rate the file does not state, where it states that of another.
+    fn unrated(&self) -> Option<&str> {
+        None
+    }
+
     /// Reads a single number of the file by its name.
     fn scalar(&mut self, _name: &str) -> Result<Option<f64>, RecordingError> {
         Ok(None)
@@ -54,8 +59,8 @@ pub(super) trait Table: Send {
         None
     }
 
-    /// File of the last row, where there are several.
-    fn file(&self) -> Option<&Path> {
+    /// Error for data that the file has by this name but that cannot be a column.
+    fn refusal(&self, _name: &str) -> Option<RecordingError> {
         None
     }
 
@@ -81,6 +86,8 @@ pub(super) struct TimeOrigin {
     pub(super) nanoseconds: i128,
     /// True where the file states the zone.
     pub(super) has_zone: bool,
+    /// False for a time of day, which counts from midnight.
+    pub(super) has_date: bool,
 }
 
 /// The cells of one row that are used.
@@ -105,6 +112,6 @@ pub(super) fn equal_lengths(file: &Path, columns: &[(&str, u64)]) -> Result<u64,
     Err(RecordingError::Format {
         file: file.into(),
         found,
-        expected: "columns of equal length with at least one value",
+        expected: "columns of equal length with at least one value; instants of pulses in place of samples are not read",
     })
 }

@@ -332,7 +332,7 @@ impl Object {
 
     /// Returns the column of a channel; `None` for a file or a group.
     fn lane(mut self) -> Option<Lane> {
-        let name = channel(&self.path)?;
+        let (group, name) = channel(&self.path)?;
         let raw = self.index.and_then(|index| index.raw);
         let refused = match (self.index, self.scales.line(raw.map(|raw| raw.scale))) {
             // Unscaled values would be read as volts or metres.
@@ -346,14 +346,16 @@ impl Object {
             }
         };
         let rate = self.increment.map(f64::recip).filter(|rate| rate.is_finite() && *rate > 0.0);
-        Some(Lane { name, unit: self.unit, rate, runs: self.runs, refused })
+        Some(Lane { name, group: Some(group), unit: self.unit, rate, runs: self.runs, refused })
     }
 }
 
-/// `Group/Channel` of the path `/'Group'/'Channel'`, in which a quotation mark is doubled.
-fn channel(path: &str) -> Option<String> {
+/// Returns `Group` and `Group/Channel` of the path `/'Group'/'Channel'`, in which a quotation mark is doubled.
+fn channel(path: &str) -> Option<(String, String)> {
     let (group, channel) = path.strip_prefix("/'")?.strip_suffix('\'')?.split_once("'/'")?;
-    Some(format!("{}/{}", group.replace("''", "'"), channel.replace("''", "'")))
+    let group = group.replace("''", "'");
+    let name = format!("{group}/{}", channel.replace("''", "'"));
+    Some((group, name))
 }
 
 const STRING: u32 = 0x20;

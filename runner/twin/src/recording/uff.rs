@@ -113,7 +113,10 @@ impl Lines {
             return Err(refuse("a line of more than 4096 characters"));
         }
         // The format has no encoding; Latin-1 accepts every byte.
-        self.text = bytes.iter().map(|byte| char::from(*byte)).collect::<String>().trim_end().to_owned();
+        self.text = match str::from_utf8(&bytes) {
+            Ok(text) => text.trim_end().to_owned(),
+            Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect::<String>().trim_end().to_owned(),
+        };
         Ok(count > 0)
     }
 
@@ -220,8 +223,13 @@ fn node(line: &str) -> Option<String> {
 
 /// Returns characters of a line, without blanks at their ends.
 fn field(line: &str, start: usize, length: usize) -> &str {
-    let end = (start + length).min(line.len());
-    line.get(start.min(end)..end).unwrap_or_default().trim()
+    let place = |characters: usize| {
+        if line.is_ascii() {
+            return characters.min(line.len());
+        }
+        line.char_indices().nth(characters).map_or(line.len(), |(place, _)| place)
+    };
+    line.get(place(start)..place(start + length)).unwrap_or_default().trim()
 }
 
 fn shown(text: &str) -> String {

@@ -68,8 +68,21 @@ pub enum Clock {
         /// Hz for one unit of the number
         hertz: f64,
     },
-    /// `time`: a column in seconds
-    Column(String),
+    /// `time`: a column
+    Column {
+        /// Name of the column.
+        name: String,
+        /// Seconds for one unit of the column; none for seconds, or date and time.
+        seconds: Option<f64>,
+    },
+}
+
+impl Clock {
+    /// Returns the clock of a column of seconds, or of date and time.
+    #[must_use]
+    pub fn column(name: &str) -> Self {
+        Self::Column { name: name.to_owned(), seconds: None }
+    }
 }
 
 /// Layout of the table in a file whose format does not state it.
@@ -79,6 +92,10 @@ pub struct FileLayout {
     pub is_headless: bool,
     /// `orientation` of an array; detected where it is not given.
     pub orientation: Option<Orientation>,
+    /// `skip`: number of lines above the header of a text; detected where it is not given.
+    pub skip: Option<u32>,
+    /// `comment`: first character of lines of a text that are no rows; detected where it is not given.
+    pub comment: Option<u8>,
 }
 
 /// Dimension of an array along which the samples follow each other.

@@ -329,6 +329,50 @@ pub fn voltage_name(volts: f64) -> Option<&'static str> {
     ["V", "mV"].into_iter().find(|unit| near(voltage_column(unit), volts))
 }
 
+/// Units of a column of time with their seconds; Excel counts days.
+const TIME_COLUMN: [(&str, f64); 7] =
+    [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
+
+/// Names of the units of a column of time.
+pub const TIME_UNITS: &str = "s, ms, us, ns, min, h or d";
+
+/// Returns the seconds in one unit of a recording's column.
+///
+/// # Errors
+/// A text that is no unit of time.
+pub fn time_column(unit: &str) -> Result<f64, Mismatch> {
+    let plain = plain_signs(unit.trim());
+    let found = TIME_COLUMN.iter().find(|(name, _)| *name == plain);
+    found
+        .map(|(_, seconds)| *seconds)
+        .ok_or_else(|| Mismatch { found: quote(unit), expected: format!("a unit of time: {TIME_UNITS}") })
+}
+
+/// The unit of a column of time, by its factor.
+#[must_use]
+pub fn time_name(seconds: f64) -> Option<&'static str> {
+    TIME_COLUMN.iter().find(|(_, own)| near(Ok(*own), seconds)).map(|(name, _)| *name)
+}
+
+/// Returns the units of time of which one makes a rate of time stamps in seconds (Hz) one that `fits`.
+pub(crate) fn time_units_with(rate: f64, fits: impl Fn(f64) -> bool) -> Vec<&'static str> {
+    TIME_COLUMN.iter().filter(|(_, seconds)| fits(rate / seconds)).map(|(name, _)| *name).collect()
+}
+
+/// Returns the unit of time at the end of the name of a column, such as `ms` of `t_ms` or `time [ms]`.
+#[must_use]
+pub fn unit_in_name(column: &str) -> Option<&str> {
+    let word = column.trim_end_matches([')', ']', ' ']).rsplit(|c: char| !c.is_alphanumeric()).next()?;
+    time_column(word).is_ok().then_some(word)
+}
+
+/// Returns true for the text of a unit of a recording.
+#[must_use]
+pub fn is_unit(text: &str) -> bool {
+    let text = text.trim().trim_matches(['(', ')', '[', ']']).trim();
+    time_column(text).is_ok() || unit_of(text, Dimension::Length).is_ok()
+}
+
 /// The unit of a column of speeds, by its factor.
 pub fn speed_name(radians_per_second: f64) -> Option<&'static str> {
     ["rpm", "rev/s", "rad/s"].into_iter().find(|unit| near(speed_column(unit), radians_per_second))

@@ -200,7 +200,7 @@ impl<'a> Evaluation<'a> {
         let mut signals = Signals::new(self.recording, rate).ok_or("no sensor")?;
         let (mut row, mut first_stamp) = (Row::default(), None);
         while reader.next_row(&mut row).map_err(text)? && signals.add(&row) {
-            if matches!(self.recording.clock, Clock::Column(_)) {
+            if matches!(self.recording.clock, Clock::Column { .. }) {
                 first_stamp.get_or_insert(row.time);
             }
         }

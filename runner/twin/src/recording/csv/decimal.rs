@@ -9,6 +9,28 @@ pub(super) const EXPECTED: &str = "a decimal point, or a decimal comma that is n
 /// Values expected after cells with a decimal comma.
 pub(super) const EXPECTED_COMMA: &str = "a number with a decimal comma, as in the cells before";
 
+/// Words of loggers and spreadsheets in place of a reading: overload, absence, and what printing makes of numbers that are not
+/// finite. `NaN` and `Inf` are read as numbers.
+const MISSING: [&[u8]; 17] = [
+    b"OVL",
+    b"OL",
+    b"OVLD",
+    b"OVR",
+    b"OVER",
+    b"OVERLOAD",
+    b"OVERRANGE",
+    b"OVERFLOW",
+    b"NA",
+    b"N/A",
+    b"#N/A",
+    b"#NV",
+    b"#NUM!",
+    b"#VALUE!",
+    b"#DIV/0!",
+    b"NULL",
+    b"NONE",
+];
+
 /// Character between the whole number and its decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum DecimalMark {
@@ -39,10 +61,10 @@ impl DecimalMark {
         mark
     }
 
-    /// Reads a finite number, or NaN for `NaN` and for nothing.
+    /// Reads a finite number, or NaN for nothing, infinity and a word such as `OVL`: the reading is missing.
     pub(super) fn number(self, text: &[u8]) -> Option<f64> {
         let text = text.trim_ascii();
-        if text.is_empty() {
+        if text.is_empty() || is_not_finite(text) || MISSING.iter().any(|word| text.eq_ignore_ascii_case(word)) {
             return Some(f64::NAN);
         }
         let text = str::from_utf8(text).ok()?;
@@ -54,8 +76,18 @@ impl DecimalMark {
             },
             _ => text.parse::<f64>().ok()?,
         };
-        (!number.is_infinite()).then_some(number)
+        // Digits that overflow are no reading of a logger.
+        if number.is_infinite() && text.bytes().any(|byte| byte.is_ascii_digit()) {
+            return None;
+        }
+        Some(if number.is_finite() { number } else { f64::NAN })
     }
+}
+
+/// Returns true for text such as `1.#INF00` or `-1.#IND`, with which older C libraries print what is not finite.
+fn is_not_finite(text: &[u8]) -> bool {
+    let digits = text.strip_prefix(b"-").unwrap_or(text);
+    [b"1.#INF".as_slice(), b"1.#IND", b"1.#QNAN", b"1.#SNAN"].iter().any(|printed| digits.starts_with(printed))
 }
 
 /// Returns true for a cell such as `1,234`: one to three digits without a leading zero, a comma, three digits.

@@ -61,8 +61,7 @@ pub(super) fn all(source: &mut Source, dataset: &Dataset) -> io::Result<Vec<u8>>
 
 /// Returns the number of bytes of a dataset.
 fn whole(dataset: &Dataset) -> io::Result<u64> {
-    let size = u64::from(dataset.number.bytes);
-    let bytes = dataset.lengths.iter().try_fold(size, |bytes, length| bytes.checked_mul(*length));
+    let bytes = dataset.lengths.iter().try_fold(dataset.width, |bytes, length| bytes.checked_mul(*length));
     bytes.ok_or_else(|| refuse("a dataset that is too large"))
 }
 
@@ -87,7 +86,8 @@ fn copy_vector(part: &Part<'_>, dataset: &Dataset, vector: &Vector, to: &mut [u8
     };
     let count = length.min(dataset.length(vector.along).saturating_sub(first));
     for element in 0..count {
-        let from = at.saturating_add(element.saturating_mul(step)).saturating_mul(size as u64) as usize;
+        let from = at.saturating_add(element.saturating_mul(step)).saturating_mul(dataset.width);
+        let from = from.saturating_add(dataset.offset) as usize;
         let place = first.saturating_add(element).saturating_mul(size as u64) as usize;
         let from = part.bytes.get(from..from.saturating_add(size));
         if let (Some(from), Some(to)) = (from, to.get_mut(place..place.saturating_add(size))) {
@@ -132,8 +132,7 @@ fn chunked(
     chunk: &[u64],
     copy: &mut impl FnMut(&Part<'_>),
 ) -> io::Result<()> {
-    let size = u64::from(dataset.number.bytes);
-    let unpacked = chunk.iter().try_fold(size, |bytes, length| bytes.checked_mul(*length));
+    let unpacked = chunk.iter().try_fold(dataset.width, |bytes, length| bytes.checked_mul(*length));
     let most = source.size.saturating_mul(TIGHTEST).min(LARGEST);
     let unpacked = unpacked.filter(|bytes| *bytes <= most).ok_or_else(|| refuse("a chunk that is too large"))?;
     let dimensions = chunk.len();
@@ -180,7 +179,7 @@ fn unfiltered(mut bytes: Vec<u8>, dataset: &Dataset, mask: u32, unpacked: u64) -
                 ZlibDecoder::new(bytes.as_slice()).take(unpacked.saturating_add(4)).read_to_end(&mut plain)?;
                 plain
             }
-            Filter::Shuffle => unshuffled(&bytes, dataset.number.bytes.into()),
+            Filter::Shuffle => unshuffled(&bytes, dataset.width as usize),
         };
     }
     if (bytes.len() as u64) < unpacked {

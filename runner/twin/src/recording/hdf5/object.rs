@@ -30,6 +30,22 @@ const DEFLATE: u16 = 1;
 const SHUFFLE: u16 = 2;
 const FLETCHER32: u16 = 3;
 
+/// Filters that cannot be reversed here, with their names.
+const FILTER_NAMES: [(u16, &str); 10] = [
+    (4, "szip"),
+    (5, "n-bit"),
+    (6, "scale-offset"),
+    (307, "bzip2"),
+    (32000, "LZF"),
+    (32001, "Blosc"),
+    (32004, "LZ4"),
+    (32008, "bitshuffle"),
+    (32015, "Zstandard"),
+    (32026, "Blosc2"),
+];
+/// Largest nesting of types.
+const DEEPEST_TYPE: usize = 8;
+
 /// Filter of chunks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Filter {
@@ -55,9 +71,11 @@ pub(super) enum Layout {
 }
 
 /// Type of the elements.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Type {
     Number(Number),
+    /// Fields with name, offset and number, or the reason for which it cannot be read.
+    Compound(Vec<(String, u64, Result<Number, String>)>),
     /// Address of another object.
     Reference,
 }
@@ -66,6 +84,9 @@ pub(super) enum Type {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Dataset {
     pub(super) number: Number,
+    /// Bytes of an element, and those before its number.
+    pub(super) width: u64,
+    pub(super) offset: u64,
     pub(super) lengths: Vec<u64>,
     pub(super) layout: Layout,
     pub(super) filters: Vec<Filter>,
@@ -82,6 +103,8 @@ impl Dataset {
 #[derive(Debug, Default)]
 pub(super) struct Object {
     pub(super) kind: Option<Type>,
+    /// Bytes of an element.
+    width: u64,
     pub(super) lengths: Option<Vec<u64>>,
     pub(super) layout: Option<Layout>,
     pub(super) filters: Vec<Filter>,
@@ -96,7 +119,7 @@ pub(super) struct Object {
     /// Names of attributes with their number.
     pub(super) numbers: Vec<(String, f64)>,
     /// Reason for which its numbers cannot be read.
-    pub(super) refused: Option<String>,
+    refused: Option<String>,
 }
 
 impl Object {
@@ -182,7 +205,13 @@ impl Object {
     fn message(&mut self, kind: u16, mut bytes: Bytes<'_>) -> io::Result<()> {
         match kind {
             DATASPACE => self.lengths = dataspace(bytes)?,
-            DATATYPE => self.kind = datatype(bytes)?,
+            DATATYPE => {
+                self.width = little(bytes.rest.get(4..).unwrap_or_default()).u32()?.into();
+                match datatype(&mut bytes, 0)? {
+                    Ok(kind) => self.kind = Some(kind),
+                    Err(reason) => self.refused = Some(reason),
+                }
+            }
             LAYOUT => match layout(bytes)? {
                 Ok(layout) => self.layout = Some(layout),
                 Err(reason) => self.refused = Some(reason),
@@ -222,8 +251,8 @@ impl Object {
         let name = text(name);
         let single = dataspace(little(space))?.is_some_and(|lengths| lengths.iter().all(|length| *length == 1));
         const STRING: u8 = 3;
-        match (datatype(little(kind))?, kind.first().map(|class| class & 0x0f)) {
-            (Some(Type::Number(number)), _) if single && bytes.rest.len() >= usize::from(number.bytes) => {
+        match (datatype(&mut little(kind), 0)?, kind.first().map(|class| class & 0x0f)) {
+            (Ok(Type::Number(number)), _) if single && bytes.rest.len() >= usize::from(number.bytes) => {
                 self.numbers.push((name, number.read(bytes.rest)));
             }
             (_, Some(STRING)) => self.texts.push((name, text(bytes.rest))),
@@ -232,19 +261,25 @@ impl Object {
         Ok(())
     }
 
-    /// Returns the dataset that it is; nothing for groups and other types.
+    /// Returns the reason for which it is a dataset that cannot be read.
+    pub(super) fn refusal(&self) -> Option<String> {
+        self.refused.clone()
+    }
+
+    /// Returns the dataset that it is; nothing for groups and empty datasets.
     pub(super) fn dataset(&self) -> Option<(Type, Dataset)> {
-        let (kind, lengths, layout) = (self.kind?, self.lengths.clone()?, self.layout.clone()?);
+        let (kind, lengths, layout) = (self.kind.clone()?, self.lengths.clone()?, self.layout.clone()?);
         let number = match kind {
             Type::Number(number) => number,
-            Type::Reference => Number::new(Kind::Unsigned, 8, false),
+            Type::Reference | Type::Compound(_) => Number::new(Kind::Unsigned, 8, false),
         };
         if let Layout::Chunked { chunk, .. } = &layout
             && (chunk.len() != lengths.len() || chunk.contains(&0))
         {
             return None;
         }
-        Some((kind, Dataset { number, lengths, layout, filters: self.filters.clone() }))
+        let (width, filters) = (self.width, self.filters.clone());
+        Some((kind, Dataset { number, width, offset: 0, lengths, layout, filters }))
     }
 }
 
@@ -265,25 +300,104 @@ fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<Vec<u64>>> {
     (0..dimensions).map(|_| bytes.u64()).collect::<io::Result<Vec<_>>>().map(Some)
 }
 
-fn datatype(mut bytes: Bytes<'_>) -> io::Result<Option<Type>> {
-    let (class, bits) = (bytes.u8()? & 0x0f, bytes.u8()?);
-    bytes.take(2)?;
+/// Reads a type up to its end; returns the reason where it is no number, reference or compound type.
+fn datatype(bytes: &mut Bytes<'_>, depth: usize) -> io::Result<Result<Type, String>> {
+    if depth > DEEPEST_TYPE {
+        return Err(refuse("types within each other"));
+    }
+    let (class, bits) = (bytes.u8()?, bytes.u8()?);
+    let (version, class, further) = (class >> 4, class & 0x0f, bytes.u16()?);
     let size = bytes.u32()?;
     let big_endian = bits & 1 != 0;
-    let number = |kind, sizes: &[u32], bytes: &mut Bytes<'_>| {
-        let (offset, precision) = (bytes.u16()?, bytes.u16()?);
-        let whole = offset == 0 && sizes.contains(&size) && u32::from(precision) == 8 * size;
-        io::Result::Ok(whole.then(|| Type::Number(Number::new(kind, size as u8, big_endian))))
+    let number = |kind, is_plain: bool, offset: u16, precision: u16| {
+        if is_plain && offset == 0 && u32::from(precision) == 8 * size {
+            return Ok(Type::Number(Number::new(kind, size as u8, big_endian)));
+        }
+        let name = if kind == Kind::Float { "floats" } else { "integers" };
+        Err(format!("{name} of {precision} bits in {size} bytes"))
     };
+    let of = |text: &str| Ok(Err(text.to_owned()));
     match class {
-        0 => number(if bits & 8 == 0 { Kind::Unsigned } else { Kind::Signed }, &[1, 2, 4, 8], &mut bytes),
-        // A second bit of the order is set for machines of VAX.
-        1 if bits & 0x40 == 0 => number(Kind::Float, &[4, 8], &mut bytes),
-        7 if bits & 0x0f == 0 && size == 8 => Ok(Some(Type::Reference)),
+        0 => {
+            let kind = if bits & 8 == 0 { Kind::Unsigned } else { Kind::Signed };
+            let (offset, precision) = (bytes.u16()?, bytes.u16()?);
+            Ok(number(kind, matches!(size, 1 | 2 | 4 | 8), offset, precision))
+        }
+        1 => {
+            let (offset, precision, _at, exponent) = (bytes.u16()?, bytes.u16()?, bytes.u8()?, bytes.u8()?);
+            bytes.take(6)?;
+            // A second bit of the order is set for machines of VAX.
+            let is_plain = bits & 0x40 == 0 && matches!((size, exponent), (2, 5) | (4, 8) | (8, 11));
+            Ok(number(Kind::Float, is_plain, offset, precision))
+        }
+        2 => bytes.take(2).and(of("times")),
+        3 => of("text"),
+        4 => bytes.take(4).and(of("bit fields")),
+        5 => bytes.take(bits.into()).and(of("opaque bytes")),
+        6 => compound(bytes, version, u64::from(bits) | u64::from(further & 0xff) << 8, size, depth),
+        7 if bits & 0x0f == 0 && size == 8 => Ok(Ok(Type::Reference)),
+        7 => of("references to regions"),
         // An enumeration, such as a boolean, has its type within.
-        8 => datatype(bytes),
-        _ => Ok(None),
+        8 => {
+            let base = datatype(bytes, depth + 1)?;
+            let count = u64::from(bits) | u64::from(further & 0xff) << 8;
+            for _ in 0..count {
+                member_name(bytes, version)?;
+            }
+            bytes.take(count.saturating_mul(size.into()))?;
+            Ok(base)
+        }
+        9 => datatype(bytes, depth + 1)?.map_or_else(|_| of("vectors of any length"), |_| of("vectors of any length")),
+        10 => {
+            let dimensions = u64::from(bytes.u8()?);
+            bytes.take(if version < 3 { 3 + 8 * dimensions } else { 4 * dimensions })?;
+            let _base = datatype(bytes, depth + 1)?;
+            of("arrays as elements")
+        }
+        class => Ok(Err(format!("a type of class {class}"))),
     }
+}
+
+/// Reads the name of a member of a type.
+fn member_name(bytes: &mut Bytes<'_>, version: u8) -> io::Result<String> {
+    let end = bytes.rest.iter().position(|byte| *byte == 0).ok_or(io::ErrorKind::UnexpectedEof)? as u64 + 1;
+    Ok(text(bytes.take(if version < 3 { end.next_multiple_of(8) } else { end })?))
+}
+
+/// Reads the fields of a compound type.
+fn compound(
+    bytes: &mut Bytes<'_>,
+    version: u8,
+    count: u64,
+    size: u32,
+    depth: usize,
+) -> io::Result<Result<Type, String>> {
+    let mut fields = Vec::new();
+    for _ in 0..count {
+        let name = member_name(bytes, version)?;
+        let offset = match version {
+            3.. => bytes.little((32 - u64::from(size.leading_zeros())).div_ceil(8))?,
+            _ => bytes.u32()?.into(),
+        };
+        // The first version has the dimensions of an array here.
+        let dimensions = if version == 1 { bytes.u8()? } else { 0 };
+        bytes.take(if version == 1 { 27 } else { 0 })?;
+        let field = match datatype(bytes, depth + 1)? {
+            Ok(_) if dimensions > 0 => Err("arrays as elements".to_owned()),
+            Ok(Type::Number(number)) if offset + u64::from(number.bytes) <= size.into() => Ok(number),
+            Ok(Type::Number(_)) => Err("a field beyond its element".to_owned()),
+            Ok(Type::Reference) => Err("references".to_owned()),
+            Ok(Type::Compound(_)) => Err("a compound type within another".to_owned()),
+            Err(reason) => Err(reason),
+        };
+        // A type of a class that is not known has an unknown length.
+        let is_lost = field.as_ref().is_err_and(|reason| reason.starts_with("a type of class"));
+        fields.push((name, offset, field));
+        if is_lost {
+            break;
+        }
+    }
+    Ok(Ok(Type::Compound(fields)))
 }
 
 /// Returns the location of the numbers, or the reason for which they cannot be read.
@@ -301,7 +415,19 @@ fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
             let chunk = (0..dimensions).map(|_| bytes.u32().map(u64::from)).collect::<io::Result<_>>()?;
             Ok(Layout::Chunked { address, chunk })
         }
-        (4.., 2) => Err("chunks in the index of library version 1.10".to_owned()),
+        (4.., 2) => {
+            let (_flags, dimensions, width) = (bytes.u8()?, bytes.u8()?, bytes.u8()?);
+            bytes.take(u64::from(dimensions) * u64::from(width))?;
+            let index = match bytes.u8()? {
+                1 => "single chunk",
+                2 => "implicit",
+                3 => "fixed array",
+                4 => "extensible array",
+                5 => "B-tree of version 2",
+                _ => "unknown",
+            };
+            Err(format!("a chunk index of layout version {version} ({index}, written with libver=\"latest\")"))
+        }
         (version, class) => Err(format!("a data layout of version {version} and class {class}")),
     })
 }
@@ -321,7 +447,13 @@ fn filters(mut bytes: Bytes<'_>) -> io::Result<Result<Vec<Filter>, String>> {
             DEFLATE => Filter::Deflate,
             SHUFFLE => Filter::Shuffle,
             FLETCHER32 => Filter::Fletcher32,
-            id => return Ok(Err(format!("the filter {id} of HDF5"))),
+            id => {
+                let known = FILTER_NAMES.iter().find(|(own, _)| *own == id);
+                return Ok(Err(match known {
+                    Some((_, name)) => format!("compressed by the filter {name}"),
+                    None => format!("compressed by the filter {id} of HDF5"),
+                }));
+            }
         });
     }
     Ok(Ok(all))

@@ -9,6 +9,10 @@ const EARLIEST: &[u8] = include_bytes!("earliest.h5");
 const V18: &[u8] = include_bytes!("v18.h5");
 const LATEST: &[u8] = include_bytes!("latest.h5");
 const MATLAB: &[u8] = include_bytes!("matlab.mat");
+/// Types of elements: floats of 16 bits, compound types, text; the filter LZF, three dimensions.
+const TYPES: &[u8] = include_bytes!("types.h5");
+/// `x` in deflated chunks that h5py wrote with libver="latest".
+const CHUNKS_LATEST: &[u8] = include_bytes!("chunks-latest.h5");
 
 #[test]
 fn vectors_and_columns() {
@@ -66,8 +70,43 @@ fn other_content_is_refused() {
     assert!(error(b"\x89HDF\r\n\x1a\n", &recording(&["x"])).contains("a file that is truncated"));
     let older = [b"MATLAB 7.3 MAT-file".as_slice(), &[b' '; 800]].concat();
     assert!(error(&older, &recording(&["x"])).contains("no HDF5 file"));
-    assert_eq!(error(LATEST, &recording(&["x"])), ": no such column: `x`, expected one of `/y`");
+    assert!(error(LATEST, &recording(&["x"])).contains("`/x`: a chunk index of layout version 4 (extensible array, "));
+    assert_eq!(error(LATEST, &recording(&["z"])), ": no such column: `z`, expected one of `/y`");
     assert_eq!(values(LATEST, &["/y"])[7], [7.0]);
+}
+
+#[test]
+fn half_floats_and_compound_types() {
+    let columns =
+        ["/half", "rig/table.t", "rig/table.DE", "/rig/table.on", "/rig/table.NDE", "rig/plain.t", "rig/plain.NDE"];
+    let rows = values(TYPES, &columns);
+    assert_eq!(rows.len(), 40);
+    for (row, i) in rows.iter().zip(0_u16..) {
+        let t = f64::from(i) * 0.1;
+        assert!((row[0] - t).abs() <= 1e-3 * t, "{row:?}");
+        let (narrow, count) = (-f64::from(t as f32), 3.0 * f64::from(i));
+        assert_eq!(row[1..], [t, narrow, f64::from(i % 2), count, t, count]);
+    }
+}
+
+#[test]
+fn data_that_cannot_be_read_are_named() {
+    for (column, said) in [
+        ("lzf", "`/lzf`: compressed by the filter LZF"),
+        ("/cube", "`/cube`: an array of 3 dimensions"),
+        ("/cube[:,0]", "`/cube`: an array of 3 dimensions"),
+        ("text", "`/text`: text"),
+        ("rig/table.note", "`/rig/table.note`: text"),
+        ("/rig/table.pair", "`/rig/table.pair`: arrays as elements"),
+    ] {
+        let found = error(TYPES, &recording(&[column]));
+        assert!(found.starts_with(&format!(": unreadable file: {said}, expected an HDF5 file with")), "{found}");
+    }
+    let found = error(CHUNKS_LATEST, &recording(&["/x"]));
+    assert!(
+        found.contains("`/x`: a chunk index of layout version ") && found.contains("(extensible array, "),
+        "{found}"
+    );
 }
 
 #[test]
@@ -82,4 +121,5 @@ fn damaged_files() {
     damaged(V18, &["/many/d00", "/many/d59"]);
     damaged(MATLAB, &["bearing.gs", "m(:,2)", "N09.Y(3).Data", "cell{2}"]);
     damaged(LATEST, &["/y"]);
+    damaged(TYPES, &["/half", "rig/table.DE", "rig/plain.NDE"]);
 }

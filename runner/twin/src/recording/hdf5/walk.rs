@@ -15,6 +15,8 @@ const LONGEST_PATH: usize = 1024;
 const MAX_COLUMNS: u64 = 4096;
 /// Largest number of vectors.
 const MAX_VECTORS: usize = 1 << 16;
+/// Largest number of datasets whose reason is kept.
+const MAX_REFUSED: usize = 1 << 12;
 
 /// A single number: an attribute, or a dataset of one element.
 #[derive(Debug, Clone, Copy)]
@@ -30,8 +32,8 @@ pub(super) struct Content {
     pub(super) datasets: Vec<Dataset>,
     pub(super) vectors: Vec<(String, Vector)>,
     pub(super) scalars: Vec<(String, Scalar)>,
-    /// First reason for which a dataset is not read.
-    pub(super) refused: Option<String>,
+    /// Paths of datasets that are not read, with the reason.
+    pub(super) refused: Vec<(String, String)>,
     objects: usize,
     is_matlab: bool,
 }
@@ -61,6 +63,10 @@ impl Content {
             let numbers = object.numbers.iter();
             self.scalars.extend(numbers.map(|(name, value)| (format!("{path}@{name}"), Scalar::Value(*value))));
         }
+        if let Some(reason) = object.refusal() {
+            self.refuse(path, reason);
+            return Ok(());
+        }
         let Some((kind, dataset)) = object.dataset() else {
             above.push(address);
             for (name, member) in group::members(source, &object)? {
@@ -71,14 +77,28 @@ impl Content {
             above.pop();
             return Ok(());
         };
-        match (kind, object.refused) {
-            (_, Some(reason)) => drop(self.refused.get_or_insert(format!("`{path}` with {reason}"))),
-            (Type::Number(_), None) if !object.numbers.iter().any(|(name, _)| name == "MATLAB_empty") => {
+        match kind {
+            Type::Number(_) if !object.numbers.iter().any(|(name, _)| name == "MATLAB_empty") => {
                 self.numbers(dataset, &path)?;
             }
-            _ => {}
+            Type::Compound(fields) => {
+                for (name, offset, field) in fields {
+                    let path = format!("{path}.{name}");
+                    match field {
+                        Ok(number) => self.numbers(Dataset { number, offset, ..dataset.clone() }, &path)?,
+                        Err(reason) => self.refuse(path, reason),
+                    }
+                }
+            }
+            Type::Number(_) | Type::Reference => {}
         }
         Ok(())
+    }
+
+    fn refuse(&mut self, path: String, reason: String) {
+        if self.refused.len() < MAX_REFUSED {
+            self.refused.push((path, reason));
+        }
     }
 
     /// Visits a member of a group. In a file of MATLAB references are the elements of a cell array or a structure array.
@@ -114,7 +134,7 @@ impl Content {
         let Some((Type::Reference, dataset)) = object.dataset() else {
             return self.visit(source, address, path, above);
         };
-        if above.len() > DEEPEST || object.refused.is_some() {
+        if above.len() > DEEPEST {
             return Ok(());
         }
         let is_cell = object.texts.iter().any(|(name, text)| name == "MATLAB_class" && text == "cell");
@@ -167,7 +187,10 @@ impl Content {
                     self.vectors.push((name, Vector { dataset: place, along, cut: Some((across, index)) }));
                 }
             }
-            _ => return Ok(()),
+            _ => {
+                self.refuse(path.to_owned(), format!("an array of {} dimensions", long.len()));
+                return Ok(());
+            }
         }
         if self.vectors.len() > MAX_VECTORS || last > 32 {
             return Err(refuse(format!("more than {MAX_VECTORS} vectors")));

@@ -38,6 +38,28 @@ fn mat(variables: &[Vec<u8>]) -> Vec<u8> {
     out
 }
 
+/// The text before the version is free, and version 4 has none.
+#[test]
+fn files_of_other_makers() {
+    let of = recording(&["x"]);
+    let mut other = file();
+    other[..120].fill(b' ');
+    other[..19].copy_from_slice(b"Rig logger, level 5");
+    assert_eq!(values(&other, &["x"]), values(&file(), &["x"]));
+    other[124..128].fill(b' ');
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.mat");
+    let refused = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        read_file(&path, &of).unwrap_err().to_string()
+    };
+    let said = refused(&other);
+    assert!(said.contains("no MATLAB file of version 5, but a file that begins with `Rig logger, level 5"), "{said}");
+    let head: Vec<u8> = [0_u32, 3, 1, 0, 2].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let doubles: Vec<u8> = [1.0_f64, 2.0, 3.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    assert!(refused(&[head.as_slice(), b"x\0", &doubles].concat()).contains("a MATLAB file of version 4"));
+}
+
 fn file() -> Vec<u8> {
     let doubles: Vec<u8> = (0..40).flat_map(|i| (f64::from(i) * 0.1).to_le_bytes()).collect();
     let words: Vec<u8> = (0..40).flat_map(|i: i16| (-i).to_le_bytes()).collect();

@@ -9,11 +9,14 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use flate2::read::ZlibDecoder;
 
 use super::{Matrix, Sparse, Vector, refuse};
+use crate::printable::name;
 use crate::recording::bytes::Bytes;
 use crate::recording::numbers::{Kind, Number};
 
 /// Bytes of text, version and byte order before the first variable.
 const HEADER: u64 = 128;
+/// Bytes before the name of the first variable of version 4.
+const VERSION_4_HEADER: u64 = 20;
 /// Largest compression ratio of deflate.
 const TIGHTEST: u64 = 1032;
 /// Largest number of dimensions of an array.
@@ -69,6 +72,13 @@ impl Element {
 pub(super) fn arrays(file: &mut File) -> io::Result<Vec<(String, Matrix)>> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER as usize];
+    if size >= VERSION_4_HEADER {
+        file.read_exact(header.get_mut(..VERSION_4_HEADER as usize).unwrap_or_default())?;
+        if is_version_4(&header) {
+            return Err(refuse("a MATLAB file of version 4 (save it with -v7)"));
+        }
+    }
+    file.seek(SeekFrom::Start(0))?;
     file.read_exact(&mut header)?;
     if header.starts_with(b"MATLAB 7.3") {
         return Err(refuse("a MATLAB file of version 7.3, which is HDF5 (save it with -v7)"));
@@ -76,7 +86,10 @@ pub(super) fn arrays(file: &mut File) -> io::Result<Vec<(String, Matrix)>> {
     let big_endian = match header.last_chunk() {
         Some([0, 1, b'I', b'M']) => false,
         Some([1, 0, b'M', b'I']) => true,
-        _ => return Err(refuse("no MATLAB file of version 5")),
+        _ => {
+            let text: String = header.iter().take(40).map(|byte| char::from(*byte)).collect();
+            return Err(refuse(format!("no MATLAB file of version 5, but a file that begins with `{}`", name(&text))));
+        }
     };
     let (mut start, mut found, mut arrays) = (HEADER, Vec::new(), 0);
     while start < size {
@@ -90,6 +103,20 @@ pub(super) fn arrays(file: &mut File) -> io::Result<Vec<(String, Matrix)>> {
         }
     }
     Ok(found)
+}
+
+/// Returns true for the first variable of version 4: machine and type, rows, columns, imaginary part, length of the name.
+fn is_version_4(header: &[u8]) -> bool {
+    let word = |place: usize, big_endian: bool| {
+        let bytes = header.get(4 * place..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default();
+        if big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    };
+    [false, true].into_iter().any(|order| {
+        let kind = word(0, order);
+        // Thousands: byte order; tens: type of the numbers; ones: full, text or sparse.
+        let is_kind = kind / 1000 == u32::from(order) && kind / 100 % 10 == 0 && kind / 10 % 10 <= 5 && kind % 10 <= 2;
+        is_kind && word(3, order) <= 1 && (2..=64).contains(&word(4, order)) && word(1, order).max(word(2, order)) > 0
+    })
 }
 
 fn next_element(file: &mut File, start: u64, size: u64, big_endian: bool) -> io::Result<Element> {

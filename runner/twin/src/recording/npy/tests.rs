@@ -29,6 +29,10 @@ fn arrays_in_both_orders() {
 fn every_type_of_number() {
     let one = |kind: &str, bytes: &[u8]| values(&npy(kind, "False", "(1,)", bytes), &["c0"])[0][0];
     assert_eq!(one("'>f8'", &(-0.3_f64).to_be_bytes()), -0.3);
+    for (bits, value) in [(0x3c01_u16, 1.0 + 1.0 / 1024.0), (0xc000, -2.0), (1, 2.0_f64.powi(-24)), (0x7bff, 65_504.0)]
+    {
+        assert_eq!(one("'<f2'", &bits.to_le_bytes()), value);
+    }
     assert_eq!(one("'<f4'", &0.3_f32.to_le_bytes()), f64::from(0.3_f32));
     assert_eq!(one("'>f4'", &0.3_f32.to_be_bytes()), f64::from(0.3_f32));
     assert_eq!(one("'|i1'", &[0xfe]), -2.0);

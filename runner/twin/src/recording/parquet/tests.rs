@@ -1,12 +1,15 @@
 use std::sync::Arc;
 
 use ::parquet::basic::{Compression, GzipLevel, ZstdLevel};
-use ::parquet::data_type::{BoolType, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type};
+use ::parquet::data_type::{
+    BoolType, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type, Int96, Int96Type,
+};
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
 
 use crate::recording::harness::{Trial, cut_short, damaged, error, recording, values};
+use crate::scene::{Clock, Recording};
 
 const SCHEMA: &str = "message schema {
     REQUIRED DOUBLE x; OPTIONAL FLOAT y; REQUIRED INT32 small (INTEGER(32, false)); OPTIONAL INT64 large;
@@ -88,6 +91,61 @@ fn named_text_that_is_no_number_is_rejected() {
     assert!(refused("inner").contains("`inner`: is nested"));
     assert!(refused("day").contains("`day`: is of type Timestamp"), "{}", refused("day"));
     assert!(refused("X").starts_with(": no such column: `X` (did you mean `x`?), expected one of `x`, `y`, `small`"));
+}
+
+/// A file with time stamps of this type at 1 kHz and a column `x`.
+fn timed<T: DataType>(kind: &str, stamps: &[T::T]) -> Vec<u8> {
+    let schema = format!("message schema {{ REQUIRED {kind}; REQUIRED DOUBLE x; }}");
+    let schema = Arc::new(parse_message_type(&schema).unwrap());
+    let mut out = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut out, schema, Arc::default()).unwrap();
+    for stamps in stamps.chunks(100) {
+        let mut columns = writer.next_row_group().unwrap();
+        let mut column = columns.next_column().unwrap().unwrap();
+        column.typed::<T>().write_batch(stamps, None, None).unwrap();
+        column.close().unwrap();
+        let mut column = columns.next_column().unwrap().unwrap();
+        let x: Vec<f64> = (0..stamps.len()).map(|i| i as f64).collect();
+        column.typed::<DoubleType>().write_batch(&x, None, None).unwrap();
+        column.close().unwrap();
+        columns.close().unwrap();
+    }
+    writer.close().unwrap();
+    out
+}
+
+#[test]
+fn timestamps() {
+    let start = 1_795_687_872_000_000_123_i64;
+    let nanoseconds: Vec<i64> = (0..300).map(|i| start + 1_000_000 * i).collect();
+    let divided = |unit: i64| nanoseconds.iter().map(|stamp| stamp / unit).collect::<Vec<_>>();
+    let wide = |stamp: &i64| {
+        let (day, time) = (stamp.div_euclid(86_400_000_000_000), stamp.rem_euclid(86_400_000_000_000) as u64);
+        let mut value = Int96::new();
+        value.set_data(time as u32, (time >> 32) as u32, (day + 2_440_588) as u32);
+        value
+    };
+    let wide: Vec<Int96> = nanoseconds.iter().map(wide).collect();
+    let of = Recording { clock: Clock::column("t"), ..recording(&["x"]) };
+    for file in [
+        timed::<Int64Type>("INT64 t (TIMESTAMP(NANOS, true))", &nanoseconds),
+        timed::<Int64Type>("INT64 t (TIMESTAMP(MICROS, false))", &divided(1000)),
+        timed::<Int64Type>("INT64 t (TIMESTAMP(MILLIS, true))", &divided(1_000_000)),
+        timed::<Int64Type>("INT64 t (TIMESTAMP_MICROS)", &divided(1000)),
+        timed::<Int96Type>("INT96 t", &wide),
+    ] {
+        let (rows, flaws) = Trial::new().read(&file, &of).unwrap();
+        assert!(rows.len() == 300 && flaws.is_empty(), "{flaws:?}");
+        assert!(rows.iter().enumerate().all(|(i, row)| (row.time - i as f64 / 1e3).abs() < 1e-9), "{:?}", rows[299]);
+    }
+    // A plain number of another unit, such as a duration of pandas.
+    let said = error(&timed::<Int64Type>("INT64 t", &nanoseconds), &of);
+    assert!(
+        said.contains("nanoseconds since 1970, expected seconds, or time = { column = \"t\", unit = \"ns\" }"),
+        "{said}"
+    );
+    let unit = Recording { clock: Clock::Column { name: "t".into(), seconds: Some(1e-9) }, ..recording(&["x"]) };
+    assert_eq!(Trial::new().read(&timed::<Int64Type>("INT64 t", &nanoseconds), &unit).unwrap().0.len(), 300);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn rated() -> Recording {
 }
 
 fn stamped() -> Recording {
-    recording(Clock::Column("t".into()))
+    recording(Clock::column("t"))
 }
 
 fn reader(text: &str, recording: &Recording) -> Result<Reader<'static>, RecordingError> {
@@ -151,7 +151,6 @@ fn wrong_cells_stop() {
         said,
         "r.csv:3: column y: invalid value: `oops`, expected a number, or NaN or nothing where the reading is missing"
     );
-    assert!(error("x,y,key\n1,inf,0\n", &rated()).contains("invalid value: `inf`"));
     assert!(error("x,y,key\n1,1e999,0\n", &rated()).contains("invalid value: `1e999`"));
     assert!(error("x,y,key\n1,\"0,125\",0\n", &rated()).contains("decimal point"));
     assert!(error("x,y,key\n1,2,0\n1,-\n1,2,-\n", &rated()).contains("r.csv:4: column key"));
@@ -286,7 +285,7 @@ fn rig_recordings_are_flawless() {
         let rotation = RotationSource::keyphasor("keyphasor", 1);
         let recording = Recording {
             file: path.clone(),
-            clock: Clock::Column("time_s".into()),
+            clock: Clock::column("time_s"),
             average: 1,
             sensors: vec![],
             layout: FileLayout::default(),

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::{BIG_ENDIAN, DAQMX, INTERLEAVED, METADATA, NEW_LIST, RAW_DATA};
-use crate::recording::harness::{cut_short, damaged, error, probe, read_file, recording, values};
+use crate::recording::harness::{Trial, cut_short, damaged, error, probe, read_file, recording, values};
 use crate::scene::{Clock, Recording, Sensor};
 
 fn text(of: &str) -> Vec<u8> {
@@ -126,7 +126,7 @@ fn a_segment_still_being_written() {
     let objects = about(&[object("/'G'/'x'", &index(10, 4), &[])]);
     let mut file = segment(NEW, &objects, &doubles(0, 10));
     file[12..20].fill(0xff);
-    let (rows, flaws) = crate::recording::harness::Trial::new().read(&file, &recording(&["x"])).unwrap();
+    let (rows, flaws) = Trial::new().read(&file, &recording(&["x"])).unwrap();
     assert_eq!((rows.len(), flaws.len(), flaws[0].first_line), (9, 1, 9));
     assert!(rows[8].probes[0].is_nan() && rows[7].probes[0] == 7.0 * 0.1);
 }
@@ -251,4 +251,24 @@ fn measured_files() {
             }
         }
     }
+}
+
+/// A rate belongs to its group; a group's name may have a slash and more than sixty characters.
+#[test]
+fn rates_of_other_groups() {
+    let long = "07/09/2012 06:58:23 PM - Digital Input - All Data of a long campaign on the rig";
+    let objects = about(&[
+        object("/'G'/'x'", &index(10, 5), &[number("wf_increment", 1e-3)]),
+        object("/'G'/'y'", &index(10, 5), &[]),
+        object(&format!("/'{long}'/'line 0'"), &index(10, 5), &[]),
+    ]);
+    let file = segment(NEW, &objects, &doubles(0, 15));
+    let stated = |columns: &[&str]| Recording { clock: Clock::Stated, ..recording(columns) };
+    assert_eq!(values(&file, &["line 0"])[1], [11.0 * 0.1]);
+    let trial = Trial::new();
+    assert_eq!(trial.read(&file, &stated(&["x", "y"])).unwrap().0.len(), 5);
+    let said = error(&file, &stated(&["x", "line 0"]));
+    assert!(said.contains(&format!("sampling rate of the file: none for `{long}/line 0`, expected rate = ")), "{said}");
+    let said = error(&file, &recording(&["line 1"]));
+    assert!(said.contains(&format!("`{long}/line 0`")), "{said}");
 }

@@ -59,6 +59,17 @@ fn time_responses() {
     assert_eq!(found.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["1X+", "1Y-", "KPH"]);
 }
 
+/// Columns of a line count characters, whatever their bytes.
+#[test]
+fn labels_in_utf_8_and_latin_1() {
+    let text = String::from_utf8(without_unit(TEXT)).unwrap();
+    let utf_8 = text.replacen("DE X", "D\u{c9} X", 1).replacen("NONE ", "\u{b5}ber ", 1);
+    let latin_1: Vec<u8> = utf_8.chars().map(|letter| letter as u8).collect();
+    for file in [utf_8.as_bytes(), &latin_1] {
+        assert_eq!(values(file, &["D\u{c9} X"]), values(text.as_bytes(), &["DE X"]));
+    }
+}
+
 #[test]
 fn other_data_sets_are_refused() {
     let text = String::from_utf8(without_unit(TEXT)).unwrap();

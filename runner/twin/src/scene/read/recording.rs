@@ -27,6 +27,8 @@ pub(super) fn read(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[B
         "run_out",
         "header",
         "orientation",
+        "skip",
+        "comment",
     ];
     let table = node.table(&keys)?;
     let (file, further_files) = files(&table, scene.parent().unwrap_or(Path::new("")))?;
@@ -99,7 +101,23 @@ fn file_layout(table: &Table<'_>) -> Read<FileLayout> {
     Ok(FileLayout {
         is_headless: !table.read("header", Node::boolean)?.unwrap_or(true),
         orientation: table.read("orientation", |n| n.choice(&orientations))?,
+        skip: table
+            .read("skip", |n| n.integer(0, MAX_SKIP, "the number of lines above the header, 0 to 10000"))?
+            .map(|lines| lines as u32),
+        comment: table.read("comment", comment)?,
     })
+}
+
+/// Largest number of lines above the header.
+const MAX_SKIP: i64 = 10_000;
+
+/// Reads the character with which a line begins that is no row.
+fn comment(node: &Node<'_>) -> Read<u8> {
+    let expected = "the character with which a line begins that is no row, such as \"#\"";
+    match node.text(expected)?.as_bytes() {
+        [mark] if mark.is_ascii_punctuation() && !b"+-.,\"'".contains(mark) => Ok(*mark),
+        _ => Err(node.refuse(expected)),
+    }
 }
 
 fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
@@ -114,10 +132,21 @@ fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
                   and time (the name of a column in seconds)";
     match (table.optional("rate"), table.optional("time")) {
         (Some(rate), None) => sampling_rate(&rate, taken),
-        (None, Some(time)) => column_name(&time, "time", taken).map(Clock::Column),
+        (None, Some(time)) => time_column(&time, taken),
         (Some(_), Some(time)) => Err(time.fail("both rate and time", choice)),
         (None, None) => Err(table.fail("neither rate nor time", choice)),
     }
+}
+
+/// Reads the column of time: its name, or a table with its unit.
+fn time_column(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
+    if !node.is_table() {
+        return column_name(node, "time", taken).map(|name| Clock::Column { name, seconds: None });
+    }
+    let table = node.table(&["column", "unit"])?;
+    let column = table.required("column", "the name of the column of time")?;
+    let name = column_name(&column, "time", taken)?;
+    Ok(Clock::Column { name, seconds: Some(unit(&table, units::time_column, units::TIME_UNITS)?) })
 }
 
 fn sampling_rate(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {

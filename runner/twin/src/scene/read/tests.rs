@@ -459,7 +459,7 @@ fn recording_out_of_range() {
     ]);
     let speed = with(&text, "rate = 1000", "time = \"t\"\nspeed = { column = \"n\", unit = \"rpm\" }");
     let recording = read(&speed).unwrap().recording.unwrap();
-    assert_eq!(recording.clock, Clock::Column("t".into()));
+    assert_eq!(recording.clock, Clock::column("t"));
     assert!(matches!(recording.rotation, RotationSource::SpeedColumn { radians_per_second: f, .. } if near(f, PI / 30.0)));
     let keys = "rate = { column = \"fs\", unit = \"kHz\" }\nheader = false\norientation = \"channels-first\"";
     let recording = read(&with(&text, "rate = 1000", keys)).unwrap().recording.unwrap();
