@@ -87,6 +87,13 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
         }
         E::Read { file, line, cause } => (file, Some(*line), None, Some(cause.to_string()), None),
         E::Empty { file } | E::NoRows { file } => (file, None, None, None, Some("a row for each sample".to_owned())),
+        E::LongLine { file, line } => (file, Some(*line), None, None, Some("a line of at most 4 MiB".to_owned())),
+        E::TimeUnit { file, column, found, unit } => {
+            (file, None, Some(column.clone()), Some(found.clone()), Some(format!("unit = \"{unit}\"")))
+        }
+        E::SummerTime { file, line } => {
+            (file, Some(*line), None, None, Some("time stamps in UTC or with a zone".to_owned()))
+        }
         E::NotText { file, line } => (file, Some(*line), None, None, Some("text in UTF-8".to_owned())),
         E::NoHeader { file, line, found } => (file, Some(*line), None, Some(found.clone()), None),
         E::AbsentColumn { file, line, column, found, .. } => {
