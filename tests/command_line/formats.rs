@@ -116,6 +116,8 @@ fn figures(desk: &Desk, recording: &str) -> Value {
     let all = outcome.as_object_mut().unwrap();
     assert_eq!(all.remove("recording").unwrap(), recording);
     all.remove("timing").unwrap();
+    let file = all.remove("file").unwrap();
+    assert_eq!(file["bytes"], std::fs::metadata(desk.path(recording)).unwrap().len());
     outcome
 }
 
