@@ -6,6 +6,12 @@
 # BALLRACE_TARGET names the folder in lib/; its default is "host". BALLRACE_SHARED selects the shared library.
 get_filename_component(ballrace_root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
 if(NOT BALLRACE_TARGET)
+  if(CMAKE_CROSSCOMPILING)
+    set(ballrace_FOUND FALSE)
+    set(ballrace_NOT_FOUND_MESSAGE
+      "BALLRACE_TARGET: empty in a cross build for ${CMAKE_SYSTEM_NAME} ${CMAKE_SYSTEM_PROCESSOR}, expected a folder of ${ballrace_root}/lib")
+    return()
+  endif()
   set(BALLRACE_TARGET host)
 endif()
 set(ballrace_folder "${ballrace_root}/lib/${BALLRACE_TARGET}")

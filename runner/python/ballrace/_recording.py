@@ -64,4 +64,7 @@ def _numbers(name: str, values: Any) -> npt.NDArray[np.float64]:
         raise InputError(f"column {name}: values of type {values.dtype}, expected numbers")
     if values.ndim != 1:
         raise InputError(f"column {name}: of shape {values.shape}, expected one dimension")
+    if isinstance(values, np.ma.MaskedArray):
+        # A masked reading is a missing one, as an empty cell of a file.
+        values = values.astype(np.float64).filled(np.nan)
     return np.ascontiguousarray(values, dtype=np.float64)

@@ -123,6 +123,35 @@ class Page:
         return f'<iframe src="{source}" style="width:100%;height:720px;border:1px solid #ccc"></iframe>'
 
 
+class _Kept:
+    """Texts of a native result, which a copy in another process has instead of it."""
+
+    def __init__(self, html: str, text: str, baseline: str | InputError, chosen: str | None) -> None:
+        self._html, self._text, self._baseline = html, text, baseline
+        self.chosen = chosen
+
+    def html(self) -> str:
+        return self._html
+
+    def text(self) -> str:
+        return self._text
+
+    def baseline(self) -> str:
+        if isinstance(self._baseline, InputError):
+            raise self._baseline
+        return self._baseline
+
+
+def _kept_outcome(entries: Mapping[str, Any], html: str, text: str, baseline: str | None, why: str) -> Outcome:
+    """Return the copy of an outcome; pickle calls it."""
+    return Outcome(_Kept(html, text, InputError(why) if baseline is None else baseline, None), entries)
+
+
+def _kept_trade(entries: Mapping[str, Any], html: str, chosen: str | None) -> Trade:
+    """Return the copy of a trade study; pickle calls it."""
+    return Trade(_Kept(html, "", "", chosen), entries)
+
+
 class Outcome(Record, Table, Page):
     """Outcome of a replay: verdict, diagnoses, probes, limits.
 
@@ -136,9 +165,17 @@ class Outcome(Record, Table, Page):
         Measured and computed motion at each probe, um.
     """
 
-    def __init__(self, native: _native.Outcome, entries: Mapping[str, Any]) -> None:
+    def __init__(self, native: _native.Outcome | _Kept, entries: Mapping[str, Any]) -> None:
         super().__init__(entries)
         self._native = native
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        baseline, why = None, ""
+        try:
+            baseline = self._native.baseline()
+        except InputError as error:
+            why = str(error)
+        return _kept_outcome, (self._entries, self.to_html(), self.to_text(), baseline, why)
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of probes."""
@@ -333,10 +370,13 @@ class Trade(Record, Table, Page):
         Text of the scene with the chosen model, where a goal was given.
     """
 
-    def __init__(self, native: _native.Trade, entries: Mapping[str, Any]) -> None:
+    def __init__(self, native: _native.Trade | _Kept, entries: Mapping[str, Any]) -> None:
         super().__init__(entries)
         self._native = native
         self.chosen_scene = native.chosen
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _kept_trade, (self._entries, self.to_html(), self.chosen_scene)
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of candidates."""

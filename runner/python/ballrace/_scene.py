@@ -308,6 +308,11 @@ class Scene:
         return f"<ballrace.Scene {self.name}: bearings {', '.join(self.bearing_names)}>"
 
 
+def _bearing(text: str, path: str, name: str) -> _native.Bearing:
+    """Return a bearing of a scene by its name; pickle calls it."""
+    return Scene.from_toml(text, path).bearing(name)
+
+
 def demonstration_recording() -> dict[str, npt.NDArray[np.float64]]:
     """Return the built-in recording of a machine with a spall on an outer race: columns by their names."""
     table = np.genfromtxt(_DEMONSTRATION / "outer-spall.csv", delimiter=",", names=True, deletechars="")

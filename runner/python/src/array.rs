@@ -21,6 +21,7 @@ pub fn checked<'py, T: Element, D: ndarray::Dimension>(
         let scalar = dtype::<T>(py);
         wrong_argument(py, &format!("{name}: {found}, expected an array {shape} of {scalar}, stored in rows (C order)"))
     };
+    unmasked(name, given)?;
     let Ok(array) = given.cast::<PyUntypedArray>() else {
         return Err(fail(format!("not an array: {}", given.get_type().name()?)));
     };
@@ -29,6 +30,25 @@ pub fn checked<'py, T: Element, D: ndarray::Dimension>(
         return Err(fail(format!("an array {}, not contiguous (see numpy.ascontiguousarray)", found())));
     }
     given.cast::<PyArray<T, D>>().cloned().map_err(|_| fail(format!("an array {}", found())))
+}
+
+/// Checks that no element of a NumPy masked array is masked: behind its mask there is a number that means nothing.
+///
+/// # Errors
+/// `InputError` for a masked element.
+pub fn unmasked(name: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = given.py();
+    let masked = py.import("numpy")?.getattr("ma")?;
+    if !given.is_instance(&masked.getattr("MaskedArray")?)? {
+        return Ok(());
+    }
+    let count: usize = masked.getattr("count_masked")?.call1((given,))?.extract()?;
+    if count == 0 {
+        return Ok(());
+    }
+    let message =
+        format!("{name}: {count} masked elements, expected an array without a masked element (see numpy.ma.filled)");
+    Err(wrong_argument(py, &message))
 }
 
 /// Borrows an array for reading.

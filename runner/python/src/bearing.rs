@@ -1,7 +1,8 @@
 //! One bearing: force, stiffness and element loads at given displacements.
 
-use crate::array::{checked, read, write};
+use crate::array::{checked, read, unmasked, write};
 use crate::error::{exception, wrong_argument};
+use crate::interrupt::interruptible;
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase, Status};
 use ballrace_twin::error::Error;
@@ -11,16 +12,22 @@ use ballrace_twin::scene::build::rotation_at;
 use ballrace_twin::scene::{self, Model};
 use numpy::ndarray::{Ix1, Ix2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Model, precision and math of a force.
 type Choice = (Model, Precision, MathBackend);
 
+/// Number of displacements up to which Ctrl-C waits for the result: a thread of its own takes longer to start than they take.
+const AT_ONCE: usize = 256;
+
 /// A bearing of a scene. Each model is built at its first use and stored.
 #[pyclass(frozen, module = "ballrace")]
 pub struct Bearing {
     scene: Arc<scene::Scene>,
+    /// Text of the scene.
+    text: String,
     bearing: scene::Bearing,
     forces: Mutex<Vec<(Choice, Arc<BearingForce>)>>,
     models: Mutex<Vec<(Model, AnyBearing<f64>)>>,
@@ -29,9 +36,9 @@ pub struct Bearing {
 }
 
 impl Bearing {
-    pub fn new(py: Python<'_>, scene: Arc<scene::Scene>, bearing: scene::Bearing) -> PyResult<Self> {
+    pub fn new(py: Python<'_>, scene: Arc<scene::Scene>, text: String, bearing: scene::Bearing) -> PyResult<Self> {
         let at_start = rotation_at(&scene, &bearing, 0.0).map_err(|e| exception(py, e))?;
-        Ok(Self { scene, bearing, forces: Mutex::default(), models: Mutex::default(), at_start })
+        Ok(Self { scene, text, bearing, forces: Mutex::default(), models: Mutex::default(), at_start })
     }
 
     fn model(&self, py: Python<'_>, name: Option<&str>) -> PyResult<Model> {
@@ -134,6 +141,7 @@ struct Rows<'py> {
 
 impl<'py> Rows<'py> {
     fn new(given: &Bound<'py, PyAny>) -> PyResult<Self> {
+        unmasked("u", given)?;
         if let Ok(single) = given.cast::<PyArray1<f64>>()
             && single.len() == 5
             && single.is_contiguous()
@@ -162,6 +170,43 @@ fn not_finite(py: Python<'_>, rows: &[[f64; 5]]) -> PyResult<()> {
             Err(wrong_argument(py, &message))
         }
     }
+}
+
+/// Checks that each force is that of its displacement, where the caller does not take the flags. Inaccurate forces raise a warning.
+fn without_flags(py: Python<'_>, flags: &[Status]) -> PyResult<()> {
+    if let Some(i) = flags.iter().position(|flags| flags.contains(Status::RESULT_NOT_FINITE)) {
+        let message = format!(
+            "u: the force at row {i} overflows, expected a displacement within the bearing, or status= to repeat the last valid force"
+        );
+        return Err(wrong_argument(py, &message));
+    }
+    for (flag, what) in
+        [(Status::NOT_CONVERGED, "have not converged"), (Status::OUT_OF_TABLE, "are outside the table of the model")]
+    {
+        let count = flags.iter().filter(|flags| flags.contains(flag)).count();
+        if let (1.., Some(first)) = (count, flags.iter().position(|flags| flags.contains(flag))) {
+            let message = format!(
+                "force: {count} of {} forces {what} and are inaccurate, the first at row {first}; status= has the flags of each",
+                flags.len()
+            );
+            let message = std::ffi::CString::new(message)?;
+            PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &message, 1)?;
+        }
+    }
+    Ok(())
+}
+
+/// Does `work` on `n` displacements without the interpreter. It gets a function to call before each displacement, which ends the
+/// work of many by Ctrl-C.
+fn without_interpreter<T: Send>(
+    py: Python<'_>,
+    n: usize,
+    work: impl FnOnce(&(dyn Fn() + Sync)) -> T + Send,
+) -> PyResult<T> {
+    if n <= AT_ONCE {
+        return Ok(py.detach(|| work(&|| ())));
+    }
+    interruptible(py, |interrupt| work(&|| interrupt.check()))
 }
 
 #[pymethods]
@@ -225,8 +270,17 @@ impl Bearing {
             let mut forces = write("out", &result)?;
             let (forces, _) = forces.as_slice_mut()?.as_chunks_mut::<5>();
             let (angles, times) = (angles.values()?, times.values()?);
-            let at = |i: usize| self.rotation(angles.at(i), times.at(i));
-            py.detach(|| force.evaluate(displacements, &at, forces, &mut flags));
+            let flags = &mut flags;
+            without_interpreter(py, n, |check| {
+                let at = |i: usize| {
+                    check();
+                    self.rotation(angles.at(i), times.at(i))
+                };
+                force.evaluate(displacements, &at, forces, flags);
+            })?;
+        }
+        if status.is_none() {
+            without_flags(py, &flags)?;
         }
         if let Some(status) = status {
             let status = checked::<u8, Ix1>("status", status, "of shape (n,)")?;
@@ -283,6 +337,13 @@ impl Bearing {
         Ok(if rows.is_single { array.into_any() } else { array.reshape([n, count])?.into_any() })
     }
 
+    /// Pickles the bearing as its scene and its name.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, String, String))> {
+        let again = py.import("ballrace._scene")?.getattr("_bearing")?;
+        let path = self.scene.path.to_string_lossy().into_owned();
+        Ok((again, (self.text.clone(), path, self.bearing.name.clone())))
+    }
+
     fn __repr__(&self) -> String {
         let scene::Bearing { name, model, elements, .. } = &self.bearing;
         format!("<ballrace.Bearing {name}: {}, {elements} elements>", model.name())
@@ -316,13 +377,14 @@ impl Bearing {
         let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
         not_finite(py, displacements)?;
         let (angles, times) = (angles.values()?, times.values()?);
-        let values = py.detach(|| {
+        let values = without_interpreter(py, n, |check| {
             let mut values = vec![0.0; n * width];
             for (i, (u, to)) in displacements.iter().zip(values.chunks_mut(width.max(1))).enumerate() {
+                check();
                 one(&bearing, &Displacement::from_array(*u), &self.rotation(angles.at(i), times.at(i)), to);
             }
             values
-        });
+        })?;
         Ok((values, rows))
     }
 }

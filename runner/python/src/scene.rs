@@ -148,7 +148,7 @@ impl Scene {
     #[pyo3(signature = (name=None))]
     fn bearing(&self, py: Python<'_>, name: Option<&str>) -> PyResult<Bearing> {
         let found = pick(&self.content, name).map_err(|e| exception(py, Error::setup(e)))?;
-        Bearing::new(py, self.content.clone(), found.clone())
+        Bearing::new(py, self.content.clone(), self.text.clone(), found.clone())
     }
 
     /// Computes the static equilibrium; returns JSON and HTML.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -125,3 +127,49 @@ def test_threads_share_a_bearing(scene: ballrace.Scene, displacements: np.ndarra
     with ThreadPoolExecutor(8) as pool:
         found = list(pool.map(lambda _: bearing.force(displacements, model="tabulated"), range(16)))
     assert all(np.array_equal(one, expected) for one in found)
+
+
+def test_a_force_that_overflows_is_an_error_without_status(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    u = displacements[:3].copy()
+    u[1] = 1e250
+    with pytest.raises(ballrace.InputError, match="u: the force at row 1 overflows"):
+        bearing.force(u)
+    status = np.empty(3, dtype=np.uint8)
+    force = bearing.force(u, status=status)
+    assert np.array_equal(force[1], force[0])
+    assert ballrace.Status.RESULT_NOT_FINITE in ballrace.Status(int(status[1]))
+
+
+def test_an_inaccurate_force_warns_without_status(scene: ballrace.Scene) -> None:
+    bearing = scene.bearing("DE")
+    far = np.array([[0.0, -1e-5, 1e-5, 0.0, 0.0], [0.0, -3e-3, 0.0, 0.0, 0.0]])
+    status = np.empty(2, dtype=np.uint8)
+    bearing.force(far, model="tabulated", status=status)
+    assert ballrace.Status.OUT_OF_TABLE in ballrace.Status(int(status[1]))
+    with pytest.warns(RuntimeWarning, match="1 of 2 forces are outside the table .* the first at row 1"):
+        bearing.force(far, model="tabulated")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bearing.force(far[:1], model="tabulated")
+
+
+def test_masked_elements_are_refused(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("DE")
+    whole = np.ma.array(displacements, mask=False)
+    assert np.array_equal(bearing.force(whole), bearing.force(displacements))
+    mask = np.zeros(displacements.shape, dtype=bool)
+    mask[7, 2] = True
+    for call in (bearing.force, bearing.stiffness, bearing.element_loads):
+        with pytest.raises(ballrace.InputError, match="u: 1 masked elements, expected an array without"):
+            call(np.ma.array(displacements, mask=mask))
+    with pytest.raises(ballrace.InputError, match="u: 1 masked elements"):
+        bearing.force(np.ma.array(displacements[7], mask=mask[7]))
+    with pytest.raises(ballrace.InputError, match="cage_angle: 400 masked elements"):
+        bearing.force(displacements, cage_angle=np.ma.array(np.zeros(N), mask=True))
+
+
+def test_a_bearing_is_pickled(scene: ballrace.Scene, displacements: np.ndarray) -> None:
+    bearing = scene.bearing("NDE")
+    copy = pickle.loads(pickle.dumps(bearing))
+    assert copy.name == "NDE" and np.array_equal(copy.force(displacements), bearing.force(displacements))

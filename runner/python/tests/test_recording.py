@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -158,19 +159,22 @@ LONG_WORK = [
     "scene.replay(recording)",
     "scene.sweep({'shaft.speed': '1000rpm..6000rpm:200'})",
     "scene.fit(recording)",
+    "scene.bearing('DE').force(np.full((3_000_000, 5), 1e-6), model='quasi-static')",
+    "scene.bearing('DE').stiffness(np.full((3_000_000, 5), 1e-6), model='quasi-static')",
+    "scene.bearing('DE').element_loads(np.full((3_000_000, 5), 1e-6), model='quasi-static')",
 ]
 
 
 @pytest.mark.parametrize("work", LONG_WORK)
 def test_ctrl_c_stops_long_work(work: str) -> None:
     program = (
-        "import ballrace, sys\n"
+        "import ballrace, sys\nimport numpy as np\n"
         "scene, recording = ballrace.Scene.demonstration(), ballrace.demonstration_recording()\n"
         "recording = {name: list(values) * 20 for name, values in recording.items()}\n"
         "print('started', flush=True)\n"
         f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('stopped', flush=True)\n    sys.exit(0)\nsys.exit(7)\n"
     )
-    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None and process.stdout.readline() == "started\n"
     try:
         process.wait(0.7)
@@ -178,3 +182,41 @@ def test_ctrl_c_stops_long_work(work: str) -> None:
         os.kill(process.pid, signal.SIGINT)
     assert process.wait(30) == 0
     assert process.stdout.read() == "stopped\n"
+    assert process.stderr is not None and process.stderr.read() == ""
+
+
+def test_a_masked_reading_is_missing(scene: ballrace.Scene, recording: dict[str, np.ndarray]) -> None:
+    mask = np.zeros(len(recording["DE_X_um"]), dtype=bool)
+    mask[100:400] = True
+    spoiled = np.where(mask, 1e6, recording["DE_X_um"])
+    missing = np.where(mask, np.nan, recording["DE_X_um"])
+    masked = scene.replay({**recording, "DE_X_um": np.ma.array(spoiled, mask=mask)})
+    assert masked.flaws and masked.probes == scene.replay({**recording, "DE_X_um": missing}).probes
+
+
+def test_an_outcome_is_pickled(
+    scene: ballrace.Scene, recording: dict[str, np.ndarray], tmp_path: Path
+) -> None:
+    outcome = scene.replay(recording)
+    copy = pickle.loads(pickle.dumps(outcome))
+    again = pickle.loads(pickle.dumps(copy))
+    for other in (copy, again):
+        assert type(other) is ballrace.Outcome and other.to_dict() == outcome.to_dict()
+        assert other.to_html() == outcome.to_html() and other.to_text() == outcome.to_text()
+        saved = [one.save_baseline(tmp_path / "b.json").read_text() for one in (outcome, other)]
+        assert saved[0] == saved[1]
+
+
+def test_an_outcome_returns_from_another_process(tmp_path: Path) -> None:
+    path = tmp_path / "run.py"
+    path.write_text(
+        "import multiprocessing\n"
+        "import ballrace\n"
+        "def work(text):\n"
+        "    return ballrace.Scene.from_toml(text).replay(ballrace.demonstration_recording())\n"
+        "if __name__ == '__main__':\n"
+        "    with multiprocessing.get_context('spawn').Pool(1) as pool:\n"
+        "        print(pool.map(work, [ballrace.Scene.demonstration().text])[0].verdict)\n"
+    )
+    shown = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=True)
+    assert "Outer race of DE" in shown.stdout

@@ -95,6 +95,13 @@ def test_trade(scene: ballrace.Scene) -> None:
         scene.trade(deadline="20 us")
 
 
+def test_a_trade_study_is_pickled(scene: ballrace.Scene) -> None:
+    study = scene.trade(error=0.05, forces_only=True)
+    copy = pickle.loads(pickle.dumps(study))
+    assert copy.to_dict() == study.to_dict() and copy.chosen_scene == study.chosen_scene
+    assert copy.to_html() == study.to_html()
+
+
 def test_fit(scene: ballrace.Scene) -> None:
     motion = scene.simulate("0.4 s", "12.8 kHz")
     columns = _probes(scene, motion)

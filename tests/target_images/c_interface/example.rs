@@ -78,3 +78,28 @@ fn the_zephyr_module_selects_the_library_of_the_processor() {
         assert!(text.lines().any(|line| line.contains("linked: ") && line.ends_with(&file)), "{target}: {text}");
     }
 }
+
+/// A cross build that does not name the target of Rust would link a library of the host.
+#[test]
+#[ignore = "needs cmake; tests/run runs it"]
+fn a_cross_build_without_a_target_is_refused() {
+    if !has_cmake() {
+        return;
+    }
+    let kernel = super::folder();
+    let source = format!("add_subdirectory(\"{}\" ballrace)", kernel.display());
+    let packed = format!("find_package(ballrace REQUIRED PATHS \"{}/cmake\" NO_DEFAULT_PATH)", kernel.display());
+    for (lines, key) in [(source, "BALLRACE_RUST_TARGET: empty"), (packed, "BALLRACE_TARGET: empty")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = format!("cmake_minimum_required(VERSION 3.21)\nproject(firmware LANGUAGES NONE)\n{lines}\n");
+        std::fs::write(folder.path().join("CMakeLists.txt"), text).expect("a file");
+        let mut command = Command::new("cmake");
+        command.args(["-DCMAKE_SYSTEM_NAME=Generic", "-DCMAKE_SYSTEM_PROCESSOR=arm", "-B", "build", "."]);
+        let output = command.current_dir(folder.path()).output().expect("cmake");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            !output.status.success() && said.contains(key) && said.contains("in a cross build for Generic"),
+            "{said}"
+        );
+    }
+}

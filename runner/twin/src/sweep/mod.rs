@@ -251,11 +251,19 @@ impl Plan {
             }
         };
         std::thread::scope(|scope| {
+            let mut threads = Vec::new();
             for _ in 0..jobs.clamp(1, open.len().max(1)) {
-                let thread = std::thread::Builder::new().name("sweep".to_owned()).spawn_scoped(scope, work);
-                if let Err(error) = thread {
-                    locked(&failed).get_or_insert(Error::from(error));
+                match std::thread::Builder::new().name("sweep".to_owned()).spawn_scoped(scope, work) {
+                    Ok(thread) => threads.push(thread),
+                    Err(error) => {
+                        locked(&failed).get_or_insert(Error::from(error));
+                    }
                 }
+            }
+            // The caller ends the work by unwinding from `progress`. A scope that finds a thread unwound prints a panic of its own.
+            let ends: Vec<_> = threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect();
+            for end in ends {
+                end.unwrap_or_else(|payload| std::panic::resume_unwind(payload));
             }
         });
         match locked(&failed).take() {
