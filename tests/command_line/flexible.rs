@@ -208,6 +208,18 @@ fn wrong_drawings_are_refused() {
     }
 }
 
+/// The critical speeds stand below the table; the first modes of the rotor cross 1X near 106 and 108 Hz.
+#[test]
+fn critical_speeds_are_printed() {
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene());
+    let text = desk.done(&["campbell", "scene.toml", "--speeds", "0 rpm..12000 rpm:5"]).out;
+    let (_, critical) = text.split_once("\nCritical speeds").unwrap();
+    let first = critical.lines().find(|line| line.contains(" rpm  1X ")).unwrap();
+    let rpm: f64 = first.split_whitespace().next().unwrap().parse().unwrap();
+    assert!((6250.0..6400.0).contains(&rpm), "{critical}");
+}
+
 /// A drawing in thousands of pieces is the same rotor, and more than a drawing has are refused.
 #[test]
 fn a_rotor_of_many_sections() {
