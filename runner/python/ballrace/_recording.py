@@ -66,5 +66,6 @@ def _numbers(name: str, values: Any) -> npt.NDArray[np.float64]:
         raise InputError(f"column {name}: of shape {values.shape}, expected one dimension")
     if isinstance(values, np.ma.MaskedArray):
         # A masked reading is a missing one, as an empty cell of a file.
-        values = values.astype(np.float64).filled(np.nan)
+        masked: Any = values.astype(np.float64)
+        values = masked.filled(np.nan)
     return np.ascontiguousarray(values, dtype=np.float64)

@@ -133,7 +133,7 @@ def test_same_bits_as_the_command_line(program: Path, scene: ballrace.Scene, sho
     read = ballrace.Scene.read(tmp_path / "scene.toml")
     mine = json.loads(json.dumps(read.replay(short).to_dict()))
     theirs = json.loads(answer.stdout)
-    assert _differences(mine, theirs) <= {"recording", "scene", "timing"}
+    assert _differences(mine, theirs) <= {"file", "recording", "scene", "timing"}
 
 
 def test_same_force_bits_as_the_command_line(program: Path, scene: ballrace.Scene, tmp_path: Path) -> None:
