@@ -235,8 +235,8 @@ fn figures_zoom(browser: &mut Browser) {
     let still = figure.content();
     let [low, high] = figure.ends(0);
     let length = |ends: [f64; 2]| ends[1] - ends[0];
-    // A box over the middle third.
-    let [from, to] = [[0.33, 0.8], [0.66, 0.2]].map(|share| figure.at(0, share));
+    // A box over half of the range.
+    let [from, to] = [[0.2, 0.8], [0.7, 0.2]].map(|share| figure.at(0, share));
     let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
     figure.browser.drag(&[from, middle, to], 0);
     let boxed = figure.ends(0);
