@@ -115,8 +115,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
     };
     let outcome = replay::replay(&scene, reader, &name, &options);
     bar.finish_and_clear();
-    let file = RecordingFile::of(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    write_results(args, Outcome { file, ..outcome? }, report.as_deref(), format)
+    write_results(args, Outcome { file: RecordingFile::of(&path), ..outcome? }, report.as_deref(), format)
 }
 
 /// Replays in real time.

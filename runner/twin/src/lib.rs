@@ -142,6 +142,7 @@ pub mod record;
 pub mod recording;
 pub mod replay;
 pub mod scene;
+mod sha256;
 pub mod simd;
 pub mod spectrum;
 mod statistics;

@@ -1,14 +1,9 @@
 //! Identity of the file of a recording.
 
+use crate::scene::bounded::open_regular;
+use crate::sha256;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
-use std::fmt::Write;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
-
-/// Bytes that are read at a time.
-const BLOCK: usize = 1 << 16;
 
 /// Identity of the file of a recording, from which a report is traced back to its data.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -23,30 +18,24 @@ pub struct RecordingFile {
 }
 
 impl RecordingFile {
-    /// Returns the identity of the file at `path`; none where that is no file.
-    ///
-    /// # Errors
-    /// A file that cannot be read.
-    pub fn of(path: &Path) -> io::Result<Option<Self>> {
-        if !path.is_file() {
-            return Ok(None);
-        }
-        let mut file = File::open(path)?;
-        let modified = humantime::format_rfc3339_seconds(file.metadata()?.modified()?).to_string();
-        let (mut hash, mut bytes, mut block) = (Sha256::new(), 0, vec![0; BLOCK]);
-        loop {
-            let read = file.read(&mut block)?;
-            if read == 0 {
-                break;
-            }
-            hash.update(&block[..read]);
-            bytes += read as u64;
-        }
-        let mut sha256 = String::new();
-        for byte in hash.finalize() {
-            // Writing to a string cannot fail.
-            let _ = write!(sha256, "{byte:02x}");
-        }
-        Ok(Some(Self { sha256, bytes, modified }))
+    /// Returns the identity of the file at `path`; none where that is a folder, no regular file, or cannot be read any more.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let file = open_regular(path).ok()?;
+        let modified = humantime::format_rfc3339_seconds(file.metadata().ok()?.modified().ok()?).to_string();
+        let (sha256, bytes) = sha256::of(file).ok()?;
+        Some(Self { sha256, bytes, modified })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recording may be gone at the end of its replay: its result stays.
+    #[test]
+    fn a_file_that_is_gone_has_no_identity() {
+        assert_eq!(RecordingFile::of(Path::new("no such recording.csv")), None);
+        assert_eq!(RecordingFile::of(Path::new(".")), None);
     }
 }
