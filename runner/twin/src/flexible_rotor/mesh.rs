@@ -33,8 +33,10 @@ impl Mesh {
     /// those are many, with nodes at `kept`, at the heaviest disks and in distances of `longest`, between which the elements are condensed.
     /// Cost: linear in the number of sections.
     pub fn new(rotor: &FlexibleRotor, kept: &[f64], longest: f64) -> Self {
-        let all = stations(rotor, kept, longest);
-        let nodes = nodes(rotor, kept, longest, &all);
+        let fixed = fixed(rotor, kept);
+        let all = stations(&fixed, longest);
+        let nodes =
+            if fixed.len() <= MOST_NODES { (0..all.len()).collect() } else { chosen_nodes(rotor, kept, longest, &all) };
         let material = material(rotor);
         let n = nodes.len();
         let zeros = |size: usize| DMatrix::zeros(size, size);
@@ -159,7 +161,7 @@ pub fn rigid_body(rotor: &FlexibleRotor) -> [f64; 4] {
     // Short pieces: the inertia of a cone is the sum of those of cylinders.
     let longest = rotor.length() / 1000.0;
     let of = material(rotor);
-    let pieces = stations(rotor, &[], longest);
+    let pieces = stations(&fixed(rotor, &[]), longest);
     let mut parts: Vec<[f64; 4]> = pieces
         .windows(2)
         .map(|ends| {
@@ -187,9 +189,8 @@ fn element(rotor: &FlexibleRotor, ends: [f64; 2]) -> Element {
     Element::new(ends[1] - ends[0], ends.map(diameter), section.map_or(0.0, |s| s.inner_diameter), rotor.poissons_ratio)
 }
 
-/// Returns the ends of the elements in order.
-fn stations(rotor: &FlexibleRotor, kept: &[f64], longest: f64) -> Vec<f64> {
-    let fixed = fixed(rotor, kept);
+/// Returns the ends of the elements in order, between `fixed` ones.
+fn stations(fixed: &[f64], longest: f64) -> Vec<f64> {
     let mut all = Vec::new();
     for ends in fixed.windows(2) {
         let parts = ((ends[1] - ends[0]) / longest * (1.0 - 1e-9)).ceil().max(1.0);
@@ -209,11 +210,8 @@ fn fixed(rotor: &FlexibleRotor, kept: &[f64]) -> Vec<f64> {
     fixed
 }
 
-/// Returns the index of every one of the `stations` that has a node.
-fn nodes(rotor: &FlexibleRotor, kept: &[f64], longest: f64, stations: &[f64]) -> Vec<usize> {
-    if fixed(rotor, kept).len() <= MOST_NODES {
-        return (0..stations.len()).collect();
-    }
+/// Returns the indices of those of many `stations` that have a node: at `kept` ones, heavy disks, and not further apart than `longest`.
+fn chosen_nodes(rotor: &FlexibleRotor, kept: &[f64], longest: f64, stations: &[f64]) -> Vec<usize> {
     let mut disks: Vec<_> = rotor.disks.iter().collect();
     disks.sort_by(|a, b| b.mass.total_cmp(&a.mass));
     let chosen: Vec<f64> = kept.iter().copied().chain(disks.iter().take(HEAVIEST_DISKS).map(|d| d.station)).collect();

@@ -17,6 +17,7 @@ pub use modes::Modes;
 
 use crate::eigenvalues::EigenvalueError;
 use nalgebra::{DMatrix, DVector};
+use std::iter;
 use std::sync::Arc;
 
 /// Relative change of the natural frequencies by halving the elements, below which the mesh is fine enough.
@@ -67,6 +68,13 @@ impl FreeRotor {
         Ok(Self { mesh, bending, axial })
     }
 
+    /// Returns those of the `stations` that are at different nodes: forces at one node have one shape.
+    fn distinct(&self, stations: &[f64]) -> Vec<f64> {
+        let nodes: Vec<usize> = stations.iter().map(|station| self.mesh.node(*station)).collect();
+        let is_first = |i: &usize| nodes.iter().position(|node| *node == nodes[*i]) == Some(*i);
+        (0..stations.len()).filter(is_first).map(|i| stations[i]).collect()
+    }
+
     /// Returns the shape under a unit force (`moment` false) or moment at `station`, in a plane, without the rigid motion and without
     /// the first `without` elastic modes: the residual flexibility of these modes.
     fn residual_shape(&self, station: f64, moment: bool, without: usize) -> DVector<f64> {
@@ -78,6 +86,42 @@ impl FreeRotor {
         }
         shape
     }
+
+    /// Returns shapes along the axis, rigid and elastic with the modal mass `mass`, and the stiffness of the elastic ones: the modes below
+    /// `highest` (Hz), and residual shapes of forces at `forces`.
+    fn along_axis(&self, mass: f64, forces: &[f64], highest: f64) -> Result<(DMatrix<f64>, Vec<f64>), EigenvalueError> {
+        let modes = self.axial.frequencies(1).take_while(|f| *f < highest).count();
+        let mode = |j: usize| self.axial.shapes.column(j).into_owned();
+        let mut columns: Vec<DVector<f64>> = (1..=modes).map(mode).collect();
+        let mut squares: Vec<f64> = self.axial.squares.iter().skip(1).take(modes).copied().collect();
+        if !forces.is_empty() {
+            for station in forces {
+                let at = self.mesh.node(*station);
+                let rest = 1 + modes..self.axial.squares.len();
+                let shape: DVector<f64> =
+                    rest.map(|j| mode(j) * (self.axial.shapes[(at, j)] / self.axial.squares[j])).sum();
+                let size = shape.dot(&(&self.mesh.axial_mass * &shape)).sqrt();
+                columns.push(shape / size.max(f64::MIN_POSITIVE));
+            }
+            let basis = DMatrix::from_columns(&columns);
+            let small = |m: &DMatrix<f64>| basis.transpose() * m * &basis;
+            let own = Modes::try_new(&small(&self.mesh.axial_mass), &small(&self.mesh.axial_stiffness))?;
+            columns = (&basis * &own.shapes).column_iter().map(|column| column.into_owned()).collect();
+            squares = own.squares.iter().copied().collect();
+        }
+        let rigid = DVector::from_element(self.mesh.stations.len(), 1.0);
+        let all: Vec<_> = iter::once(rigid).chain(columns.into_iter().map(|column| column * mass.sqrt())).collect();
+        Ok((DMatrix::from_columns(&all), squares.into_iter().map(|square| square * mass).collect()))
+    }
+}
+
+/// Stations at which forces of bearings act on a rotor, m.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ForceStations<'a> {
+    /// Of radial forces and moments.
+    pub radial: &'a [f64],
+    /// Of axial forces whose flexibility counts.
+    pub axial: &'a [f64],
 }
 
 /// Equations of a rotor in a few coordinates.
@@ -104,13 +148,19 @@ pub struct ReducedRotor {
 
 impl ReducedRotor {
     /// Reduces `free` to `count` elastic coordinates in each plane: as many natural modes as are left beside the residual shapes of
-    /// forces at `forces` (stations, m); along the axis the modes below `highest` (Hz).
+    /// radial forces; along the axis the modes below `highest` (Hz) and the residual shapes of axial forces.
     ///
     /// Source: residual flexibility, Rubin 1975, AIAA Journal 13, and MacNeal 1971, Computers and Structures 1.
     ///
     /// # Errors
     /// Returns an error if the modes cannot be computed.
-    pub fn try_new(free: Arc<FreeRotor>, count: usize, forces: &[f64], highest: f64) -> Result<Self, EigenvalueError> {
+    pub fn try_new(
+        free: Arc<FreeRotor>,
+        count: usize,
+        forces: ForceStations<'_>,
+        highest: f64,
+    ) -> Result<Self, EigenvalueError> {
+        let [forces, axial_forces] = [forces.radial, forces.axial].map(|stations| free.distinct(stations));
         let nodes = free.mesh.stations.len();
         let count = count.min(free.bending.squares.len() - RIGID);
         let mut rigid = DMatrix::zeros(2 * nodes, RIGID);
@@ -143,16 +193,7 @@ impl ReducedRotor {
             stiffness = own.squares.iter().map(|square| square * mass).collect();
         }
         let polar = shapes.transpose() * &free.mesh.polar * &shapes;
-        let along = free.axial.frequencies(1).take_while(|f| *f < highest).count();
-        let axial_shapes =
-            DMatrix::from_fn(
-                nodes,
-                1 + along,
-                |i, j| {
-                    if j == 0 { 1.0 } else { free.axial.shapes[(i, j)] * mass.sqrt() }
-                },
-            );
-        let axial_stiffness = (1..=along).map(|j| free.axial.squares[j] * mass).collect();
+        let (axial_shapes, axial_stiffness) = free.along_axis(mass, &axial_forces, highest)?;
         Ok(Self {
             mass,
             diametral_inertia: inertia[(1, 1)],

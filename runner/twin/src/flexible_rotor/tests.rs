@@ -1,6 +1,6 @@
 //! Free and supported rotors against ROSS 2.3.0 (`tests/golden/rotor_fe.json`).
 
-use super::{FreeRotor, ReducedRotor, rigid_body};
+use super::{ForceStations, FreeRotor, ReducedRotor, rigid_body};
 use crate::eigenvalues::eigenvalues;
 use crate::plant::{Plant, response};
 use crate::scene::read::read_str;
@@ -106,7 +106,8 @@ fn reduced(case: &Value, count: usize) -> (ReducedRotor, f64) {
     kept.push(number(&case["on_springs"]["unbalance"]["station"]) - centre);
     kept.extend(case["on_springs"]["x_response"].as_array().unwrap().iter().map(|r| number(&r["station"]) - centre));
     let free = FreeRotor::try_new(&drawn, &kept, 2000.0).unwrap();
-    (ReducedRotor::try_new(free.into(), count, &bearings, 2000.0).unwrap(), centre)
+    let forces = ForceStations { radial: &bearings, axial: &[] };
+    (ReducedRotor::try_new(free.into(), count, forces, 2000.0).unwrap(), centre)
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::error::Result;
 use super::system::{Body, Rows, add_loads};
 use super::{Layout, MAX_OBSERVED, MountedBearing, Plant};
 use crate::eigenvalues::eigenvalues;
-use crate::flexible_rotor::{FreeRotor, Modes, ReducedRotor};
+use crate::flexible_rotor::{ForceStations, FreeRotor, Modes, ReducedRotor};
 use crate::outcome::ALLOWED_REDUCTION_ERRORS;
 use crate::scene::{Direction, FlexibleRotor, Rotor, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -17,6 +17,8 @@ const MAX_ELASTIC: usize = 13;
 const ALWAYS_ELASTIC: usize = 5;
 /// Natural frequency below which a direction is not held, Hz.
 const HELD: f64 = 1.0;
+/// Error over the error with one elastic coordinate less, above which that coordinate has changed nothing.
+const UNCHANGED: f64 = 0.999;
 /// Modes of the finite-element model in which the gyroscopic effect is computed: those up to this multiple of the highest line ...
 const GYROSCOPIC_RANGE: f64 = 4.0;
 /// ... and as many more.
@@ -50,13 +52,19 @@ impl ReductionError {
 /// Returns the reduction with the fewest elastic coordinates, or with those that the scene gives.
 pub(super) fn first(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBearing]) -> Result<ReducedRotor> {
     let count = rotor.coordinates.map_or(1, |n| n.saturating_sub(5) / 2);
-    reduced(scene, free(scene, rotor, mounted)?, mounted, count)
+    reduced(scene, free(scene, rotor, mounted)?, mounted, (count, &[]))
 }
 
-/// Reduces the mesh of a rotor to `count` elastic coordinates in each plane.
-fn reduced(scene: &Scene, free: Arc<FreeRotor>, mounted: &[MountedBearing], count: usize) -> Result<ReducedRotor> {
-    let forces: Vec<f64> = mounted.iter().map(|b| b.station).collect();
-    Ok(ReducedRotor::try_new(free, count, &forces, highest_line(scene, mounted))?)
+/// Reduces the mesh of a rotor to `count` elastic coordinates in each plane, and one for the axial force at each of the stations `axial`.
+fn reduced(
+    scene: &Scene,
+    free: Arc<FreeRotor>,
+    mounted: &[MountedBearing],
+    (count, axial): (usize, &[f64]),
+) -> Result<ReducedRotor> {
+    let radial: Vec<f64> = mounted.iter().map(|b| b.station).collect();
+    let forces = ForceStations { radial: &radial, axial };
+    Ok(ReducedRotor::try_new(free, count, forces, highest_line(scene, mounted))?)
 }
 
 /// Meshes a rotor.
@@ -96,7 +104,7 @@ impl Plant {
             return Ok(self.layout.clone());
         };
         let free = free(scene, drawn, &self.bearings)?;
-        let body = Body::Flexible(reduced(scene, free, &self.bearings, elastic)?);
+        let body = Body::Flexible(reduced(scene, free, &self.bearings, (elastic, &[]))?);
         Ok(Layout::new(body, &scene.bearings, &self.bearings))
     }
 
@@ -104,20 +112,39 @@ impl Plant {
     pub(super) fn refine(&mut self, scene: &Scene) -> Result<()> {
         let Some(drawn) = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref()) else { return Ok(()) };
         let mut known = None;
+        let mut axial = vec![];
+        let mut before = f64::INFINITY;
         loop {
             let Some(rotor) = self.layout.flexible() else { return Ok(()) };
             let error = self.reduction_error(scene, rotor, &mut known)?;
             self.reduction = Some(error);
-            let count = rotor.elastic();
-            if drawn.coordinates.is_some() || error.is_allowed() || count >= self.most_elastic(count) {
+            let mut count = rotor.elastic();
+            if drawn.coordinates.is_some() || error.is_allowed() {
                 return Ok(());
             }
+            // Coordinates of bending that leave the frequencies as they were do not help an axial motion.
+            let held = self.axially_held(known.as_ref());
+            if axial.is_empty() && !held.is_empty() && error.frequency > UNCHANGED * before {
+                axial = held;
+                count = count.saturating_sub(2);
+            } else if count >= self.most_elastic(count) {
+                return Ok(());
+            }
+            before = error.frequency;
             let free = rotor.free.clone();
-            let body = Body::Flexible(reduced(scene, free, &self.bearings, count + 1)?);
+            let body = Body::Flexible(reduced(scene, free, &self.bearings, (count + 1, &axial))?);
             self.layout = Layout::new(body, &scene.bearings, &self.bearings);
             self.damping = DMatrix::zeros(self.layout.order, self.layout.order);
             self.settle()?;
         }
+    }
+
+    /// Returns the stations of the bearings that hold the rotor along its axis.
+    fn axially_held(&self, known: Option<&KnownModes>) -> Vec<f64> {
+        let attached = self.bearings.iter().enumerate().filter(|(i, _)| self.layout.attached(*i).is_some());
+        let tangents = known.into_iter().flat_map(|known| &known.tangents);
+        let held = attached.zip(tangents).filter(|(_, tangent)| tangent[(2, 2)] > 0.0);
+        held.map(|((_, bearing), _)| bearing.station).collect()
     }
 
     /// Returns the largest number of elastic coordinates in each plane, of which the plant has `count`: more would be too many for an
@@ -472,6 +499,49 @@ mod tests {
         let (more, _) = error("coordinates = 25");
         assert!(more.frequency < chosen.frequency && more.frequency < 1e-4, "{more:?}");
         assert!(more.deflection < 2e-3 && more.response < 2e-3, "{more:?}");
+    }
+
+    /// A slender overhung shaft that two bearings hold along its axis: where coordinates of bending do not help, the axial motion has some.
+    #[test]
+    fn an_axial_motion_has_coordinates_of_its_own() {
+        let text = r#"
+            [shaft]
+            speed = "600 rpm"
+            [rotor]
+            sections = [
+              { from = 0, to = 0.7, outer_diameter = 0.025 },
+              { from = 0.7, to = 0.9, outer_diameter = 0.030 },
+            ]
+            disks = [
+              { station = 0.35, mass = 15, diametral_inertia = 0.06, polar_inertia = 0.115 },
+              { station = 0.88, mass = 6, diametral_inertia = 0.018, polar_inertia = 0.034 },
+            ]
+            [[bearing]]
+            name = "a"
+            station = 0.05
+            model = "linear"
+            elements = 9
+            stiffness_matrix = [[2e7,0,0,0,0],[0,3e7,0,0,0],[0,0,1e7,0,0],[0,0,0,0,0],[0,0,0,0,0]]
+            [[bearing]]
+            name = "b"
+            station = 0.65
+            model = "linear"
+            elements = 9
+            stiffness_matrix = [[5e7,0,0,0,0],[0,4e7,0,0,0],[0,0,1e7,0,0],[0,0,0,0,0],[0,0,0,0,0]]
+        "#;
+        let plant = Plant::try_new(&read_str(text, Path::new("scene.toml")).unwrap()).unwrap();
+        let error = plant.reduction.unwrap();
+        assert!(error.frequency < 1e-3 && error.is_allowed(), "{error:?}");
+        assert!(!plant.layout.flexible().unwrap().axial_stiffness.is_empty());
+    }
+
+    /// Two bearings beside each other at one station, as a pair or two rows are often drawn.
+    #[test]
+    fn bearings_at_one_station_are_one_place() {
+        let (_, second) = SCENE.rsplit_once("[[bearing]]").unwrap();
+        let text = format!("{SCENE}\n[[bearing]]{}", second.replace("\"NDE\"", "\"other\""));
+        let plant = Plant::try_new(&read_str(&text, Path::new("scene.toml")).unwrap()).unwrap();
+        assert!(plant.reduction.unwrap().is_allowed());
     }
 
     /// Damping of the modes and springs and dampers on the rotor are in the finite-element model too: with many coordinates no error is
