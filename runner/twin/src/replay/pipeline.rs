@@ -250,6 +250,12 @@ impl<'a> Pipeline<'a> {
                 return Ok(());
             }
         }
+        if let (Some(running), Some(block)) = (&mut self.running_diagnosis, &evaluator.block) {
+            running.advance(block, &mut self.follower.cages, &mut self.notices);
+        }
+        if let Some(vibration) = &mut self.vibration {
+            vibration.advance(&mut self.notices);
+        }
         if self.follower.startup.is_done() && !self.follower.startup.is_running_in() {
             evaluator.readings.stop_seconds();
         }

@@ -145,6 +145,18 @@ pub(super) struct RunningDiagnosis {
     last: Option<(DiagnosisResult, f64)>,
     baseline: Option<Baseline>,
     faults: OpenFaults,
+    /// The last sample.
+    at: SamplePosition,
+    /// Index of the last sample of the last block that was diagnosed.
+    diagnosed: Option<u64>,
+}
+
+/// Place of a sample in the recording.
+#[derive(Debug, Clone, Copy, Default)]
+struct SamplePosition {
+    index: u64,
+    time: f64,
+    turns: f64,
 }
 
 impl RunningDiagnosis {
@@ -170,6 +182,8 @@ impl RunningDiagnosis {
             last: None,
             baseline,
             faults: OpenFaults::default(),
+            at: SamplePosition::default(),
+            diagnosed: None,
         }
     }
 
@@ -197,9 +211,15 @@ impl RunningDiagnosis {
     ///
     /// The block ends with `sample`. The cages are tracked from the positions that a diagnosis finds.
     pub(super) fn poll(&mut self, block: &Block, sample: &Sample, cages: &mut CageTracker, notices: &mut Notices) {
-        let (time, turns) = (sample.row.time, sample.total_revolutions());
+        self.at = SamplePosition { index: sample.row.index, time: sample.row.time, turns: sample.total_revolutions() };
+        self.advance(block, cages, notices);
+    }
+
+    /// The same between the samples: a source that sends no more has its last block diagnosed too. `block` ends with the last sample.
+    pub(super) fn advance(&mut self, block: &Block, cages: &mut CageTracker, notices: &mut Notices) {
+        let SamplePosition { index, time, turns } = self.at;
         let schedule = self.schedule;
-        if let Some(Running { task, end }) = self.running.take_if(|run| run.task.is_due(schedule, sample.row.index)) {
+        if let Some(Running { task, end }) = self.running.take_if(|run| run.task.is_due(schedule, index)) {
             let (result, pause) = task.join(schedule);
             self.pause = pause;
             match result {
@@ -229,9 +249,11 @@ impl RunningDiagnosis {
             }
         }
         let has_ended = matches!(self.state, DiagnosisState::Ended { .. });
-        if has_ended || self.running.is_some() || !self.pause.is_over() || !block.is_full() {
+        let is_known = self.diagnosed == Some(index);
+        if has_ended || is_known || self.running.is_some() || !self.pause.is_over() || !block.is_full() {
             return;
         }
+        self.diagnosed = Some(index);
         let (machine, samples) = (self.machine.clone(), block.clone().into_samples());
         if let Some(reason) = diagnosis::not_applicable(&machine.scene, &samples) {
             self.end(&reason, time, notices);
@@ -246,7 +268,7 @@ impl RunningDiagnosis {
         match thread.spawn(diagnose) {
             Ok(thread) => {
                 let end = BlockEnd { time, turns, cages: cages.positions(turns), interruptions: cages.interruptions() };
-                self.running = Some(Running { task: Task::new(thread, sample.row.index), end });
+                self.running = Some(Running { task: Task::new(thread, index), end });
             }
             Err(error) => self.end(&error.to_string(), time, notices),
         }

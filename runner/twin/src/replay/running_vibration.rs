@@ -40,6 +40,8 @@ pub(super) struct RunningVibration {
     /// Rate of the recording, Hz.
     rate: f64,
     schedule: BackgroundSchedule,
+    /// Of the last row.
+    index: u64,
     seconds: StatisticsOfSensors,
     work: Work,
     /// Faults of the last block, which the next one confirms.
@@ -59,6 +61,7 @@ impl RunningVibration {
             baseline: baseline.cloned().map(Arc::new),
             rate,
             schedule,
+            index: 0,
             seconds: StatisticsOfSensors::new(sensors),
             work: Work::Resting(Pause::default()),
             candidates: vec![],
@@ -70,6 +73,7 @@ impl RunningVibration {
     /// Adds the readings of a row.
     pub fn add(&mut self, row: &Row, notices: &mut Notices) {
         self.seconds.add(row);
+        self.index = row.index;
         match &mut self.work {
             Work::Filling(signals) => {
                 let has_room = signals.add(row);
@@ -85,8 +89,16 @@ impl RunningVibration {
                     Work::Filling(block)
                 });
             }
-            Work::Evaluating(task, _) if task.is_due(self.schedule, row.index) => self.take_result(notices),
-            _ => {}
+            _ => self.advance(notices),
+        }
+    }
+
+    /// Takes the result of an evaluation that has ended, also where the source sends no more.
+    pub fn advance(&mut self, notices: &mut Notices) {
+        if let Work::Evaluating(task, _) = &self.work
+            && task.is_due(self.schedule, self.index)
+        {
+            self.take_result(notices);
         }
     }
 
