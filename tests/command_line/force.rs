@@ -108,6 +108,35 @@ fn balls_pass_the_points_of_a_housing() {
     assert!(change > 0.1, "the force depends on the angle of the cage: {change}");
 }
 
+/// A bending outer ring in a scene: the heaviest loaded balls are relieved, and both precisions agree.
+#[test]
+fn an_outer_ring_bends() {
+    let desk = Desk::empty();
+    let scene = |ring: &str| {
+        format!(
+            "[shaft]\nspeed = \"1500 rpm\"\n[rotor]\nmass = \"300 kg\"\ndiametral_inertia = 2\npolar_inertia = 1\n\
+             stiffness = [0, 0, 1e6, 1e6, 1e6]\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 14\n\
+             cage_ratio = 0.4\nstiffness = 6e8\nexponent = 1.1111\nradial_play = \"2 um\"\n{ring}\n"
+        )
+    };
+    let ring = "outer_ring = { radius = \"60 mm\", width = \"22 mm\", thickness = \"6 mm\" }";
+    let loads = [("rigid.toml", ""), ("bending.toml", ring)].map(|(name, ring)| {
+        desk.put(name, scene(ring));
+        let json: Value = desk.done(&["equilibrium", name, "--format", "json"]).json();
+        let elements = json["elements"].as_array().unwrap_or_else(|| panic!("{json}"));
+        elements.iter().map(|element| element["inner_load"].as_f64().unwrap()).fold(0.0, f64::max)
+    });
+    assert!(loads[1] < 0.95 * loads[0], "{loads:?}");
+    let rows = "u,v,w,thu,thv,cage_angle\n0,-30e-6,0,0,0,0.1\n10e-6,-12e-6,0,0,0,2.3\n";
+    desk.put("scene.toml", scene(ring));
+    let [double, single] =
+        [("f64", 17), ("f32", 9)].map(|(precision, digits)| forces(&desk, rows, digits, &["--precision", precision]));
+    for ((double, _), (single, _)) in double.iter().zip(&single) {
+        let error = relative_to_largest(single, double);
+        assert!(error < 1e-5, "{single:?}, expected {double:?}");
+    }
+}
+
 #[test]
 fn golden_cases_in_double_precision() {
     let all = cases();

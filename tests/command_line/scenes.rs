@@ -262,6 +262,26 @@ fn a_squeezed_ring_loads_its_short_axis() {
     assert!(squeezed[2] == 0.0 && squeezed[6] == 0.0, "{squeezed:?}");
 }
 
+/// Hajzman: a thin ring hands the load of the heaviest roller to its neighbours, as the scene says; one of a much stiffer material is
+/// almost rigid.
+#[test]
+fn a_bending_ring_spreads_the_load() {
+    const RING: &str = "outer_ring = { radius = \"75 mm\", width = \"25 mm\", thickness = \"8 mm\" }";
+    let thick = RING.replace("8 mm", "24 mm");
+    let stiff = thick.replace("\" }", "\", youngs_modulus = \"20600 GPa\" }");
+    let [bending, thick, stiff, rigid] = [RING, &thick, &stiff, ""].map(|ring| {
+        let settled = equilibrium(&shipped("hajzman-bending-ring", &[(RING, ring)]), &[]);
+        let loads = loads(&settled);
+        let carrying = loads.iter().filter(|load| **load > 0.0).count();
+        let largest = loads.into_iter().fold(0.0, f64::max);
+        (largest, carrying, settled["stiffness"][1][1].as_f64().unwrap())
+    });
+    assert!(bending.0 < 0.9 * rigid.0 && bending.1 >= rigid.1, "{bending:?} {rigid:?}");
+    assert!(bending.2 < 0.9 * rigid.2, "{bending:?} {rigid:?}");
+    assert_eq!([bending.0, thick.0, rigid.0].map(f64::round), [662.0, 694.0, 932.0]);
+    assert!((stiff.0 / rigid.0 - 1.0).abs() < 0.02, "{stiff:?} {rigid:?}");
+}
+
 /// Two springs: natural frequencies by hand, and a response without any ball-pass line.
 #[test]
 fn two_springs_have_the_frequencies_of_springs() {
@@ -330,7 +350,7 @@ fn preload_unbalance_and_waviness_of_the_angular_pair() {
 fn all_of_them_run() {
     let listed: Value = Desk::empty().done(&["scenes", "--format", "json"]).json();
     let listed = listed.as_array().unwrap();
-    assert_eq!(listed.len(), 12);
+    assert_eq!(listed.len(), 13);
     for one in listed {
         let name = one["name"].as_str().unwrap();
         assert!(one["shows"].as_str().unwrap().len() > 20, "{one}");

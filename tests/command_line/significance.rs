@@ -52,6 +52,29 @@ fn heating_of_the_inlet_is_named_at_high_speed() {
     }
 }
 
+/// With the properties of the oil the heating is part of the model, solved and tabulated alike: the films are thinner by its share.
+#[test]
+fn heating_of_the_inlet_thins_the_film() {
+    let oil = OIL.replace("0.04 Pa s", "0.1 Pa s") + "\neffects = [\"film\"]";
+    let heated = oil.replace("}", ", inlet_heating = { temperature_coefficient = \"0.04 1/K\" } }");
+    let solved = |oil: &str, model: &str| -> Value {
+        let desk = Desk::empty();
+        let edits = [("model = \"angular\"", model), ("poissons_ratio = 0.3", oil)];
+        desk.put("scene.toml", scene(&edits).replace("3000 rpm", "30000 rpm"));
+        desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json()
+    };
+    let film = |json: &Value| json["elements"][0]["inner_film"].as_f64().unwrap();
+    let [cold, warm] = [&oil, &heated].map(|oil| solved(oil, "model = \"quasi-static\""));
+    assert_eq!(effect(&warm, "inlet-heating").unwrap()["modelled"], true);
+    let share = film(&warm) / film(&cold);
+    assert!((0.25..0.45).contains(&share), "{share}: {} m, {} m", film(&warm), film(&cold));
+    // The table holds the heated film: the rotor rests where it does with balls that are solved.
+    let looked_up = solved(&heated, "model = \"tabulated\"");
+    let at = |json: &Value| json["displacement"][1].as_f64().unwrap();
+    assert!((at(&looked_up) / at(&warm) - 1.0).abs() < 0.01, "{} m, {} m", at(&looked_up), at(&warm));
+    assert!((at(&cold) / at(&warm) - 1.0).abs() > 0.01, "{} m, {} m", at(&cold), at(&warm));
+}
+
 /// The alternative to a contact angle that turns is a fixed one, the mean angle under this load, not 0.
 #[test]
 fn the_contact_angle_of_a_deep_groove_bearing_is_compared_with_its_mean() {

@@ -161,7 +161,7 @@ proptest! {
     fn moving_the_housing_is_moving_the_ring_back(u in displacement(), x in -5e-6..5e-6_f64, y in -5e-6..5e-6_f64, angle in 0.0..1.0_f64) {
         let bearing = Radial::<f64, Exact, _, ElementPositions<f64, 9>>::try_new(evenly_spaced(Phase::ZERO), PointContactLaw { stiffness: 8e9 }, 2e-6).unwrap();
         let cage = Phase::from_revolutions(angle);
-        let mut housing = [HousingPoint { displacement: [x, y, 0.0], reaction: [0.0; 3] }; 9];
+        let mut housing = [HousingPoint { displacement: [x, y, 0.0], ..HousingPoint::default() }; 9];
         let flexible = bearing.reaction_flexible(&u, &cage.into(), &mut housing).wrench.to_array();
         let rigid = wrench_of(&bearing, Displacement { u: u.u - x, v: u.v - y, ..u }, cage);
         prop_assert!(relative_to_largest(&flexible, &rigid) < 1e-9 || rigid.iter().all(|f| f.abs() < 1e-6));

@@ -1,12 +1,12 @@
 //! Identities of the quasi-static model, the limits in which it equals a cheaper one, and tables confirmed by other programs.
 
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
-use ballrace::bearing::quasi_static::film::{Lubricant, central_film};
+use ballrace::bearing::quasi_static::film::{InletHeating, Lubricant, central_film, thermal_reduction};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, Massless, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
 use ballrace::bearing::{Bearing, ElementPosition, ElementPositions, Mirrored, evenly_spaced};
-use ballrace::contact::hertz::Race;
+use ballrace::contact::hertz::{PointContact, Race};
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase, Stiffness, Wrench};
 use ballrace_tests::bearings::{STEEL_BALLS, acbb_s_geometry, harris_218_geometry};
 use ballrace_tests::compare::{relative, relative_to_largest};
@@ -101,10 +101,24 @@ fn films_of_the_reference() {
     }
 }
 
+/// Isothermal, and with a heated inlet; at 30 000 rpm less than half of the film is left.
 #[test]
 fn a_film_is_that_of_its_own_load_and_speed() {
-    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap().with_film(OIL).unwrap().with_newton_steps(20);
-    let (geometry, at) = (acbb_s_geometry(), inner_at(6_000.0));
+    let heating = InletHeating { temperature_coefficient: 0.04, conductivity: 0.14 };
+    for (speed, heating) in [(6_000.0, None), (6_000.0, Some(heating)), (30_000.0, Some(heating))] {
+        film_of_its_own_load_and_speed(speed, heating);
+    }
+}
+
+fn film_of_its_own_load_and_speed(speed: f64, heating: Option<InletHeating>) {
+    let bearing = plain(Phase::ZERO).with_inertia(&STEEL_BALLS).unwrap();
+    let bearing = bearing.with_selected_film(Some((OIL, heating))).unwrap().with_newton_steps(20);
+    let (geometry, at) = (acbb_s_geometry(), inner_at(speed));
+    let left = |contact: &PointContact, speed: f64, load: f64| {
+        let pressure = contact.ellipse(load).2 / contact.effective_modulus;
+        heating.map_or(1.0, |heating| thermal_reduction(OIL.viscosity, heating, speed, pressure))
+    };
+    let mut heated = 1.0_f64;
     let mut balls = [BallState::default(); 14];
     bearing.ball_states(&U, &at, &mut balls);
     let (gamma, ratio) = (geometry.gamma(), geometry.ball_diameter / geometry.pitch_diameter);
@@ -116,10 +130,14 @@ fn a_film_is_that_of_its_own_load_and_speed() {
         let at_inner = 0.5 * geometry.ball_diameter * (1.0 - gamma);
         let at_outer = 0.5 * geometry.ball_diameter * (1.0 + gamma);
         let film = central_film(OIL, inner.effective_modulus, at_inner, inner.ellipticity, near, ball.inner_load);
+        let film = film * left(&inner, near, ball.inner_load);
         assert!(relative(ball.inner_film, film) < 1e-9, "{} {film}", ball.inner_film);
         let film = central_film(OIL, outer.effective_modulus, at_outer, outer.ellipticity, far, ball.outer_load);
+        let film = film * left(&outer, far, ball.outer_load);
         assert!(relative(ball.outer_film, film) < 1e-9, "{} {film}", ball.outer_film);
+        heated = heated.min(left(&outer, far, ball.outer_load));
     }
+    assert_eq!(heated < 0.7, speed > 10_000.0, "{heated} of the film is left at {speed} rpm");
 }
 
 #[test]
@@ -502,7 +520,13 @@ fn selected_effects_give_the_bits_of_fixed_ones() {
     let bearing = || plain(Phase::ZERO);
     for oil in [None, Some(OIL)] {
         let selected = |params: &InertiaParams| {
-            bits(&bearing().with_selected_inertia(params).unwrap().with_selected_film(oil).unwrap())
+            bits(
+                &bearing()
+                    .with_selected_inertia(params)
+                    .unwrap()
+                    .with_selected_film(oil.map(|oil| (oil, None)))
+                    .unwrap(),
+            )
         };
         let massless = inertia(false, false, RaceControl::Outer);
         let usual = inertia(true, true, RaceControl::Outer);

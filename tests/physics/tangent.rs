@@ -108,7 +108,10 @@ fn flexible_outer_ring() {
     let axial = Axial::<f64, Exact, _, _>::try_new(places, PointContactLaw { stiffness: 8e9 }, 1e-6, 0.02).unwrap();
     let points = std::array::from_fn(|j| {
         let j = j as f64;
-        HousingPoint { displacement: [(3.0 * j).sin() * 3e-6, (5.0 * j).cos() * 3e-6, j * 1e-6], reaction: [0.0; 3] }
+        HousingPoint {
+            displacement: [(3.0 * j).sin() * 3e-6, (5.0 * j).cos() * 3e-6, j * 1e-6],
+            ..HousingPoint::default()
+        }
     });
     check("flexible", &Displaced(Combined(radial, axial), points));
 }

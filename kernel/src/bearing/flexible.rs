@@ -17,6 +17,9 @@ pub struct HousingPoint<T> {
     pub displacement: [T; 3],
     /// Force of the element on the housing, N; evaluations add to it.
     pub reaction: [T; 3],
+    /// Tangent of the radial reaction, N/m: its decrease with a radial displacement of the point. Evaluations with
+    /// stiffness add to it.
+    pub radial_stiffness: T,
 }
 
 /// A bearing whose outer ring is displaced point by point (`e^T q_S` of Hajzman).
@@ -51,7 +54,8 @@ pub trait FlexibleRing<T: Scalar> {
         housing: &mut [HousingPoint<T>],
     ) -> Reaction<T>;
 
-    /// Computes the force and its tangent `-d(wrench)/du` at constant housing displacement.
+    /// Computes the force and its tangent `-d(wrench)/du` at constant housing displacement, and adds reaction and radial
+    /// stiffness to each housing point.
     fn reaction_and_stiffness_flexible(
         &self,
         u: &Displacement<T>,
@@ -83,7 +87,7 @@ fn each_element<T: Scalar, E: Elements<Scalar = T>>(
     u: &Displacement<T>,
     (at, (sin, cos)): (&BearingKinematicState<T>, CageRotation<T>),
     housing: &mut [HousingPoint<T>],
-    mut contact: impl FnMut(&super::ElementPosition<T>, Motion<T>) -> Contact<T>,
+    mut contact: impl FnMut(&super::ElementPosition<T>, Motion<T>, &mut HousingPoint<T>) -> Contact<T>,
 ) {
     let ring = elements.ring();
     let rim = ring.at_rim(&to_cage_frame(u, (sin, cos)));
@@ -96,7 +100,8 @@ fn each_element<T: Scalar, E: Elements<Scalar = T>>(
         let (radial, axial) = point.along(direction);
         let motion = Motion::of(&position, &rim, at, elements.surface());
         let motion = Motion { radial: motion.radial - radial, axial: motion.axial - axial, ..motion };
-        point.add_reaction(direction, &contact(&position, motion), ring.scale);
+        let contact = contact(&position, motion, point);
+        point.add_reaction(direction, &contact, ring.scale);
     }
 }
 
@@ -109,7 +114,7 @@ impl<E: Elements> FlexibleRing<E::Scalar> for E {
     ) -> Reaction<E::Scalar> {
         let turn = E::Math::sin_cos(at.cage);
         let mut sum = WrenchSum::new();
-        each_element(self, u, (at, turn), housing, |position, motion| {
+        each_element(self, u, (at, turn), housing, |position, motion, _| {
             let contact = self.contacts(motion.alone()).alone();
             sum.add(position, &contact);
             contact
@@ -127,10 +132,12 @@ impl<E: Elements> FlexibleRing<E::Scalar> for E {
     ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
         let turn = E::Math::sin_cos(at.cage);
         let (mut sum, mut stiffness) = (WrenchSum::new(), StiffnessSum::new());
-        each_element(self, u, (at, turn), housing, |position, motion| {
+        let scale = self.ring().scale;
+        each_element(self, u, (at, turn), housing, |position, motion, point| {
             let (contact, k) = self.contact_and_stiffness(motion);
             sum.add(position, &contact);
             stiffness.add(position, &k);
+            point.radial_stiffness = point.radial_stiffness + scale * k.radial;
             contact
         });
         let ring = self.ring();

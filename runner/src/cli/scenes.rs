@@ -20,7 +20,7 @@ macro_rules! built_in {
 }
 
 /// Name and text of each scene.
-pub const SCENES: [(&str, &str); 12] = built_in![
+pub const SCENES: [(&str, &str); 13] = built_in![
     "jones-1960",
     "tiwari-balanced",
     "tiwari-unbalanced",
@@ -31,6 +31,7 @@ pub const SCENES: [(&str, &str); 12] = built_in![
     "tomovic-unloaded",
     "lioulios-fluctuation",
     "hajzman-flexible-ring",
+    "hajzman-bending-ring",
     "two-spring-rotor",
     "wang-angular-pair",
 ];

@@ -176,7 +176,7 @@ fn table(scene: &Scene, of: &Bearing) -> Result<Option<TableData>> {
 
 /// Rejects models without constants.
 fn check_model(scene: &Scene, of: &Bearing) -> Result<(), BakeError> {
-    let rigid = of.housing_displacement.is_empty();
+    let rigid = of.has_rigid_outer_ring();
     match of.model {
         Model::Lumped if !rigid => {}
         Model::Dynamic => {}

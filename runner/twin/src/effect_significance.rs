@@ -8,17 +8,18 @@
 //! ring follows without the equilibrium of the balls.
 
 mod bending;
+mod film;
 
 use crate::plant::{Plant, Result};
 use crate::scene::build::{self, point_contact_approach, point_contact_load, rolling_speed};
 use crate::scene::{Bearing as BearingScene, Effects, Facing, FreeAngle, Model, Scene};
 use ballrace::bearing::angular::{Angular, GrooveCentres};
 use ballrace::bearing::geometry::BallBearingGeometry;
-use ballrace::bearing::quasi_static::film::{Lubricant as Oil, central_film};
 use ballrace::bearing::{Bearing, ElementPosition};
-use ballrace::contact::hertz::{PointContact, Race};
+use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Exact, Phase};
 use bending::{BENDING, Bending};
+use film::{INLET_HEATING, film_alone, heating_sentence};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -42,17 +43,10 @@ pub struct EffectSignificance {
 
 /// Default of the tolerated relative error of the force.
 pub const DEFAULT_FORCE_ERROR: f64 = 0.01;
-/// Name of the effect of a film that is thinner than the isothermal one.
-const INLET_HEATING: &str = "inlet-heating";
-/// Change of the viscosity of mineral oils with temperature, 1/K, and their thermal conductivity, W/(m K).
-const TEMPERATURE_COEFFICIENT: f64 = 0.04;
-const CONDUCTIVITY: f64 = 0.14;
 /// Number of cage angles over a ball pitch.
 const PITCH_SAMPLES: u32 = 16;
 /// Number of bisections of the equation for `x_t`.
 const ROUNDS: usize = 60;
-/// Number of iterations of load and film; each reduces the error by a factor of about ten.
-const FILM_ROUNDS: usize = 8;
 /// Largest number of secant steps.
 const SECANTS: usize = 12;
 
@@ -156,47 +150,6 @@ fn of_plant(scene: &Scene, plant: &Plant, speed: f64) -> Result<Vec<EffectSignif
     Ok(all)
 }
 
-/// Returns the share of a film that the heating of its inlet leaves, as a part of a sentence.
-fn heating_sentence(left: f64) -> String {
-    format!(
-        "heating of the inlet reduces the film of a mineral oil to {} of the isothermal one; starvation, which is not predicted, reduces \
-         it further",
-        share(left)
-    )
-}
-
-/// Returns the significance of a film between balls and races that do not touch without it; empty without such a film.
-fn film_alone(
-    of: &BearingScene,
-    balls: &Balls,
-    geometry: &BallBearingGeometry,
-    at: &BearingKinematicState<f64>,
-) -> Vec<EffectSignificance> {
-    let Some(film) = of.effects.film.filter(|_| matches!(of.model, Model::QuasiStatic | Model::Tabulated)) else {
-        return vec![];
-    };
-    let oil = Oil { viscosity: film.viscosity, pressure_viscosity: film.pressure_viscosity };
-    let carried = |force: &dyn Fn(&Ball) -> [f64; 2]| balls.0.iter().map(force).map(|[x, y]| x.hypot(y)).sum::<f64>();
-    let cold = carried(&|ball| ball.film(geometry, oil, at));
-    let warm = carried(&|ball| ball.heated_film(geometry, oil, at));
-    if cold <= 0.0 {
-        return vec![];
-    }
-    let entry = |effect, change, modelled, because| EffectSignificance {
-        bearing: of.name.clone(),
-        effect,
-        change,
-        modelled,
-        because,
-        at: None,
-    };
-    let left = balls.0.iter().map(|ball| ball.heating(geometry, oil, at, ball.load)).fold(1.0, f64::min);
-    vec![
-        entry("film", 1.0, true, "the balls carry their load by the film alone".to_owned()),
-        entry(INLET_HEATING, (cold - warm) / cold, false, heating_sentence(left)),
-    ]
-}
-
 /// Returns the significance of each effect on one bearing displaced by `u` besides its preload; empty without load.
 ///
 /// # Errors
@@ -246,7 +199,7 @@ pub fn of_bearing(
     let change = |with: [f64; 3], without: [f64; 3]| size(minus(with, without)) / force;
     let fitted = of.effects;
     // Without a lubricant there is no film to predict.
-    let oil = of.lubricant.map(|f| Oil { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity });
+    let oil = of.lubricant;
     let inertia = Inertia::new(of, &geometry, at);
     let [centrifugal, gyroscopic] = if is_balanced {
         let by_moment = |ball: &Ball| {
@@ -287,8 +240,7 @@ pub fn of_bearing(
             [a - c, b - d]
         };
         let wet = if is_balanced { change_of_loads(&less) } else { change(pushed(&cold), pushed(&warm)) };
-        let least = loaded.0.iter().filter(|b| b.load > 0.0).map(|b| b.heating(&geometry, oil, at, b.load));
-        entry(INLET_HEATING, wet, false, heating_sentence(least.fold(1.0, f64::min)))
+        entry(INLET_HEATING, wet, oil.inlet_heating.is_some(), heating_sentence(&loaded, &geometry, oil, at))
     });
     let fixed = loaded.fixed_angle(of.facing);
     let turned = worst(&|b| (b.angle - fixed).abs().to_degrees());
@@ -538,58 +490,6 @@ impl Ball {
         let (e, t) = (carried * turn_cos - self.load, -carried * turn_sin);
         let (sin, cos) = self.angle.sin_cos();
         [e * cos - t * sin, e * sin + t * cos]
-    }
-
-    /// Returns the speed at which both surfaces enter a contact, m/s, and the ratio of the diameters.
-    fn entrainment(&self, g: &BallBearingGeometry, at: &BearingKinematicState<f64>) -> (f64, f64) {
-        let gamma = g.ball_diameter / g.pitch_diameter * self.angle.cos();
-        (0.25 * g.pitch_diameter * (at.inner_speed - at.outer_speed).abs() * (1.0 - gamma * gamma), gamma)
-    }
-
-    /// Returns the share of the isothermal film that is left by the heating of the inlet, without sliding:
-    /// `(1 - 13.2 (p/E') L^0.42)/(1 + 0.213 L^0.64)` with `L = eta_0 beta u^2/k`. Source: Gupta, Cheng, Zhu, Forster and Schrand
-    /// 1992, Tribology Transactions 35.
-    fn heating(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>, load: f64) -> f64 {
-        let (speed, _) = self.entrainment(g, at);
-        let thermal = oil.viscosity * TEMPERATURE_COEFFICIENT * speed * speed / CONDUCTIVITY;
-        let pressure = [Race::Inner, Race::Outer].map(|race| {
-            let contact = g.contact(race);
-            if load > 0.0 { contact.ellipse(load).2 / contact.effective_modulus } else { 0.0 }
-        });
-        let by_pressure = 13.2 * pressure[0].max(pressure[1]) * thermal.powf(0.42);
-        ((1.0 - by_pressure) / (1.0 + 0.213 * thermal.powf(0.64))).max(0.0)
-    }
-
-    /// Returns the sum of the central films of both contacts under `load`, m.
-    fn films(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>, load: f64) -> f64 {
-        let (slide, gamma) = self.entrainment(g, at);
-        if slide <= 0.0 {
-            return 0.0;
-        }
-        let film = |race, along: f64| {
-            let PointContact { effective_modulus, ellipticity, .. } = g.contact(race);
-            central_film(oil, effective_modulus, along, ellipticity, slide, load)
-        };
-        let half = 0.5 * g.ball_diameter;
-        film(Race::Inner, half * (1.0 - gamma)) + film(Race::Outer, half * (1.0 + gamma))
-    }
-
-    /// Returns the change of the force on the inner ring by the films, whose thickness depends on the load.
-    fn film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
-        self.separated(|load| self.films(g, oil, at, load))
-    }
-
-    /// Returns the same by films whose inlet is heated.
-    fn heated_film(&self, g: &BallBearingGeometry, oil: Oil, at: &BearingKinematicState<f64>) -> [f64; 2] {
-        self.separated(|load| self.films(g, oil, at, load) * self.heating(g, oil, at, load))
-    }
-
-    /// Returns the change of the force on the inner ring by films of the thickness `films` under a load, m.
-    fn separated(&self, films: impl Fn(f64) -> f64) -> [f64; 2] {
-        let pressed = |load: f64| point_contact_load(self.constants[2], self.approach + films(load));
-        let more = (0..FILM_ROUNDS).fold(self.load, |load, _| pressed(load)) - self.load;
-        let (sin, cos) = self.angle.sin_cos();
-        [more * cos, more * sin]
     }
 }
 

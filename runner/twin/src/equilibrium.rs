@@ -10,7 +10,7 @@ use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, PreloadAm
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
-use ballrace::bearing::quasi_static::film::{Lubricant as Oil, minimum_film};
+use ballrace::bearing::quasi_static::film::{minimum_film, thermal_reduction};
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use serde::Serialize;
@@ -427,7 +427,7 @@ fn film_ratio(
     at: &BearingKinematicState<f64>,
 ) -> Option<f64> {
     let roughness = lubricant.roughness?;
-    let oil = Oil { viscosity: lubricant.viscosity, pressure_viscosity: lubricant.pressure_viscosity };
+    let oil = lubricant.for_film();
     let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
     let half = 0.5 * g.pitch_diameter;
     // A massless ball has the speed of the ideal cage.
@@ -436,7 +436,12 @@ fn film_ratio(
     let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
     let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
     let least = |race, along: f64, speed, load: f64| {
-        (load > 0.0).then(|| minimum_film(oil, &g.contact(race), along, speed, load))
+        let contact = g.contact(race);
+        let left = lubricant.inlet_heating.map_or(1.0, |heating| {
+            let pressure = contact.ellipse(load).2 / contact.effective_modulus;
+            thermal_reduction(oil.viscosity, heating.of_film(), speed, pressure)
+        });
+        (load > 0.0).then(|| left * minimum_film(oil, &contact, along, speed, load))
     };
     let inner = least(Race::Inner, 0.5 * g.ball_diameter * (1.0 - gamma), near, s.inner_load);
     let outer = least(Race::Outer, 0.5 * g.ball_diameter * (1.0 + gamma), far, s.outer_load);

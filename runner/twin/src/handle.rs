@@ -6,10 +6,13 @@
 mod force_model;
 mod housing;
 mod lumped;
+mod outer_ring;
 
 pub use force_model::{AnyForceModel, ForceModel};
 pub use housing::HousingShape;
+pub use lumped::Housing;
 use lumped::{Elements, Lumped};
+pub use outer_ring::BendingRing;
 
 use crate::simd::Dispatched;
 use ballrace::bearing::flexible::FlexibleRing;
@@ -62,7 +65,7 @@ pub trait BearingHandle<T: Scalar>: Sized {
     /// Returns elements of one kind.
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements;
     /// Returns the handle of radial and axial elements together; `housing` is none if the outer ring is rigid.
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self;
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<Housing>) -> Self;
 }
 
 impl<T: Scalar> BearingHandle<T> for AnyBearing<T> {
@@ -80,7 +83,7 @@ impl<T: Scalar> BearingHandle<T> for AnyBearing<T> {
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements {
         Box::new(elements)
     }
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self {
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<Housing>) -> Self {
         Self(Arc::new(Lumped { radial, axial, housing }))
     }
 }

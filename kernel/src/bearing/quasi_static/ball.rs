@@ -5,7 +5,7 @@
 //! `|L_i n_0 + a - xi| - L_i`, computed as `(2 L n_0.xi + xi^2)/(l + L)`: a deflection of a nanometre is then not the
 //! difference of two lengths of a millimetre.
 
-use super::film::{Film, FilmConstants, film_newton_step};
+use super::film::{Film, FilmConstants, UnitFilm, film_newton_step};
 use super::inertia::{BallInertia, Inertia, InertiaEffects, InertiaLoads, WithSlopes};
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
@@ -219,11 +219,12 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         &self,
         (stiffness, floor): (T, T),
         (direction, inverse_length, approach): (Plane<Lanes<T, K>>, Lanes<T, K>, Lanes<T, K>),
-        (films, unit_film, before): (&FilmConstants<T>, Lanes<T, K>, Lanes<T, K>),
+        (films, unit_film, before): (&FilmConstants<T>, UnitFilm<Lanes<T, K>>, Lanes<T, K>),
     ) -> ContactState<Lanes<T, K>> {
         let k = Lanes::splat(stiffness);
         let (deflection, by_approach, film) = if self.film.is_present() {
-            let wetted = film_newton_step::<T, M, K>(films, unit_film, (k, Lanes::splat(floor)), approach, before);
+            let unit = (unit_film, self.film.heating().is_some());
+            let wetted = film_newton_step::<T, M, K>(films, unit, (k, Lanes::splat(floor)), approach, before);
             (wetted.deflection, wetted.slope, wetted.film)
         } else {
             (approach, Lanes::splat(T::ONE), Lanes::splat(T::ZERO))
@@ -258,7 +259,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
             };
             self.unit_films(&input.speeds, orbital, outer.0, inner.0)
         } else {
-            (zero, zero)
+            (UnitFilm { thickness: zero, loss: zero }, UnitFilm { thickness: zero, loss: zero })
         };
         let outer = (outer.0, outer.1, outer.2 + input.outer_deviation);
         let inner = (inner.0, inner.1, inner.2 + input.inner_deviation);
@@ -316,7 +317,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         ball.orbital_speed(self.constants.ratio, speeds, outer, inner)
     }
 
-    /// Returns the film thicknesses under a load of 1 N, outer and inner, at the rolling speeds.
+    /// Returns the films, outer and inner, at the rolling speeds.
     #[inline(always)]
     pub fn unit_films<const K: usize>(
         &self,
@@ -324,11 +325,15 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         orbital: Lanes<T, K>,
         outer: Plane<Lanes<T, K>>,
         inner: Plane<Lanes<T, K>>,
-    ) -> (Lanes<T, K>, Lanes<T, K>) {
+    ) -> (UnitFilm<Lanes<T, K>>, UnitFilm<Lanes<T, K>>) {
         let (one, g) = (Lanes::splat(T::ONE), Lanes::splat(self.constants.ratio));
         let far = (orbital - Lanes::splat(speeds.outer_speed)) * (one + g * outer.r);
         let near = (Lanes::splat(speeds.inner_speed) - orbital) * (one - g * inner.r);
-        self.film.constants().at_speed::<M, K>(far, near)
+        let (outer, inner) = self.film.constants().at_speed::<M, K>(far, near);
+        match self.film.heating() {
+            Some(heating) => heating.heated::<M, K>((outer, far), (inner, near)),
+            None => (outer, inner),
+        }
     }
 }
 

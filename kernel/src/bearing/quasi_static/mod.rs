@@ -18,7 +18,7 @@ pub use elements::{BallPosition, BallState, RingReactions};
 pub(in crate::bearing) use tangent::contact_tangents;
 
 use self::ball::{Ball, BallConstants};
-use self::film::{Dry, FilmConstants, HamrockDowson, Lubricant, SelectedFilm};
+use self::film::{Dry, FilmConstants, HamrockDowson, HeatingConstants, InletHeating, Lubricant, SelectedFilm};
 use self::inertia::{
     BallInertia, Centrifugal, FrictionSharing, Gyroscopic, InertiaEffects, InertiaParams, Massless, OuterControlled,
     RaceControl, SelectedInertia,
@@ -306,16 +306,22 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
         Ok(self.with_contacts(film))
     }
 
-    /// Returns the bearing with or without an oil film, selected at run time: one compiled type serves both. The results
-    /// equal, bit for bit, those of [`QuasiStatic::with_film`] and of the bearing without film.
+    /// Returns the bearing with or without an oil film and the heating of its inlet, selected at run time: one compiled type
+    /// serves all. Without heating the results equal, bit for bit, those of [`QuasiStatic::with_film`] and of the bearing
+    /// without film.
     ///
     /// # Errors
-    /// As [`QuasiStatic::with_film`].
-    pub fn with_selected_film(self, oil: Option<Lubricant>) -> QuasiStaticResult<T, M, P, I, SelectedFilm<T>, S>
+    /// As [`QuasiStatic::with_film`], and a temperature coefficient or conductivity that is not above 0.
+    pub fn with_selected_film(
+        self,
+        oil: Option<(Lubricant, Option<InletHeating>)>,
+    ) -> QuasiStaticResult<T, M, P, I, SelectedFilm<T>, S>
     where
         I: Copy,
     {
-        let film = SelectedFilm(oil.map(|oil| self.film_constants(oil)).transpose()?);
+        let constants = oil.map(|(oil, _)| self.film_constants(oil)).transpose()?;
+        let heated = oil.and_then(|(oil, heating)| heating.map(|heating| self.heating_constants(oil, heating)));
+        let film = SelectedFilm(constants, heated.transpose()?);
         Ok(self.with_contacts(film))
     }
 
@@ -334,6 +340,14 @@ impl<T: Scalar, M, P, I, F, S> QuasiStatic<T, M, P, I, F, S> {
             (rolling_contact(&self.geometry, Race::Inner), rolling_contact(&self.geometry, Race::Outer));
         let pitch = self.geometry.pitch_diameter;
         Ok(FilmConstants::new(oil, (&inner, inner_along), (&outer, outer_along), pitch))
+    }
+
+    fn heating_constants(&self, oil: Lubricant, of: InletHeating) -> Result<HeatingConstants<T>, InvalidParameter> {
+        let InletHeating { temperature_coefficient, conductivity } = of;
+        check(temperature_coefficient > 0.0, "temperature_coefficient", temperature_coefficient, "above 0 1/K")?;
+        check(conductivity > 0.0, "conductivity", conductivity, "above 0 W/(m K)")?;
+        let [inner, outer] = [Race::Inner, Race::Outer].map(|race| self.geometry.contact(race));
+        Ok(HeatingConstants::new(oil.viscosity, of, &inner, &outer, self.geometry.pitch_diameter))
     }
 
     /// Returns the bearing with surface deviations.

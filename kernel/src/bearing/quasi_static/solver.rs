@@ -239,7 +239,7 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
         if self.film.is_present() {
             let (outer, _, _) = self.stretched(self.constants.outer_length, at.centre);
             let (_, film) = self.unit_films(&input.speeds, self.orbital(&input.speeds, outer, inner), outer, inner);
-            room = room + film * Lanes::splat(self.film.constants().at_floor);
+            room = room + film.thickness * Lanes::splat(self.film.constants().at_floor);
         }
         room
     }
@@ -265,7 +265,8 @@ impl<T: Scalar, M: Math<T>, I: Inertia<T>, F: Film<T>> Ball<T, M, I, F> {
 
         let speeds = input.speeds;
         let films_at = |outer: Plane<Lanes<T, K>>, inner: Plane<Lanes<T, K>>| {
-            self.unit_films(&speeds, self.orbital(&speeds, outer, inner), outer, inner)
+            let (outer, inner) = self.unit_films(&speeds, self.orbital(&speeds, outer, inner), outer, inner);
+            (outer.thickness, inner.thickness)
         };
         let bulges = longer + input.outer_deviation + input.inner_deviation;
         let (mut outer_film, mut inner_film, mut thickest) = (zero, zero, zero);

@@ -180,7 +180,7 @@ impl PassingBalls {
         if bearing.defect.is_empty() {
             return Ok(vec![]);
         }
-        if model == Model::Tabulated || !bearing.housing_displacement.is_empty() {
+        if model == Model::Tabulated || !bearing.has_rigid_outer_ring() {
             return Ok(vec![pair(0..bearing.elements, bearing)?]);
         }
         let single = |j: usize| Some(pair(j..j + 1, &alone(bearing, j)?));

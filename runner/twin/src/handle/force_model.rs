@@ -1,7 +1,7 @@
 //! Forces of a bearing without its tangent.
 
 use super::lumped::{ElementForces, Lumped};
-use super::{AnyBearing, BearingHandle, HousingShape, Shared};
+use super::{AnyBearing, BearingHandle, Housing, Shared};
 use crate::simd::Dispatched;
 use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, LastValidWrench, Reaction};
@@ -85,7 +85,7 @@ impl<T: Scalar> BearingHandle<T> for AnyForceModel<T> {
     fn elements(elements: impl Bearing<T> + FlexibleRing<T> + 'static) -> Self::Elements {
         Box::new(elements)
     }
-    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<HousingShape>) -> Self {
+    fn lumped(radial: Self::Elements, axial: Option<Self::Elements>, housing: Option<Housing>) -> Self {
         Self(Arc::new(Lumped { radial, axial, housing }))
     }
 }

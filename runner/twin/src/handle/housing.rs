@@ -47,7 +47,7 @@ impl HousingShape {
             for (coefficients, value) in self.coefficients.iter().zip(basis(self.coefficients.len(), angle)) {
                 displacement.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += c * value);
             }
-            HousingPoint { displacement: displacement.map(T::from_f64), reaction: [T::ZERO; 3] }
+            HousingPoint { displacement: displacement.map(T::from_f64), ..HousingPoint::default() }
         };
         self.azimuths.iter().map(at).collect()
     }

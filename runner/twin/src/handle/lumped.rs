@@ -1,14 +1,24 @@
-//! Radial and axial elements in parallel, on a rigid or displaced housing.
+//! Radial and axial elements in parallel, on a rigid, displaced or bending outer ring.
 
 use super::housing::HousingShape;
+use super::outer_ring::{BendingRing, LoadedRing};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
 
 /// Force of the elements of one kind.
 pub trait ElementForces<T: Scalar>: Send + Sync {
-    /// Computes the force on the inner ring and adds the reaction to the points of `housing`, if there are any.
-    fn force_and_housing(
+    /// Computes the force on the inner ring; the outer ring is rigid.
+    fn force(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>;
+    /// Computes the force on the inner ring and adds the reaction to the points of `housing`.
+    fn force_on_points(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        housing: &mut [HousingPoint<T>],
+    ) -> Reaction<T>;
+    /// Computes the same and adds the radial stiffness too.
+    fn force_and_stiffness_of_points(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
@@ -17,13 +27,24 @@ pub trait ElementForces<T: Scalar>: Send + Sync {
 }
 
 impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> ElementForces<T> for B {
-    fn force_and_housing(
+    fn force(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.reaction(u, at)
+    }
+    fn force_on_points(
         &self,
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
         housing: &mut [HousingPoint<T>],
     ) -> Reaction<T> {
-        if housing.is_empty() { self.reaction(u, at) } else { self.reaction_flexible(u, at, housing) }
+        self.reaction_flexible(u, at, housing)
+    }
+    fn force_and_stiffness_of_points(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+        housing: &mut [HousingPoint<T>],
+    ) -> Reaction<T> {
+        self.reaction_and_stiffness_flexible(u, at, housing).0
     }
 }
 
@@ -31,31 +52,54 @@ impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> ElementForces<T> for B {
 pub trait Elements<T: Scalar>: ElementForces<T> + Bearing<T> + FlexibleRing<T> {}
 impl<T: Scalar, B: Bearing<T> + FlexibleRing<T>> Elements<T> for B {}
 
-/// Radial and axial elements together, and Hajzman's flexible outer ring with given `q_S`.
+/// Outer ring that is not rigid (`q_S` of Hajzman).
+pub enum Housing {
+    /// With a given displacement.
+    Displaced(HousingShape),
+    /// With a stiffness of its own.
+    Bending(BendingRing),
+}
+
+/// Radial and axial elements together.
 pub(super) struct Lumped<E: ?Sized> {
     pub(super) radial: Box<E>,
     pub(super) axial: Option<Box<E>>,
     /// None where the outer ring is rigid.
-    pub(super) housing: Option<HousingShape>,
+    pub(super) housing: Option<Housing>,
 }
 
 impl<E: ?Sized> Lumped<E> {
-    fn kinds(&self) -> impl Iterator<Item = &E> {
-        [Some(&self.radial), self.axial.as_ref()].into_iter().flatten().map(Box::as_ref)
+    /// Returns the sum over both kinds of elements.
+    fn sum<T: Scalar>(&self, of: impl FnMut(&E) -> Reaction<T>) -> Reaction<T> {
+        let kinds = [Some(&self.radial), self.axial.as_ref()].into_iter().flatten();
+        kinds.map(Box::as_ref).map(of).fold(Reaction::default(), |sum, one| sum + one)
     }
 
-    /// Returns the housing at every element; empty where the outer ring is rigid.
-    fn housing_at<T: Scalar>(&self, at: &BearingKinematicState<T>) -> Vec<HousingPoint<T>> {
-        self.housing.as_ref().map_or_else(Vec::new, |shape| shape.at_elements(at.cage))
+    /// Returns a bending ring in equilibrium with the elements.
+    fn loaded_ring<T: Scalar>(
+        &self,
+        ring: &BendingRing,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> LoadedRing<T>
+    where
+        E: ElementForces<T>,
+    {
+        ring.loaded(at.cage, |points| self.sum(|kind| kind.force_and_stiffness_of_points(u, at, points)))
     }
 
     pub(super) fn force<T: Scalar>(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T>
     where
         E: ElementForces<T>,
     {
-        let mut housing = self.housing_at(at);
-        let one = |kind: &E| kind.force_and_housing(u, at, &mut housing);
-        self.kinds().map(one).fold(Reaction::default(), |sum, one| sum + one)
+        match &self.housing {
+            None => self.sum(|kind| kind.force(u, at)),
+            Some(Housing::Displaced(shape)) => {
+                let mut points = shape.at_elements(at.cage);
+                self.sum(|kind| kind.force_on_points(u, at, &mut points))
+            }
+            Some(Housing::Bending(ring)) => self.loaded_ring(ring, u, at).reaction,
+        }
     }
 }
 
@@ -69,13 +113,23 @@ impl<T: Scalar> Bearing<T> for Lumped<dyn Elements<T>> {
         u: &Displacement<T>,
         at: &BearingKinematicState<T>,
     ) -> (Reaction<T>, Stiffness<T>) {
-        let mut housing = self.housing_at(at);
-        let one = |kind: &dyn Elements<T>| match housing.as_mut_slice() {
-            [] => kind.reaction_and_stiffness(u, at),
-            points => kind.reaction_and_stiffness_flexible(u, at, points),
+        let mut stiffness = Stiffness::from_element(T::ZERO);
+        let mut add = |(reaction, k): (Reaction<T>, Stiffness<T>)| {
+            stiffness += k;
+            reaction
         };
-        let start = (Reaction::default(), Stiffness::from_element(T::ZERO));
-        self.kinds().map(one).fold(start, |(sum, stiffness), (reaction, k)| (sum + reaction, stiffness + k))
+        let on = |points: &mut [HousingPoint<T>], add: &mut dyn FnMut((Reaction<T>, Stiffness<T>)) -> Reaction<T>| {
+            self.sum(|kind| add(kind.reaction_and_stiffness_flexible(u, at, points)))
+        };
+        match &self.housing {
+            None => (self.sum(|kind| add(kind.reaction_and_stiffness(u, at))), stiffness),
+            Some(Housing::Displaced(shape)) => (on(&mut shape.at_elements(at.cage), &mut add), stiffness),
+            Some(Housing::Bending(ring)) => {
+                let loaded = self.loaded_ring(ring, u, at);
+                on(&mut loaded.points.clone(), &mut add);
+                (loaded.reaction, ring.tangent(&loaded, at.cage, stiffness))
+            }
+        }
     }
 
     fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
@@ -87,16 +141,18 @@ impl<T: Scalar> Bearing<T> for Lumped<dyn Elements<T>> {
         self.axial.iter().fold(radial, |sum, axial| sum + axial.reaction(u, at))
     }
 
-    /// Computes the loads of the radial elements, which show the load zone; on a displaced housing, the size of the reaction
-    /// of the housing on each element.
+    /// Computes the loads of the radial elements, which show the load zone; on an outer ring that is not rigid, the size of the reaction
+    /// of the ring on each element.
     fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
-        if self.housing.is_none() {
-            return self.radial.element_loads(u, at, loads);
-        }
-        let mut points = self.housing_at(at);
-        for kind in self.kinds() {
-            kind.reaction_flexible(u, at, &mut points);
-        }
+        let points = match &self.housing {
+            None => return self.radial.element_loads(u, at, loads),
+            Some(Housing::Displaced(shape)) => {
+                let mut points = shape.at_elements(at.cage);
+                self.sum(|kind| kind.reaction_flexible(u, at, &mut points));
+                points
+            }
+            Some(Housing::Bending(ring)) => self.loaded_ring(ring, u, at).points,
+        };
         for (load, point) in loads.iter_mut().zip(&points) {
             let square = point.reaction.iter().map(|r| r.to_f64() * r.to_f64()).sum::<f64>();
             *load = T::from_f64(square.sqrt());

@@ -2,6 +2,7 @@
 
 use super::{Coordinates, Mounting};
 use crate::catalogue::Listed;
+use ballrace::bearing::quasi_static::film;
 
 /// One `[[bearing]]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +30,8 @@ pub struct Bearing {
     /// `housing_displacement = [[x, y, z], ...]`: displacement of the outer ring, m, at points fixed in the
     /// housing: those of the elements with the cage at angle 0; empty when rigid.
     pub housing_displacement: Vec<[f64; 3]>,
+    /// `outer_ring`: an outer ring that bends under the forces of the elements.
+    pub outer_ring: Option<OuterRing>,
     /// Source of the linear model; only with `model = "linear"`.
     pub linear: Option<Linear>,
     /// Local damage of races and balls.
@@ -64,6 +67,12 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// Returns true where the outer ring keeps its shape.
+    #[must_use]
+    pub fn has_rigid_outer_ring(&self) -> bool {
+        self.housing_displacement.is_empty() && self.outer_ring.is_none()
+    }
+
     /// Returns true where a spring keeps the force of the preload, or nothing changes it.
     #[must_use]
     pub fn has_constant_preload_force(&self) -> bool {
@@ -92,6 +101,21 @@ impl Bearing {
         let play = self.law.and_then(|law| law.radial_play).map(|play| 2.0 * play);
         play.or_else(|| self.geometry.map(|geometry| geometry.clearance()))
     }
+}
+
+/// `outer_ring = { radius, width, thickness, youngs_modulus, orders }`: a thin ring that bends
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OuterRing {
+    /// m, of the neutral line, above 0
+    pub radius: f64,
+    /// m, above 0
+    pub width: f64,
+    /// m, radial, above 0
+    pub thickness: f64,
+    /// Pa, above 0
+    pub youngs_modulus: f64,
+    /// Highest order of the shape, 2 or more.
+    pub orders: usize,
 }
 
 /// Values of the catalogue in a scene.
@@ -186,6 +210,37 @@ pub struct Lubricant {
     pub pressure_viscosity: f64,
     /// m, rms of ball and race together, above 0: denominator of the film ratio
     pub roughness: Option<f64>,
+    /// Heating of the inlet of the contacts, which thins the film.
+    pub inlet_heating: Option<InletHeating>,
+}
+
+/// `lubricant.inlet_heating`
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InletHeating {
+    /// 1/K, above 0: relative decrease of the viscosity
+    pub temperature_coefficient: f64,
+    /// W/(m K), above 0
+    pub conductivity: f64,
+}
+
+impl InletHeating {
+    /// Values of mineral oils.
+    pub const MINERAL_OIL: Self = Self { temperature_coefficient: 0.04, conductivity: 0.14 };
+
+    /// Returns the constants of the kernel's film.
+    #[must_use]
+    pub const fn of_film(self) -> film::InletHeating {
+        let Self { temperature_coefficient, conductivity } = self;
+        film::InletHeating { temperature_coefficient, conductivity }
+    }
+}
+
+impl Lubricant {
+    /// Returns the oil of the kernel's film.
+    #[must_use]
+    pub const fn for_film(&self) -> film::Lubricant {
+        film::Lubricant { viscosity: self.viscosity, pressure_viscosity: self.pressure_viscosity }
+    }
 }
 
 /// `preload`, along the thrust direction that the bearing carries

@@ -201,6 +201,15 @@ impl<'a> Node<'a> {
         self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(expected))
     }
 
+    /// Reads a number in the one SI unit that it may have, bare or with that unit, in the range that `ok` tests and `expected` describes.
+    pub fn number_in(&self, unit: &str, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        let number = match self.text(expected) {
+            Ok(text) => text.trim().strip_suffix(unit).and_then(|number| number.trim().parse().ok()),
+            Err(_) => self.bare_number(),
+        };
+        number.filter(|x| ok(*x)).ok_or_else(|| self.refuse(expected))
+    }
+
     /// Reads a quantity in SI: a bare number or a text with a unit.
     pub fn quantity(&self, dimension: Dimension) -> Read<f64> {
         self.within(dimension, "", |_| true)

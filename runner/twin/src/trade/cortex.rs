@@ -96,7 +96,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
 
 /// Returns the name of this bearing in the table.
 fn name(of: &Bearing) -> Option<&'static str> {
-    let smooth = of.waviness.is_empty() && of.defect.is_empty() && of.housing_displacement.is_empty();
+    let smooth = of.waviness.is_empty() && of.defect.is_empty() && of.has_rigid_outer_ring();
     if !smooth {
         return None;
     }

@@ -207,7 +207,7 @@ impl Subjects {
             }
         }
         if sparse {
-            let point = HousingPoint { displacement: [1e-6, -2e-6, 5e-7], reaction: [0.0; 3] };
+            let point = HousingPoint { displacement: [1e-6, -2e-6, 5e-7], ..HousingPoint::default() };
             let mut housing = [point; 9];
             let (reaction, tangent) = combined.reaction_and_stiffness_flexible(u, &self.cage.into(), &mut housing);
             self.flexible.add(reaction.wrench.to_array().into_iter().chain(tangent.iter().copied()));

@@ -8,7 +8,7 @@ use crate::handle::BearingHandle;
 use crate::scene::{Bearing as BearingScene, Facing, Scene, Speed};
 use crate::simd::OnWideRegisters;
 use ballrace::bearing::geometry::BallBearingGeometry;
-use ballrace::bearing::quasi_static::film::{Film, Lubricant};
+use ballrace::bearing::quasi_static::film::{Film, InletHeating, Lubricant};
 use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
 use ballrace::bearing::quasi_static::{BallPosition, BallState, DEFAULT_NEWTON_STEPS, QuasiStatic, TableConstants};
 use ballrace::bearing::surface::{Surface, SurfaceDeviation};
@@ -154,8 +154,9 @@ fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<
     Ok(built.with_newton_steps(steps).with_surface(surface))
 }
 
-fn lubricant(scene: &BearingScene) -> Option<Lubricant> {
-    scene.effects.film.map(|f| Lubricant { viscosity: f.viscosity, pressure_viscosity: f.pressure_viscosity })
+fn lubricant(scene: &BearingScene) -> Option<(Lubricant, Option<InletHeating>)> {
+    let oil = scene.effects.film?;
+    Some((oil.for_film(), oil.inlet_heating.map(crate::scene::InletHeating::of_film)))
 }
 
 /// Table of a bearing.

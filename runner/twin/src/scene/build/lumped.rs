@@ -1,7 +1,7 @@
 //! The lumped model: radial and axial elements with any contact law, on a rigid or displaced housing.
 
 use super::{BuildError, blocked_places, element_azimuth, facing, geometry, invalid, named, uneven};
-use crate::handle::{BearingHandle, HousingShape};
+use crate::handle::{BearingHandle, BendingRing, Housing, HousingShape};
 use crate::scene::{Bearing as BearingScene, Facing, FreeAngle};
 use ballrace::bearing::lumped::{Axial, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
@@ -71,7 +71,7 @@ fn with_radial<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M> + 'static, H: B
     play: f64,
 ) -> Result<H, BuildError> {
     let radial = Radial::<T, M, L, _>::try_new(blocked_places(scene), law, play).map_err(|e| named(scene, e))?;
-    let alone = scene.axial.is_none() && scene.housing_displacement.is_empty();
+    let alone = scene.axial.is_none() && scene.has_rigid_outer_ring();
     match uneven::<T, M>(scene) {
         None if alone => Ok(facing(scene, H::dispatched(radial))),
         Some(surface) if alone => Ok(facing(scene, H::dispatched(radial.with_surface(surface)))),
@@ -109,11 +109,14 @@ fn axial_elements<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M> + 'static, H
     Ok(H::elements(axial))
 }
 
-/// Returns the shape of the housing in the frame of the bearing; none where it is rigid.
-fn housing(scene: &BearingScene) -> Option<HousingShape> {
+/// Returns the outer ring in the frame of the bearing; none where it is rigid.
+fn housing(scene: &BearingScene) -> Option<Housing> {
+    let azimuths = || (0..scene.elements).map(|j| element_azimuth(scene, j)).collect();
+    if let Some(ring) = &scene.outer_ring {
+        return Some(Housing::Bending(BendingRing::new(ring, azimuths())));
+    }
     let mirror = scene.facing == Facing::MinusZ;
     let point = |&[x, y, z]: &[f64; 3]| if mirror { [x, -y, -z] } else { [x, y, z] };
     let points: Vec<[f64; 3]> = scene.housing_displacement.iter().map(point).collect();
-    let azimuths = (0..points.len()).map(|j| element_azimuth(scene, j)).collect();
-    (!points.is_empty()).then(|| HousingShape::new(azimuths, &points))
+    (!points.is_empty()).then(|| Housing::Displaced(HousingShape::new(azimuths(), &points)))
 }

@@ -6,10 +6,10 @@ use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
     Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, FreeAngle, Geometry, Law, Linear, Model,
-    Support, Surface, Wave,
+    OuterRing, Support, Surface, Wave,
 };
 
-const KEYS: [&str; 44] = [
+const KEYS: [&str; 45] = [
     "name",
     "bearing",
     "station",
@@ -32,6 +32,7 @@ const KEYS: [&str; 44] = [
     "radial_play",
     "axial",
     "housing_displacement",
+    "outer_ring",
     "stiffness_matrix",
     "two_spring",
     "linearise",
@@ -73,7 +74,8 @@ const GEOMETRY: [&str; 9] = [
 pub(super) const DESIGNATION: &str = "bearing";
 
 /// Keys of the lumped model alone.
-pub(super) const LUMPED: [&str; 5] = ["stiffness", "exponent", "radial_play", "axial", "housing_displacement"];
+pub(super) const LUMPED: [&str; 6] =
+    ["stiffness", "exponent", "radial_play", "axial", "housing_displacement", "outer_ring"];
 
 /// The three sources of a linear bearing.
 const LINEAR: [&str; 3] = ["stiffness_matrix", "two_spring", "linearise"];
@@ -86,6 +88,11 @@ pub(super) const POISSONS_RATIO: f64 = 0.3;
 const HERTZ_EXPONENT: f64 = 1.5;
 /// Density of bearing steel, kg/m^3.
 pub(super) const DENSITY: f64 = 7800.0;
+/// Largest thickness of a thin ring over its radius.
+const THIN: f64 = 0.4;
+/// Highest order of the shape of an outer ring that bends, where the scene gives none. The stiffness grows with the fourth power: higher ones
+/// hardly take part.
+const RING_ORDERS: usize = 6;
 /// Numbers of rolling elements that the kernel supports.
 const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
@@ -129,6 +136,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
         axial: table.read("axial", axial)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
+        outer_ring: outer_ring(table)?,
         defect: defects(table, model, elements)?,
         waviness: waviness(table, model, elements)?,
         effects: super::effects::read(table, model)?,
@@ -425,6 +433,33 @@ fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
     list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres)).collect()
 }
 
+/// A ring that bends; its form when it is not loaded is round.
+fn outer_ring(table: &Table<'_>) -> Read<Option<OuterRing>> {
+    let Some(node) = table.optional("outer_ring") else {
+        return Ok(None);
+    };
+    if table.has("housing_displacement") {
+        return Err(
+            node.misplaced("not together with housing_displacement, which gives the ring a form; remove one of them")
+        );
+    }
+    let ring = node.table(&["radius", "width", "thickness", "youngs_modulus", "orders"])?;
+    let range = "a whole number from 2 to 12 (highest order of the shape of the ring)";
+    let orders = ring.read("orders", |n| n.integer(2, 12, range))?.and_then(|orders| usize::try_from(orders).ok());
+    let radius = ring.positive("radius", Dimension::Length)?;
+    let most = micrometres(THIN * radius) / 1e3;
+    let thin = format!("a length above 0 and at most {most} mm, {THIN} of the radius: the ring is a thin one");
+    Ok(Some(OuterRing {
+        radius,
+        width: ring.positive("width", Dimension::Length)?,
+        thickness: ring
+            .required("thickness", &thin)?
+            .limited(Dimension::Length, &thin, |thickness| thickness > 0.0 && thickness <= THIN * radius)?,
+        youngs_modulus: ring.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
+        orders: orders.unwrap_or(RING_ORDERS),
+    }))
+}
+
 /// Rejects balls that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
 fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Option<&Geometry>) -> Read<()> {
     let Some(geometry) = geometry else {
@@ -546,7 +581,8 @@ fn check_dynamic(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -
             "the geometry of the bearing, from which model = \"dynamic\" has mass and contact stiffness of a ball";
         return Err(table.missing("ball_diameter", expected));
     }
-    let keys = ["stiffness", "exponent", "axial", "housing_displacement", "defect", "waviness", "preload"];
+    let keys =
+        ["stiffness", "exponent", "axial", "housing_displacement", "outer_ring", "defect", "waviness", "preload"];
     refuse(table, &keys, "none with model = \"dynamic\", whose balls move in one plane on round races; remove it")
 }
 

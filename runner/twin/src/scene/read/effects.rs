@@ -3,7 +3,8 @@
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
-    Effects, FrictionSharing, Lubricant, Model, Preload, PreloadAmount, PreloadState, RaceControl, TableRange,
+    Effects, FrictionSharing, InletHeating, Lubricant, Model, Preload, PreloadAmount, PreloadState, RaceControl,
+    TableRange,
 };
 
 /// The values of `effects`.
@@ -69,12 +70,29 @@ fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
 /// `lubricant`, which may be known where its film is omitted.
 pub(super) fn lubricant(table: &Table<'_>) -> Read<Option<Lubricant>> {
     table.read("lubricant", |node| {
-        let table = node.table(&["viscosity", "pressure_viscosity", "roughness"])?;
+        let table = node.table(&["viscosity", "pressure_viscosity", "roughness", "inlet_heating"])?;
         Ok(Lubricant {
             viscosity: table.positive("viscosity", Dimension::Viscosity)?,
             pressure_viscosity: table.positive("pressure_viscosity", Dimension::PressureViscosity)?,
             roughness: table.read("roughness", |n| n.positive(Dimension::Length))?,
+            inlet_heating: table.read("inlet_heating", inlet_heating)?,
         })
+    })
+}
+
+/// Keys that are absent are those of mineral oils.
+fn inlet_heating(node: &Node<'_>) -> Read<InletHeating> {
+    let table = node.table(&["temperature_coefficient", "conductivity"])?;
+    let mineral = InletHeating::MINERAL_OIL;
+    let expected = "a relative decrease of the viscosity from 1e-3 to 0.2 1/K, such as \"0.04 1/K\"";
+    let coefficient = |n: &Node<'_>| n.number_in("1/K", expected, |x| (1e-3..=0.2).contains(&x));
+    let range = "a thermal conductivity from 0.01 to 10 W/(m K), such as \"0.14 W/(m K)\"";
+    let conductivity = |n: &Node<'_>| n.number_in("W/(m K)", range, |x| (0.01..=10.0).contains(&x));
+    Ok(InletHeating {
+        temperature_coefficient: table
+            .read("temperature_coefficient", coefficient)?
+            .unwrap_or(mineral.temperature_coefficient),
+        conductivity: table.read("conductivity", conductivity)?.unwrap_or(mineral.conductivity),
     })
 }
 

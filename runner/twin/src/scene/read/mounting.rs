@@ -189,9 +189,5 @@ pub(super) fn temperature_unit(name: &str) -> Option<(f64, f64)> {
 /// Reads a coefficient of linear expansion, 1/K.
 fn thermal_expansion(node: &Node<'_>) -> Read<f64> {
     let expected = "a linear expansion from 0 to 1e-4 1/K, such as \"23e-6 1/K\"";
-    let number = match node.text(expected) {
-        Ok(text) => text.trim().strip_suffix("1/K").and_then(|number| number.trim().parse().ok()),
-        Err(_) => node.number(expected, |_| true).ok(),
-    };
-    number.filter(|x| (0.0..=1e-4).contains(x)).ok_or_else(|| node.refuse(expected))
+    node.number_in("1/K", expected, |x| (0.0..=1e-4).contains(&x))
 }

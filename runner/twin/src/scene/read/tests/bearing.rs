@@ -40,6 +40,7 @@ fn angular_bearing_out_of_range() {
         (angle, "contact_angle = 0\nexponent = 1.5", &["bearing[0].exponent", "only with model = \"lumped\""]),
         (angle, "contact_angle = 0\nradial_play = 0", &["bearing[0].radial_play", "only with model = \"lumped\""]),
         (angle, "contact_angle = 0\naxial = {}", &["bearing[0].axial", "only with model = \"lumped\""]),
+        (angle, "contact_angle = 0\nouter_ring = {}", &["outer_ring", "only with model = \"lumped\""]),
         (angle, "contact_angle = 0\nhousing_displacement = []", &["housing_displacement", "only with model = \"lumped\""]),
         (angle, "contact_angle = 0\nlinearise = \"angular\"", &["only with model = \"linear\""]),
     ]);
@@ -71,6 +72,16 @@ fn lumped_bearing_out_of_range() {
         (play, "radial_play = 0\naxial = { stiffness = 1, play = 0, radius = -1 }", &["axial.radius", "of 0 or more"]),
         (play, "radial_play = 0\naxial = { stiffness = -1, play = 0, radius = 1 }", &["axial.stiffness"]),
         (play, "radial_play = 0\naxial = { exponent = 4, stiffness = 1, play = 0, radius = 1 }", &["axial.exponent"]),
+        (
+            play,
+            "radial_play = 0\nouter_ring = { radius = \"50 mm\", width = \"18 mm\", thickness = \"30 mm\" }",
+            &["outer_ring.thickness", "\"30 mm\"", "at most 20 mm"],
+        ),
+        (
+            play,
+            "radial_play = 0\nouter_ring = { radius = 1, width = 1, thickness = 0.1 }\nhousing_displacement = []",
+            &["outer_ring", "not together with housing_displacement"],
+        ),
         (play, "radial_play = 0\nhousing_displacement = [[0, 0, 0]]", &["housing_displacement: a list of 1", "a list of 8 entries [x, y, z]"]),
         (play, "radial_play = 0\nyoungs_modulus = 1", &["missing here: ball_diameter, pitch"]),
     ]);
