@@ -30,6 +30,13 @@ pub struct BendingRing {
     stiffness: DVector<f64>,
 }
 
+/// Direction of an element, and the shapes of the ring there.
+struct Place {
+    sin: f64,
+    cos: f64,
+    basis: DVector<f64>,
+}
+
 /// A ring of some shape, with the elements on it.
 pub struct LoadedRing<T> {
     /// The ring at every element.
@@ -65,7 +72,8 @@ impl BendingRing {
         evaluate: impl Fn(&mut [HousingPoint<T>]) -> Reaction<T>,
     ) -> LoadedRing<T> {
         let precision = precision::<T>();
-        let at = |shape: DVector<f64>| self.with_shape(shape, cage, &evaluate);
+        let places = self.places(cage);
+        let at = |shape: DVector<f64>| self.with_shape(shape, &places, &evaluate);
         let mut now = at(DVector::zeros(self.stiffness.len()));
         for _ in 0..STEPS {
             let before = now.unbalanced.norm();
@@ -98,23 +106,20 @@ impl BendingRing {
     fn with_shape<T: Scalar>(
         &self,
         shape: DVector<f64>,
-        cage: Phase,
+        places: &[Place],
         evaluate: &impl Fn(&mut [HousingPoint<T>]) -> Reaction<T>,
     ) -> LoadedRing<T> {
-        let orders = self.stiffness.len();
-        let point = |(displacement, (sin, cos)): (f64, (f64, f64))| HousingPoint {
-            displacement: [displacement * cos, displacement * sin, 0.0].map(T::from_f64),
-            ..HousingPoint::default()
+        let point = |Place { sin, cos, basis }: &Place| {
+            let displacement = basis.dot(&shape);
+            let along = [displacement * cos, displacement * sin, 0.0].map(T::from_f64);
+            HousingPoint { displacement: along, ..HousingPoint::default() }
         };
-        let bases: Vec<_> = self.angles(cage).map(|angle| basis(orders, angle)).collect();
-        let directions: Vec<_> = self.angles(cage).map(f64::sin_cos).collect();
-        let displacements = bases.iter().map(|basis| basis.dot(&shape));
-        let mut points: Vec<_> = displacements.zip(directions.iter().copied()).map(point).collect();
+        let mut points: Vec<_> = places.iter().map(point).collect();
         let reaction = evaluate(&mut points);
         let mut unbalanced = self.stiffness.component_mul(&shape);
         let mut tangent = DMatrix::from_diagonal(&self.stiffness);
         let mut load = 0.0;
-        for ((point, (sin, cos)), basis) in points.iter().zip(directions).zip(&bases) {
+        for (point, Place { sin, cos, basis }) in points.iter().zip(places) {
             let [x, y, _] = point.reaction.map(T::to_f64);
             let force = x * cos + y * sin;
             unbalanced.axpy(-force, basis, 1.0);
@@ -126,12 +131,9 @@ impl BendingRing {
 
     /// Returns the tangent `-d(wrench)/du` of a loaded ring, whose shape follows the inner ring, from that with the shape held.
     pub fn tangent<T: Scalar>(&self, loaded: &LoadedRing<T>, cage: Phase, held: Stiffness<T>) -> Stiffness<T> {
-        let orders = self.stiffness.len();
-        let mut coupling = DMatrix::zeros(orders, 2);
-        for (point, angle) in loaded.points.iter().zip(self.angles(cage)) {
-            let (sin, cos) = angle.sin_cos();
-            let along = DVector::from_vec(vec![cos, sin]);
-            coupling.ger(point.radial_stiffness.to_f64(), &basis(orders, angle), &along, 1.0);
+        let mut coupling = DMatrix::zeros(self.stiffness.len(), 2);
+        for (point, Place { sin, cos, basis }) in loaded.points.iter().zip(self.places(cage)) {
+            coupling.ger(point.radial_stiffness.to_f64(), &basis, &DVector::from_vec(vec![cos, sin]), 1.0);
         }
         let mut tangent = held;
         if let Some(factor) = loaded.tangent.clone().cholesky() {
@@ -143,9 +145,14 @@ impl BendingRing {
         tangent
     }
 
-    /// Returns the azimuth of every element, rad.
-    fn angles(&self, cage: Phase) -> impl Iterator<Item = f64> {
-        self.azimuths.iter().map(move |azimuth| azimuth.wrapping_add(cage).radians())
+    /// Returns the place of every element.
+    fn places(&self, cage: Phase) -> Vec<Place> {
+        let place = |azimuth: &Phase| {
+            let angle = azimuth.wrapping_add(cage).radians();
+            let (sin, cos) = angle.sin_cos();
+            Place { sin, cos, basis: basis(self.stiffness.len(), angle) }
+        };
+        self.azimuths.iter().map(place).collect()
     }
 }
 
