@@ -57,6 +57,11 @@ fn looks_right(browser: &mut Browser, path: &Path, expected: &[&str]) {
     assert!(pdf.starts_with(b"%PDF"));
     let pages = String::from_utf8_lossy(&pdf).matches("/Type /Page\n").count();
     assert!((1..=MAX_PAGES).contains(&pages), "{pages} pages of {}", path.display());
+    // On paper the rows of a long table run on over pages.
+    browser.call("Emulation.setEmulatedMedia", &serde_json::json!({ "media": "print" }));
+    let kept = "[...document.querySelectorAll('.table-section:not(.short)')].filter((t) => getComputedStyle(t).display !== 'block').length";
+    assert_eq!(browser.evaluate(kept), 0);
+    browser.call("Emulation.setEmulatedMedia", &serde_json::json!({ "media": "" }));
     let outside: Vec<&String> = browser.requests.iter().filter(|url| **url != address(path)).collect();
     assert!(outside.is_empty() && browser.requests.len() == 1, "{:?}", browser.requests);
     // Another script than the report's own does not run.

@@ -71,6 +71,14 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
         assert!(report.contains(figure), "{figure} is not in the report");
     }
     assert!(report.len() < 3_000_000, "{}", report.len());
+    // The figures of one probe and those of all agree, and have a name of their own beside the residual of the twin.
+    let unexplained = &diagnosis["unexplained_motion"];
+    let [without, with, noise] = ["without_um", "with_um", "noise_um"].map(|key| unexplained[key].as_f64().unwrap());
+    assert!(with < 0.2 * without && noise < 0.2 * without, "{unexplained}");
+    let (here, everywhere) = (unexplained["explained"].as_f64().unwrap(), number(diagnosis, "/explained"));
+    assert!(here > 0.95 && (here - everywhere).abs() < 0.05, "{here} at the probe, {everywhere} in all");
+    let note = format!("Unexplained motion at {} over all samples", unexplained["probe"].as_str().unwrap());
+    assert!(report.contains(&note) && !report.contains("twin with the fault"), "{note}");
 }
 
 /// The unbalance moves the rotor axially by 1.4 um, which no probe measures.

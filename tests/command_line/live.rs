@@ -309,3 +309,19 @@ fn contradictory_options_are_rejected() {
     let answer = desk.run(&["replay", "scene.toml", "--paced", "--source", &source_at]);
     assert!(answer.code == Some(1) && answer.err.contains("free port"), "{answer:?}");
 }
+
+/// The demonstration of a spall: a restart of the observer at 13 s is no event, and the wait for the first diagnosis is seen.
+#[test]
+fn the_demonstration_raises_its_fault_alone_and_a_wait_is_reported_without_a_terminal() {
+    let desk = Desk::empty();
+    let args = ["replay", "--paced", "--source", "demonstration", "--no-report", "--events", "events.jsonl"];
+    let answer = desk.run(&[&args[..], &["--for", "16 s"]].concat());
+    let events = desk.read("events.jsonl");
+    let kinds = events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["kind"].clone());
+    let others: Vec<Value> = kinds.filter(|kind| !kind.as_str().unwrap().starts_with("fault-")).collect();
+    assert!(others.is_empty(), "{events}");
+    let states: Vec<&str> = answer.err.lines().filter(|line| line.starts_with("State at ")).collect();
+    let words = ["STARTING. ", "NO VERDICT YET. ", "ALARM. "];
+    assert!(!states.is_empty() && states.len() == answer.err.lines().count(), "{answer:?}");
+    assert!(states.iter().all(|line| words.iter().any(|word| line.contains(word))), "{states:#?}");
+}

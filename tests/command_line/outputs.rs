@@ -1,7 +1,7 @@
 //! Files that a monitor writes: who owns them, what a start that fails leaves, what a disk that fails costs.
 
 use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, spike, wait_until};
-use crate::support::{DEMO_SCENE, Desk, SHORT, number, short_recording};
+use crate::support::{DEMO_SCENE, Desk, SHORT, is_progress, number, short_recording};
 use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
@@ -231,7 +231,7 @@ fn a_full_disk_under_forces_or_report_leaves_the_outcome() {
     let args = ["replay", "scene.toml", "--paced", "--format", "json"];
     let options = ["--forces", "/dev/full", "--events", "events.jsonl", "--report", "report.html"];
     let answer = desk.run(&[&args[..], &options].concat());
-    assert_eq!((answer.code, answer.err.as_str()), (Some(0), ""), "{answer:?}");
+    assert!(answer.code == Some(0) && is_progress(&answer.err), "{answer:?}");
     let outcome: Value = answer.json();
     assert!(number(&outcome, "/record/compared") > 12_000.0);
     let notes = outcome["notes"].to_string();

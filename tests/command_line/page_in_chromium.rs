@@ -18,6 +18,7 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     has_word(&mut browser, "ALARM");
     assert!(browser.text("sentence").contains("Outer race of DE"), "{}", browser.text("sentence"));
     assert!(browser.text("action").contains("spare bearing") && browser.text("since").starts_with("since "));
+    assert!(browser.text("since").contains(" UTC ("), "{}", browser.text("since"));
     browser.wait_for("document.querySelectorAll('#figures svg').length > 5");
     browser.wait_for("document.querySelectorAll('#history svg').length === 5");
     // The figures change with the samples.
@@ -36,6 +37,14 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
     browser.wait_for("document.querySelector('#alarm-list button') === null");
     for width in [320, 400, 800, 1400] {
         assert!(browser.overflow(width) <= 0.0, "wider than {width} pixels");
+    }
+    // On a telephone all columns of the values and the whole sentence are seen.
+    browser.resize(400, 900);
+    for cut in [
+        "document.querySelector('.scroll').scrollWidth - document.querySelector('.scroll').clientWidth",
+        "document.getElementById('sentence').scrollHeight - document.getElementById('sentence').clientHeight",
+    ] {
+        assert!(browser.evaluate(cut).as_f64().unwrap() <= 0.0, "{cut}");
     }
     // The refusal of the wrong token is the only error that the browser has seen.
     let unexpected: Vec<&String> = browser.problems.iter().filter(|problem| !problem.contains("403")).collect();

@@ -97,6 +97,12 @@ pub struct Desk {
     folder: TempDir,
 }
 
+/// Returns true where standard error has nothing but progress and the state of a monitor.
+pub fn is_progress(err: &str) -> bool {
+    let words = ["Fitting ", "Learning from ", "Diagnosing ", "Replaying ", "State at "];
+    err.lines().all(|line| words.iter().any(|word| line.starts_with(word)))
+}
+
 impl Desk {
     /// Output of the program `source`, which uses the kernel, compiled and run. All such programs share the compiled kernel.
     pub fn compiled(&self, source: &str) -> String {
@@ -208,14 +214,11 @@ impl Desk {
         bounded(command, limit, args)
     }
 
-    /// Runs what has to go well, without a word on standard error but for the progress of a fit.
+    /// Runs what has to go well, without a word on standard error but for progress and the state of a monitor.
     pub fn done(&self, args: &[&str]) -> Answer {
         let answer = self.run(args);
         assert_eq!(answer.code, Some(0), "{answer:?}");
-        let is_progress = |line: &str| {
-            ["Fitting ", "Learning from ", "Diagnosing ", "Replaying "].iter().any(|word| line.starts_with(word))
-        };
-        assert!(answer.err.lines().all(is_progress), "{answer:?}");
+        assert!(is_progress(&answer.err), "{answer:?}");
         answer
     }
 

@@ -217,6 +217,20 @@ fn lumped_model_has_no_costlier_reference() {
 }
 
 #[test]
+fn an_absent_cost_has_a_reason_and_an_empty_column_is_left_out() {
+    let text = |scene: &str| desk(scene).done(&["trade", "scene.toml", "--forces-only"]).out;
+    let smooth = text(LUMPED);
+    assert!(smooth.contains("instr.") && !smooth.contains("bearings with waviness"), "{smooth}");
+    let wavy = LUMPED.replace(
+        "radial_play = \"2 um\"\n",
+        "radial_play = \"2 um\"\nwaviness = [{ surface = \"outer\", order = 9, amplitude = \"0.1 um\" }]\n",
+    );
+    let wavy = text(&wavy);
+    let reason = "bearings with waviness, defects or a displaced housing are not counted.";
+    assert!(!wavy.contains("instr.") && wavy.contains(reason), "{wavy}");
+}
+
+#[test]
 fn invalid_goals_are_rejected() {
     let desk = desk(LUMPED);
     let refused = |more: &[&str], words: &[&str]| {

@@ -508,6 +508,7 @@ fn fault_figures(values: &[f64]) -> FaultFigures {
             measured: values.to_vec(),
             without: values.to_vec(),
             with: values.iter().take(2).copied().collect(),
+            unexplained: UnexplainedMotion::new("DE_X", [0.348, 0.018, 0.017]),
         }),
     }
 }
@@ -516,6 +517,7 @@ fn fault_figures(values: &[f64]) -> FaultFigures {
 pub(crate) fn usual() -> Outcome {
     let record = Record {
         samples: 51_200,
+        average: 1,
         compared: 51_188,
         rate_hz: RATE_HZ,
         duration_s: 4.0,

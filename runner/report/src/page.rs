@@ -17,6 +17,10 @@ const TEMPLATE: &str = include_str!("page/report.html");
 const STYLE: &str = include_str!("page/report.css");
 const SCRIPT: &str = include_str!("page/report.js");
 
+/// Heading of the figures that show why the verdict is as it is.
+pub(super) const EVIDENCE: &str = "Evidence";
+/// Number of its figures that are printed: all of two faults.
+const PRINTED_EVIDENCE: usize = 6;
 /// Largest number of figures of a report whose figures are all printed.
 const PRINTED: usize = 8;
 /// Number of figures that are printed per section of a larger report, so that it has about six pages.
@@ -271,6 +275,7 @@ pub(super) fn render(mut page: Page) -> Result<String> {
     let mut left_out = 0;
     for section in &mut page.sections {
         if let Content::Figures { figures, .. } = &mut section.content {
+            let most = if section.heading == EVIDENCE { PRINTED_EVIDENCE } else { most };
             left_out += choose_printed(figures, most, &page.relevant);
         }
     }

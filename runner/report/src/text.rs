@@ -190,6 +190,7 @@ fn residual(page: &mut Page, outcome: &Outcome) {
 
 fn baselines(page: &mut Page, outcome: &Outcome) {
     page.title("RESIDUAL OF SIMPLER MODELS, um rms");
+    let is_judged = words::are_models_judged(outcome);
     let values = |probe: &ProbeOutcome| {
         let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
         [probe.residual_rms_um, mean, persistence, one_x, linear]
@@ -199,15 +200,18 @@ fn baselines(page: &mut Page, outcome: &Outcome) {
         let digits = decimals(values(probe));
         let mut row = vec![name(&probe.name)];
         row.extend(values(probe).map(|value| fixed(value, digits)));
-        row.push(words::standing(probe.baselines.worst()).to_owned());
+        row.extend(is_judged.then(|| words::standing(probe.baselines.worst()).to_owned()));
         row
     };
-    let heads: [&[&str]; 2] = [
-        &["probe", "twin", "mean", "previous", "mean", "linear", "twin is"],
-        &["", "", "", "sample", "and 1X", "springs", ""],
+    let columns = if is_judged { 7 } else { 6 };
+    let heads = [
+        &["probe", "twin", "mean", "previous", "mean", "linear", "twin is"][..columns],
+        &["", "", "", "sample", "and 1X", "springs", ""][..columns],
     ];
     page.table(1, &heads, &outcome.probes.iter().map(row).collect::<Vec<_>>());
-    if !words::beaten(&outcome.probes).is_empty() {
+    if !is_judged {
+        page.sentence("  ", words::NOT_JUDGED);
+    } else if !words::beaten(&outcome.probes).is_empty() {
         page.sentence("  ", words::BEATEN);
     }
 }
@@ -333,6 +337,9 @@ fn diagnoses(page: &mut Page, outcome: &Outcome) {
         let (level, confidence) = (fixed(diagnosis.level_db, 1), fixed(100.0 * diagnosis.confidence, 0));
         let evidence = format!("{}: {line}{level} dB, confidence {confidence} %", words::severity(diagnosis));
         page.sentence("    ", &evidence);
+        if let Some(unexplained) = &diagnosis.parameters.unexplained_motion {
+            page.sentence("    ", &words::unexplained_motion(unexplained));
+        }
         page.sentence("    Action: ", words::action(diagnosis.kind));
     }
 }

@@ -3,7 +3,7 @@
 use super::figures::{Dot, Shape, front};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use anyhow::Result;
-use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
+use ballrace_twin::trade::{Candidate, Choice, NotCounted, Response, Trade};
 use std::fmt::Write;
 
 /// Returns the comparison as text for the terminal: candidates in exact math or on a Pareto front, and motions by the
@@ -18,6 +18,9 @@ pub fn text(trade: &Trade) -> String {
         &format!("Reference: {truth}, f64, converged. Errors are relative to the largest load, {largest_load:.4} N."),
     );
     forces(&mut out, &trade.candidates);
+    if let Some(warning) = disturbed(trade) {
+        line(&mut out, &format!("  {warning}"));
+    }
     if !trade.responses.is_empty() {
         motions(&mut out, &trade.responses);
     }
@@ -45,6 +48,51 @@ pub fn chosen(choice: &Choice) -> String {
     )
 }
 
+/// Returns a warning where other work disturbed the timings.
+fn disturbed(trade: &Trade) -> Option<String> {
+    let spread = &trade.timing_spread;
+    spread.is_disturbed.then(|| {
+        format!(
+            "Warning: timings of equal work on this machine spread by {:.0} % (interquartile range, upper quartile of all timings): other \
+             work used the processor. Costs that differ by less have no order; repeat on an idle machine.",
+            100.0 * spread.upper_quartile
+        )
+    })
+}
+
+/// Returns sentences on the candidates without a cost on the target, by reason.
+fn not_counted<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
+    let mut reasons: Vec<(NotCounted, Vec<String>)> = vec![];
+    for candidate in candidates {
+        let Some(reason) = candidate.cortex_not_counted else { continue };
+        let name = numbers(candidate);
+        match reasons.iter_mut().find(|(other, _)| *other == reason) {
+            Some((_, names)) if names.contains(&name) => {}
+            Some((_, names)) => names.push(name),
+            None => reasons.push((reason, vec![name])),
+        }
+    }
+    let sentence = |(reason, numbers): (NotCounted, Vec<String>)| {
+        format!("No cost on the Cortex-M4F for some candidates in {}: {}.", numbers.join(", "), reason.reason())
+    };
+    reasons.into_iter().map(sentence).collect()
+}
+
+/// Returns precision and math of a candidate.
+fn numbers(c: &Candidate) -> String {
+    format!("{}{}", c.arithmetic.precision, if c.arithmetic.math == "fast" { " fast" } else { "" })
+}
+
+/// Reason of a motion without errors.
+const NOT_FINITE: &str = "-: the computed motion overflowed, so that it has no errors.";
+/// Reason of motions without an error of the ball pass.
+const NO_BALL_PASS: &str = "No error of the ball pass: no bearing has a known ball-pass frequency.";
+
+/// Returns true where the motion has no errors.
+fn is_not_finite(r: &Response) -> bool {
+    !(r.error.residual.is_finite() && r.error.mean.is_finite())
+}
+
 fn line(out: &mut String, text: &str) {
     out.push_str(text);
     out.push('\n');
@@ -63,44 +111,34 @@ fn percent(x: f64) -> String {
 }
 
 fn forces(out: &mut String, candidates: &[Candidate]) {
-    line(
-        out,
-        "\nForces of all bearings, one sample (* on the Pareto front; ~ interpolated or extrapolated from counted rows)",
-    );
-    line(
-        out,
-        &format!(
-            "  {:<52} {:<9} {:>10} {:>10} {:>10} {:>10} {:>9} {:>11} {:>11}",
-            "", "", "error:", "", "", "of which", "desktop", "Cortex-M4F", ""
-        ),
-    );
-    line(
-        out,
-        &format!(
-            "  {:<52} {:<9} {:>10} {:>10} {:>10} {:>10} {:>9} {:>11} {:>11}",
-            "model", "numbers", "median", "99 %", "largest", "rounding", "ns", "instr.", "cycles"
-        ),
-    );
-    for c in candidates.iter().filter(|c| c.arithmetic.math == "exact" || c.front_desktop || c.front_cortex) {
-        let numbers = format!("{}{}", c.arithmetic.precision, if c.arithmetic.math == "fast" { " fast" } else { "" });
+    let shown = || candidates.iter().filter(|c| c.arithmetic.math == "exact" || c.front_desktop || c.front_cortex);
+    // Columns in which no row has a number are left out; the reason follows.
+    let has_cortex = shown().any(|c| c.cortex.is_some());
+    let cortex = |a: &str, b: &str| if has_cortex { format!(" {a:>11} {b:>11}") } else { String::new() };
+    let legend = if has_cortex { "; ~ interpolated or extrapolated from counted rows" } else { "" };
+    line(out, &format!("\nForces of all bearings, one sample (* on the Pareto front{legend})"));
+    let head = |cells: [&str; 7]| {
+        let [model, numbers, median, most, largest, rounding, ns] = cells;
+        format!("  {model:<52} {numbers:<9} {median:>10} {most:>10} {largest:>10} {rounding:>10} {ns:>9}")
+    };
+    line(out, &(head(["", "", "error:", "", "", "of which", "desktop"]) + &cortex("Cortex-M4F", "")));
+    let names = ["model", "numbers", "median", "99 %", "largest", "rounding", "ns"];
+    line(out, &(head(names) + &cortex("instr.", "cycles")));
+    for c in shown() {
         let front = |yes: bool| if yes { "*" } else { " " };
         let (instructions, cycles) = c.cortex.map_or(("-".to_owned(), "- ".to_owned()), |cost| {
             let about = if cost.counted { "" } else { "~" };
             let [instructions, cycles] = [cost.instructions, cost.cycles].map(|n| format!("{about}{n:.0}"));
             (instructions, format!("{cycles}{}", front(c.front_cortex)))
         });
-        let ns = format!("{:.0}{}", c.desktop_ns, front(c.front_desktop));
-        line(
-            out,
-            &format!(
-                "  {:<52} {numbers:<9} {:>10} {:>10} {:>10} {:>10} {ns:>9} {instructions:>11} {cycles:>11}",
-                c.model,
-                percent(c.error.median),
-                percent(c.error.most_99),
-                percent(c.error.largest),
-                percent(c.rounding.most_99),
-            ),
-        );
+        let errors = [c.error.median, c.error.most_99, c.error.largest, c.rounding.most_99].map(percent);
+        let [median, most, largest, rounding] = errors.each_ref().map(String::as_str);
+        let (numbers, ns) = (numbers(c), format!("{:.0}{}", c.desktop_ns, front(c.front_desktop)));
+        let row = head([&c.model, &numbers, median, most, largest, rounding, &ns]);
+        line(out, &(row + &cortex(&instructions, &cycles)));
+    }
+    for sentence in not_counted(shown()) {
+        line(out, &format!("  {sentence}"));
     }
 }
 
@@ -109,33 +147,32 @@ fn motions(out: &mut String, responses: &[Response]) {
         out,
         "\nMotion computed with each model (errors of 1X vector, ball pass, peak to peak, mean and residual, relative to the reference)",
     );
-    line(
-        out,
-        &format!(
-            "  {:<52} {:<5} {:<12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}",
-            "model", "", "integrator", "step us", "1X", "ball pass", "p-p", "mean", "residual", "x real"
-        ),
-    );
-    for r in responses.iter().filter(|r| r.usual || r.front) {
+    let shown = || responses.iter().filter(|r| r.usual || r.front);
+    let has_ball_pass = shown().any(|r| r.error.ball_pass.is_some());
+    let ball_pass = |cell: &str| if has_ball_pass { format!(" {cell:>9}") } else { String::new() };
+    let row = |names: [&str; 5], pass: &str, errors: [&str; 3], pace: &str| {
+        let ([model, precision, integrator, step, one], [peak, mean, residual]) = (names, errors);
+        let pass = ball_pass(pass);
+        format!(
+            "  {model:<52} {precision:<5} {integrator:<12} {step:>9} {one:>9}{pass} {peak:>9} {mean:>9} {residual:>9} {pace:>8}"
+        )
+    };
+    line(out, &row(["model", "", "integrator", "step us", "1X"], "ball pass", ["p-p", "mean", "residual"], "x real"));
+    for r in shown() {
         let e = &r.error;
         let front = if r.front { "*" } else { " " };
         let held = if r.held > 0 { format!("  {} steps overflowed", r.held) } else { String::new() };
-        line(
-            out,
-            &format!(
-                "  {:<52} {:<5} {:<12} {:>9.2} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7.1}{front}{held}",
-                r.model,
-                r.precision,
-                r.method,
-                r.step * 1e6,
-                percent(e.one_per_turn),
-                percent(e.ball_pass),
-                percent(e.peak_to_peak),
-                percent(e.mean),
-                percent(e.residual),
-                r.times_real_time,
-            ),
-        );
+        let errors = [e.one_per_turn, e.peak_to_peak, e.mean, e.residual].map(percent);
+        let [one, peak, mean, residual] = errors.each_ref().map(String::as_str);
+        let (step, pace) = (format!("{:.2}", r.step * 1e6), format!("{:.1}{front}", r.times_real_time));
+        let pass = e.ball_pass.map_or_else(String::new, percent);
+        line(out, &(row([&r.model, r.precision, r.method, &step, one], &pass, [peak, mean, residual], &pace) + &held));
+    }
+    if !has_ball_pass {
+        line(out, &format!("  {NO_BALL_PASS}"));
+    }
+    if shown().any(is_not_finite) {
+        line(out, &format!("  {NOT_FINITE}"));
     }
 }
 
@@ -175,7 +212,7 @@ pub fn csv(trade: &Trade) -> String {
             r.method,
             r.step,
             e.one_per_turn,
-            e.ball_pass,
+            e.ball_pass.map_or_else(String::new, |error| error.to_string()),
             e.peak_to_peak,
             e.mean,
             e.residual,
@@ -191,10 +228,7 @@ pub fn csv(trade: &Trade) -> String {
 /// # Errors
 /// Returns an error if the page cannot be rendered.
 pub fn html(trade: &Trade) -> Result<String> {
-    let name = |c: &Candidate| {
-        let fast = if c.arithmetic.math == "fast" { " fast" } else { "" };
-        format!("{}, {}{fast}", c.model, c.arithmetic.precision)
-    };
+    let name = |c: &Candidate| format!("{}, {}", c.model, numbers(c));
     let dot = |c: &Candidate, cost: f64, front: bool| Dot {
         cost,
         error: c.error.most_99,
@@ -244,7 +278,10 @@ pub fn html(trade: &Trade) -> Result<String> {
             Fact::new("Poses of each bearing", format!("{} from the {}", trade.poses, trade.motion)),
             Fact::new("Reference", format!("{}, f64, converged", trade.truth)),
             Fact::new("Largest load", format!("{:.4} N", trade.largest_load)),
-        ],
+        ]
+        .into_iter()
+        .chain(disturbed(trade).map(|warning| Fact::new("Timings", warning)))
+        .collect(),
         sections,
         footer:
             "Errors are relative to the largest load. Pareto front: no candidate is both cheaper and more accurate."
@@ -279,7 +316,7 @@ fn force_table(candidates: &[Candidate]) -> Table {
         };
         [
             c.model.clone(),
-            format!("{}{}", c.arithmetic.precision, if c.arithmetic.math == "fast" { " fast" } else { "" }),
+            numbers(c),
             percent(c.error.median),
             percent(c.error.most_99),
             percent(c.error.largest),
@@ -290,9 +327,12 @@ fn force_table(candidates: &[Candidate]) -> Table {
             front.to_owned(),
         ]
     };
+    let mut sentences = vec!["~ interpolated or extrapolated from counted rows.".to_owned()];
+    sentences.extend(not_counted(candidates.iter()));
+    let note = sentences.join(" ");
     Table {
         groups: vec![(2, ""), (4, "error"), (1, ""), (2, "Cortex-M4F"), (1, "")],
-        ..Table::of(columns, candidates.iter().map(row), "~ interpolated or extrapolated from counted rows.")
+        ..Table::of(columns, candidates.iter().map(row), &note)
     }
 }
 
@@ -313,14 +353,22 @@ fn motion_table(responses: &[Response]) -> Table {
     ];
     let row = |r: &Response| {
         let e = &r.error;
-        let errors = [e.one_per_turn, e.ball_pass, e.peak_to_peak, e.mean, e.residual].map(percent);
+        let ball_pass = e.ball_pass.map_or_else(|| "\u{2013}".to_owned(), percent);
+        let [one, others @ ..] = [e.one_per_turn, e.peak_to_peak, e.mean, e.residual].map(percent);
+        let errors = [one, ball_pass].into_iter().chain(others);
         let head = [r.model.clone(), r.precision.to_owned(), r.method.to_owned(), format!("{:.2}", r.step * 1e6)];
         let remarks = if r.held > 0 { format!("{} steps overflowed", r.held) } else { String::new() };
         let tail = [format!("{:.1}", r.times_real_time), if r.front { "yes" } else { "" }.to_owned(), remarks];
         head.into_iter().chain(errors).chain(tail).collect::<Vec<_>>()
     };
-    Table {
-        groups: vec![(4, ""), (5, "error"), (3, "")],
-        ..Table::of(columns, responses.iter().map(row), "Errors are relative to the reference.")
+    let mut note = "Errors are relative to the reference.".to_owned();
+    for (is_so, sentence) in [
+        (responses.iter().all(|r| r.error.ball_pass.is_none()), NO_BALL_PASS),
+        (responses.iter().any(is_not_finite), NOT_FINITE),
+    ] {
+        if is_so {
+            note = format!("{note} {sentence}");
+        }
     }
+    Table { groups: vec![(4, ""), (5, "error"), (3, "")], ..Table::of(columns, responses.iter().map(row), &note) }
 }

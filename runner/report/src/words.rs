@@ -4,7 +4,7 @@ use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, ForceFigures, Learning, Observation,
-    Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing,
+    Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing, UnexplainedMotion,
 };
 use ballrace_twin::verdict;
 
@@ -144,6 +144,19 @@ pub const fn action(kind: FaultKind) -> &'static str {
     }
 }
 
+/// Returns the unexplained motion at the probe that shows a fault best, without and with it, as a sentence.
+pub(super) fn unexplained_motion(of: &UnexplainedMotion) -> String {
+    format!(
+        "Unexplained motion at {} over all samples of the diagnosis: {} um rms without the fault, {} um with it (noise of the probes up to \
+         {} um); the fault explains {} % of its square.",
+        of.probe,
+        alone(of.without_um),
+        alone(of.with_um),
+        alone(of.noise_um),
+        fixed(100.0 * of.explained, 0)
+    )
+}
+
 /// Returns the severity of a diagnosis as a word; it is a level, not a rate of damage.
 pub(super) fn severity(diagnosis: &Diagnosis) -> &'static str {
     match diagnosis.level_db {
@@ -165,7 +178,7 @@ pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
         ("Speed", speed(record)),
         ("Rotation", rotation(record).to_owned()),
         ("Shaft angle from", record.angle_source.clone()),
-        ("Rate", format!("{} Hz", rate(record.rate_hz))),
+        ("Rate", rates(record)),
         ("Duration", format!("{} s, {} turns", fixed(record.duration_s, 3), fixed(record.turns, 1))),
         ("Samples", samples(record)),
     ]);
@@ -269,6 +282,14 @@ pub fn reduced_rotor(of: &RotorOutcome) -> String {
     format!("{name}: {model}")
 }
 
+/// Returns the rate of the samples, with that of the recording where they are averages.
+fn rates(record: &Record) -> String {
+    match record.average {
+        0 | 1 => format!("{} Hz", rate(record.rate_hz)),
+        n => format!("{} Hz, averages of {n} at {} Hz", rate(record.rate_hz), rate(record.rate_hz * f64::from(n))),
+    }
+}
+
 /// Formats a whole number of hertz as a count.
 fn rate(hz: f64) -> String {
     if (1.0..1e15).contains(&hz) && hz.fract() == 0.0 { count(hz as u64) } else { alone(hz) }
@@ -293,8 +314,17 @@ fn rotation(record: &Record) -> &'static str {
 }
 
 fn samples(record: &Record) -> String {
-    let left_out = record.samples.saturating_sub(record.compared);
-    let read = format!("{} read", count(record.samples));
+    let left_out = record.averaged().saturating_sub(record.compared);
+    let read = if record.average > 1 {
+        format!(
+            "{} read, averages of {}: {}",
+            count(record.samples),
+            count(u64::from(record.average)),
+            count(record.averaged())
+        )
+    } else {
+        format!("{} read", count(record.samples))
+    };
     if record.compared == 0 {
         format!("{read}, none compared")
     } else if left_out == 0 {
@@ -390,6 +420,16 @@ pub(super) fn remarks(contact_lost: u64, held: u64) -> Vec<String> {
     }
     remarks
 }
+
+/// Returns true where the twin is compared with simpler models. A twin without the fault of its machine is worse than what is fitted to the
+/// recording, which is no measure of the twin.
+pub(super) fn are_models_judged(outcome: &Outcome) -> bool {
+    outcome.diagnoses.is_empty()
+}
+
+/// Remark where the twin is not compared with simpler models.
+pub(super) const NOT_JUDGED: &str =
+    "Not judged: the twin is the machine of the scene without a fault, and a fault is diagnosed.";
 
 /// Remark where a simpler model has a smaller residual than the twin.
 pub(super) const BEATEN: &str = "worse: a simpler model leaves over 2 % less than the twin, which is the machine of the scene without a fault. With a fault this is so; without one, the machine differs from its scene.";
@@ -488,6 +528,16 @@ pub(super) fn learned(of: &Learning) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn averaged_samples_are_not_left_out() {
+        let mut record = Record { samples: 102_400, average: 4, compared: 25_600, ..Record::default() };
+        assert_eq!(samples(&record), "102 400 read, averages of 4: 25 600, all compared");
+        record.compared = 25_000;
+        assert_eq!(samples(&record), "102 400 read, averages of 4: 25 600, 600 not compared");
+        record.average = 1;
+        assert_eq!(samples(&record), "102 400 read, 77 400 not compared");
+    }
 
     #[test]
     fn range_of_speed_is_printed_where_the_speed_varies() {

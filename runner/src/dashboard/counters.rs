@@ -32,7 +32,7 @@ pub(super) fn lines(view: &View) -> [Line<'static>; 2] {
 }
 
 pub(super) fn draw_events(frame: &mut Frame, area: Rect, view: &View) {
-    let block = panel_block(format!(" 5 Events, {} ", view.events.len()));
+    let block = panel_block(format!(" 5 Events, {}, times in UTC ", view.events.len()));
     let lines: Vec<Line> = view
         .events
         .iter()

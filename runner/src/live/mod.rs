@@ -25,6 +25,7 @@ pub mod realtime;
 mod service;
 pub mod source;
 pub mod state;
+mod state_lines;
 pub mod status;
 pub mod view;
 
@@ -45,6 +46,8 @@ use pace::{BLOCK_PERIOD, BlockSchedule};
 use service::Service;
 use source::{Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
+use state_lines::StateLines;
+use status::Status;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -171,6 +174,7 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
         schedule: BlockSchedule::try_new()?,
         display,
+        lines: StateLines::new(options.view.is_some()),
         page,
         is_state_changed: false,
         service,
@@ -300,6 +304,7 @@ struct Monitor<'a, 'o> {
     source: SourceFigures,
     schedule: BlockSchedule,
     display: Display,
+    lines: StateLines,
     page: Option<page::Page>,
     /// The state has to be written.
     is_state_changed: bool,
@@ -599,12 +604,13 @@ impl Monitor<'_, '_> {
 
     /// Updates the data of the live displays if they are due.
     fn update_view(&mut self) {
-        if !self.display.is_due() {
+        let (is_display_due, is_line_due) = (self.display.is_due(), self.lines.is_due());
+        if !is_display_due && !is_line_due {
             return;
         }
         copy_counters(&self.receiver.counters, &mut self.source);
         let pacing = self.schedule.statistics(String::new());
-        if self.display.take_is_read() {
+        if is_display_due && self.display.take_is_read() {
             self.display.view.snapshot = std::sync::Arc::new(self.replay.snapshot());
         }
         let view = &mut self.display.view;
@@ -620,6 +626,11 @@ impl Monitor<'_, '_> {
         (view.lateness, view.compute, view.starting_s) = (pacing.lateness, pacing.compute, pacing.starting_s);
         (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
         view.source = self.source.clone();
-        self.display.publish();
+        if is_line_due {
+            self.lines.write(&Status::of(view), view.time_s);
+        }
+        if is_display_due {
+            self.display.publish();
+        }
     }
 }

@@ -35,6 +35,20 @@ pub struct Status {
     pub since: String,
 }
 
+/// Returns what the first diagnosis waits for, and how far it is.
+fn first_diagnosis(view: &View) -> String {
+    match view.diagnosis {
+        DiagnosisState::Collecting { collected_s, required_s } => format!(
+            "The first diagnosis requires {required_s:.1} s of samples without a gap: {collected_s:.1} s so far."
+        ),
+        DiagnosisState::Computing { time_s } => format!(
+            "The first diagnosis, of the samples up to {time_s:.1} s, is computed; the recording is at {:.1} s.",
+            view.time_s
+        ),
+        _ => "The first diagnosis waits for the first samples that the twin follows.".to_owned(),
+    }
+}
+
 impl Status {
     /// Returns the state that a view shows.
     #[must_use]
@@ -70,14 +84,13 @@ impl Status {
                 "Check the source, its connection and its power supply.",
             ),
             (MonitorState::Ended, _) => status("ENDED", Level::Unknown, "The monitor has ended.", ""),
-            (MonitorState::Starting, _) if has_limits => status(
-                "STARTING",
-                Level::Unknown,
-                "All values are within their limits. The twin is starting; there is no diagnosis yet.",
-                "",
-            ),
             (MonitorState::Starting, _) => {
-                status("STARTING", Level::Unknown, "The twin is starting; there is no diagnosis yet.", "")
+                let within = if has_limits { "All values are within their limits. " } else { "" };
+                let sentence = format!(
+                    "{within}The twin is starting: {:.0} s so far. The first diagnosis follows when it runs.",
+                    view.starting_s
+                );
+                status("STARTING", Level::Unknown, &sentence, "")
             }
             (MonitorState::Running, DiagnosisState::Implausible { sentence }) => status(
                 "NOT PLAUSIBLE",
@@ -89,11 +102,15 @@ impl Status {
                 let sentence = format!("No fault found in the samples up to {time_s:.1} s. {limits}.");
                 status("NORMAL", Level::Normal, &sentence, "")
             }
-            (MonitorState::Running, DiagnosisState::NotMade) if has_limits => {
-                status("WITHIN LIMITS", Level::Normal, &format!("{limits}. There is no diagnosis yet."), "")
-            }
-            (MonitorState::Running, DiagnosisState::NotMade) => {
-                status("NO VERDICT YET", Level::Unknown, "The first diagnosis is not finished yet.", "")
+            (
+                MonitorState::Running,
+                DiagnosisState::NotMade | DiagnosisState::Collecting { .. } | DiagnosisState::Computing { .. },
+            ) => {
+                let waits_for = first_diagnosis(view);
+                match has_limits {
+                    true => status("WITHIN LIMITS", Level::Normal, &format!("{limits}. {waits_for}"), ""),
+                    false => status("NO VERDICT YET", Level::Unknown, &waits_for, ""),
+                }
             }
             (MonitorState::Running, DiagnosisState::Ended { sentence }) => {
                 let (word, level) =
@@ -128,5 +145,31 @@ impl Status {
             action: alarm.action.clone(),
             since: alarm.ended_at.as_ref().unwrap_or(&alarm.raised_at).clone(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wait_for_the_first_diagnosis_is_reported_with_its_progress() {
+        let sentence = |state, diagnosis| {
+            let view = View { state, diagnosis, time_s: 12.3, starting_s: 4.0, ..View::default() };
+            let status = Status::of(&view);
+            (status.word, status.sentence)
+        };
+        let collecting = DiagnosisState::Collecting { collected_s: 23.04, required_s: 60.0 };
+        assert_eq!(
+            sentence(MonitorState::Running, collecting.clone()),
+            (
+                "NO VERDICT YET",
+                "The first diagnosis requires 60.0 s of samples without a gap: 23.0 s so far.".to_owned()
+            )
+        );
+        let (_, computing) = sentence(MonitorState::Running, DiagnosisState::Computing { time_s: 1.6 });
+        assert!(computing.contains("up to 1.6 s") && computing.contains("at 12.3 s"), "{computing}");
+        let (word, starting) = sentence(MonitorState::Starting, collecting);
+        assert!(word == "STARTING" && starting.contains("4 s so far"), "{word}: {starting}");
     }
 }

@@ -78,7 +78,7 @@ fn note(rose: &ForceRose) -> String {
         ReferenceFrame::Cage => "Angles in the cage from element 1, Z towards the reader.",
     };
     format!(
-        "{seen} Over the damage an element carries less, and the twin without the damage leaves this force unexplained. Left: \
+        "{seen} Over the damage an element carries less, and the machine without the damage leaves this force unexplained. Left: \
          energy of the force by its direction; bars that point at the damage confirm its place. Right: the force, up to {} N, \
          of a pass. Both are the mean of {} passes and come from the measured motion; direction {}\u{b0}.",
         alone(rose.peak_n),

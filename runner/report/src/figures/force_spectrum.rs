@@ -52,7 +52,7 @@ pub(super) fn force_spectra(diagnosis: &Diagnosis, budget: PointBudget) -> Pictu
     Picture {
         title: format!("Unexplained force {at}: {}", words::cause(diagnosis).to_lowercase()),
         note: format!(
-            "Force that the twin without the fault leaves unexplained, and the part that the fault adds; amplitude zero to \
+            "Force that the machine without the fault leaves unexplained, and the part that the fault adds; amplitude zero to \
              peak, mean omitted. Numbers: orders of the strongest lines of the fault, per turn of the shaft.{own}"
         ),
         drawing,

@@ -20,6 +20,9 @@ const BEYOND_LINES_FULL: f64 = 1.6;
 const HARMONICS: u32 = 10;
 /// Share of the largest residual above which a harmonic gets a mark, and the number of these.
 const STRONG: f64 = 0.3;
+/// Least amplitude of a marked harmonic over the median of the residual: the amplitude of noise in a bin, which has a Rayleigh distribution, exceeds
+/// it with a probability of 2^-16.
+const ABOVE_NOISE: f64 = 4.0;
 const MARKED_HARMONICS: usize = 6;
 /// The close view ends at least at this many times the lowest natural frequency, and the largest residual.
 const BEYOND_NATURAL: f64 = 1.15;
@@ -199,7 +202,10 @@ fn harmonics(spectrum: &HalfSpectrum, lines: &[MarkedLine]) -> Vec<MarkedLine> {
         let bins = spectrum.residual.iter().enumerate().filter(|(i, a)| within(i) && a.is_finite());
         bins.map(|(_, amplitude)| *amplitude).fold(0.0, f64::max)
     };
-    let largest = spectrum.residual.iter().skip(MEAN_BINS).filter(|a| a.is_finite()).fold(0.0, |a, b| f64::max(a, *b));
+    let mut sorted: Vec<f64> = spectrum.residual.iter().skip(MEAN_BINS).copied().filter(|a| a.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let largest = sorted.last().copied().unwrap_or(0.0);
+    let least = f64::max(STRONG * largest, ABOVE_NOISE * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0));
     let apart = |hz: f64| lines.iter().all(|line| (line.hz - hz).abs() > 3.0 * spectrum.bin_hz);
     let all = lines.iter().filter(|line| line.hz > 3.0 * spectrum.bin_hz).flat_map(|line| {
         (2..=HARMONICS).map(move |k| {
@@ -209,7 +215,7 @@ fn harmonics(spectrum: &HalfSpectrum, lines: &[MarkedLine]) -> Vec<MarkedLine> {
         })
     });
     let mut strong: Vec<(f64, MarkedLine)> = all.map(|line| (near(line.hz), line)).collect();
-    strong.retain(|(amplitude, line)| *amplitude > STRONG * largest && apart(line.hz));
+    strong.retain(|(amplitude, line)| *amplitude > least && apart(line.hz));
     strong.sort_by(|a, b| b.0.total_cmp(&a.0));
     strong.truncate(MARKED_HARMONICS);
     strong.into_iter().map(|(_, line)| line).collect()
@@ -331,4 +337,54 @@ fn two_sided(amplitudes: &[f64], bin_hz: f64, mean_bins: usize) -> Vec<Point> {
     let bin = |i: usize| i as f64 - half as f64;
     let kept = amplitudes.iter().enumerate().filter(|(i, _)| i.abs_diff(half) >= mean_bins);
     kept.map(|(i, amplitude)| (bin(i) * bin_hz, *amplitude)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(label: &str, hz: f64) -> MarkedLine {
+        MarkedLine { label: label.to_owned(), order: hz / 50.0, hz }
+    }
+
+    /// Returns the labels of the harmonics in a residual of noise with these peaks, bin and amplitude.
+    fn labels(peaks: &[(usize, f64)], lines: &[MarkedLine]) -> Vec<String> {
+        let mut residual = vec![0.01; 1024];
+        peaks.iter().for_each(|(bin, amplitude)| residual[*bin] = *amplitude);
+        let spectrum = HalfSpectrum { bin_hz: 1.0, residual, ..HalfSpectrum::default() };
+        harmonics(&spectrum, lines).into_iter().map(|line| line.label).collect()
+    }
+
+    #[test]
+    fn strong_harmonics_of_the_marked_lines_are_marked_strongest_first() {
+        let lines = [line("1X", 50.0), line("DE outer", 180.0)];
+        // 150 Hz is too weak, 700 Hz no harmonic, 361 Hz within the width of a line.
+        let peaks = [(100, 0.5), (150, 0.2), (361, 0.9), (704, 1.0), (720, 0.8)];
+        assert_eq!(labels(&peaks, &lines), ["DE outer x2", "DE outer x4", "2X"]);
+        assert!(labels(&[], &[]).is_empty() && labels(&[(704, 1.0)], &lines).is_empty());
+    }
+
+    #[test]
+    fn a_harmonic_on_another_marked_line_has_its_mark_already() {
+        let lines = [line("DE cage", 20.0), line("DE outer", 180.0)];
+        assert!(labels(&[(180, 1.0)], &lines).is_empty());
+        assert_eq!(labels(&[(180, 1.0), (360, 0.9)], &lines), ["DE outer x2"]);
+    }
+
+    #[test]
+    fn noise_has_no_harmonics() {
+        // Amplitudes with a Rayleigh distribution at quantiles in an order without period.
+        let quantile = |i: usize| (i as f64 * 0.618_034).fract().max(1e-3);
+        let noise: Vec<(usize, f64)> = (3..1024).map(|i| (i, (-2.0 * quantile(i).ln()).sqrt())).collect();
+        assert!(labels(&noise, &[line("1X", 50.0), line("DE cage", 20.0)]).is_empty());
+    }
+
+    #[test]
+    fn the_marks_of_harmonics_are_few() {
+        let peaks: Vec<(usize, f64)> = (2..=10).map(|k| (100 * k, 1.0 + k as f64)).collect();
+        let found = labels(&peaks, &[line("1X", 100.0)]);
+        assert_eq!(found, ["10X", "9X", "8X", "7X", "6X", "5X"]);
+        // Values that are not finite count nowhere.
+        assert!(labels(&[(200, f64::NAN), (300, f64::INFINITY)], &[line("1X", 100.0)]).len() <= MARKED_HARMONICS);
+    }
 }

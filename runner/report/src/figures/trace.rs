@@ -37,7 +37,7 @@ pub(super) fn trace(trace: &Trace, budget: PointBudget) -> Picture {
     let residual: Vec<f64> = trace.measured.iter().zip(&trace.twin).map(|(m, t)| m - t).collect();
     let [measured, twin, residual] = [&trace.measured, &trace.twin, &residual].map(|values| zipped(&time, values));
     let x = Axis::exact(extent(time.iter().copied()), 8, clock.title);
-    let [upper, lower] = two_frames(x, [&[&measured, &twin], &[&residual]]);
+    let [upper, lower] = two_frames(x, [&[&measured, &twin], &[&residual]], "Residual, um");
     let drawing = picture((WIDE, lower.bottom + BELOW), |canvas| {
         canvas.legend(upper.left, 0.0, &legend());
         upper.axes(canvas, false);
@@ -61,10 +61,10 @@ fn legend() -> [(Key, &'static str); 4] {
     ]
 }
 
-/// Returns a frame for positions and, below it, one for residuals.
-pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2]) -> [Frame; 2] {
+/// Returns a frame for positions and, below it, one for differences with this title of their axis.
+pub(super) fn two_frames(x: Axis, curves: [&[&Vec<Point>]; 2], differences: &'static str) -> [Frame; 2] {
     let [above, below] = curves.map(|curves| extent(curves.iter().flat_map(|curve| curve.iter().map(|point| point.1))));
-    let axes = vec![Axis::padded(above, 6, "Position, um"), Axis::padded(below, 4, "Residual, um")];
+    let axes = vec![Axis::padded(above, 6, "Position, um"), Axis::padded(below, 4, differences)];
     let mut frames = stacked(&x, axes, (36.0, 140.0, 12.0)).into_iter();
     let (Some(upper), Some(mut lower)) = (frames.next(), frames.next()) else {
         unreachable!("two axes give two frames")

@@ -31,9 +31,10 @@ function element(name, className, text) {
 function clock(at) {
   const time = new Date(at);
   if (isNaN(time)) return "";
-  const isToday = time.toDateString() === new Date().toDateString();
-  const style = { hourCycle: "h23" };
-  return isToday ? time.toLocaleTimeString([], style) : time.toLocaleString([], style);
+  // UTC, as in the terminal, the event log and the files.
+  const [day, hours] = time.toISOString().split("T");
+  const isToday = day === new Date().toISOString().slice(0, 10);
+  return `${isToday ? "" : `${day} `}${hours.slice(0, 8)} UTC`;
 }
 
 function duration(at) {
@@ -166,7 +167,7 @@ function showEvents() {
   const counts = latest.counts;
   setText(byId("footer"), `ballrace ${latest.version}. ${counts.rows} samples read, ${counts.lost_frames} lost, ` +
     `${counts.repeated_frames} repeated, ${counts.malformed_frames} malformed, ${counts.dropped_rows} dropped; ` +
-    `${latest.deadline_misses} deadlines missed. Times of day are those of this computer's time zone.`);
+    `${latest.deadline_misses} deadlines missed.`);
 }
 
 function figure(data) {

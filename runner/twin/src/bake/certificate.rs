@@ -233,7 +233,7 @@ impl BearingCertificate {
     ) -> Self {
         let as_written = Bearing { model: baked.model, solver_steps: None, ..of.clone() };
         let cost = match options.core {
-            Core::CortexM4f => cortex::force(&as_written, "f32", "exact"),
+            Core::CortexM4f => cortex::force(&as_written, "f32", "exact").ok(),
         };
         // A mirrored model and a call from C have a few more instructions than the counted function.
         let exact_row = of.facing != Facing::MinusZ && options.language == Language::Rust;

@@ -61,6 +61,17 @@ impl Block {
         count >= MAX_SAMPLES || (count >= SAMPLES && self.revolutions() >= REVOLUTIONS - 1.0)
     }
 
+    /// Returns the number of samples in a row.
+    pub(crate) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Returns the number of samples after which a block is full at a shaft speed, revolutions per sample.
+    pub(crate) fn full_length(revolutions_per_sample: f64) -> usize {
+        let by_revolutions = (REVOLUTIONS - 1.0) / revolutions_per_sample.abs();
+        (by_revolutions.min(MAX_SAMPLES as f64).ceil() as usize).clamp(SAMPLES, MAX_SAMPLES)
+    }
+
     /// Returns the samples of the last block, or of the earlier one if that is longer, without the first few that a fast transform
     /// leaves out.
     pub(crate) fn into_samples(self) -> Vec<Sample> {
@@ -106,6 +117,26 @@ mod tests {
         let expected: Vec<Sample> = (count - SAMPLES as u64..count).map(sample).collect();
         assert!(block.is_full());
         assert_eq!(block.samples, expected);
+    }
+
+    #[test]
+    fn full_length_is_that_of_a_block_that_fills() {
+        for revolutions_per_sample in [1.0 / 2000.0, 1.0 / 400.0, -1.0 / 400.0, 0.1, 0.0] {
+            let mut block = Block::default();
+            let sample = |index: u64| {
+                let row = Row { index, probes: vec![0.0], ..Row::default() };
+                let turned = index as f64 * revolutions_per_sample;
+                let angle = ballrace::Phase::from_revolutions(turned);
+                Sample { row, revolution: turned.floor() as i64, angle, ..Sample::default() }
+            };
+            let filled = (0..).find(|index| {
+                block.add(&sample(*index));
+                block.is_full()
+            });
+            let filled = filled.unwrap_or_default() as f64 + 1.0;
+            let expected = Block::full_length(revolutions_per_sample) as f64;
+            assert!((filled / expected - 1.0).abs() < 1e-3, "{revolutions_per_sample}: {filled} instead of {expected}");
+        }
     }
 
     #[test]

@@ -11,9 +11,9 @@ use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use super::surface::Component;
 use super::{DiagnosisInput, Result};
-use crate::outcome::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
+use crate::outcome::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame, UnexplainedMotion};
 use crate::probes;
-use crate::scene::Direction;
+use crate::scene::Probe;
 use ballrace::{BearingKinematicState, Phase};
 use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
@@ -245,36 +245,50 @@ impl Contrast<'_, '_> {
         turns[turns.len() / 2].round()
     }
 
-    /// Motion over two revolutions at the radial probe with the largest response to the fault.
+    /// Motion over two revolutions at the probe whose unexplained motion the fault lowers most, in units of its noise.
     fn motion(&self) -> Option<FaultMotion> {
         let motion = &self.e.motion;
         let middle = self.middle_turn();
+        let displacements = [&self.without, &self.with].map(|force| self.e.displacement_by(force));
+        let fall = |probe: &Probe| {
+            let [without, with, noise] = self.unexplained_rms(&probes::row(probe), &displacements);
+            (without * without - with * with) / (noise * noise)
+        };
+        let all = self.material.probes.iter().enumerate().map(|(i, probe)| (fall(probe), i, probe));
+        let (_, i, probe) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let row = probes::row(probe);
         let within: Vec<usize> = (0..motion.len()).filter(|&t| (motion.turns[t] - middle).abs() <= 1.0).collect();
         let stride = within.len().div_ceil(MOTION_POINTS).max(1);
         let shown: Vec<usize> = within.into_iter().step_by(stride).collect();
-        let displacements = [&self.without, &self.with].map(|force| self.e.displacement_by(force));
-        let radial =
-            self.material.probes.iter().enumerate().filter(|(_, p)| matches!(p.direction, Direction::Radial(_)));
-        let station = self.cause.bearing().map(|b| self.e.plant.bearings[b].station);
-        let distance = |p: &crate::scene::Probe| station.map_or(0.0, |z| (p.station - z).abs());
-        let nearest = radial.clone().map(|(_, p)| distance(p)).fold(f64::INFINITY, f64::min);
-        let candidates = radial.filter(|(_, p)| distance(p) < nearest + 1e-6).map(|(i, probe)| {
-            let row = probes::row(probe);
-            let [without, with] = displacements.each_ref().map(|x| self.grid.reading(&row, x));
-            let at = |series: &[f64], t: usize| interpolated(series, t as f64 / motion.len() as f64);
-            let difference: f64 = shown.iter().map(|&t| (at(&without, t) - at(&with, t)).powi(2)).sum();
-            let measured = |t: usize| self.material.samples[t].row.probes[i];
-            let um = |of: &dyn Fn(usize) -> f64| shown.iter().map(|&t| 1e6 * of(t)).collect::<Vec<f64>>();
-            let motion = FaultMotion {
-                probe: probe.column.clone(),
-                revolutions: shown.iter().map(|&t| 1.0 + self.speed().signum() * (motion.turns[t] - middle)).collect(),
-                measured: um(&measured),
-                without: um(&|t| measured(t) - at(&without, t)),
-                with: um(&|t| measured(t) - at(&with, t)),
-            };
-            (difference, motion)
-        });
-        candidates.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, motion)| motion)
+        let [without, with] = displacements.each_ref().map(|x| self.grid.reading(&row, x));
+        let at = |series: &[f64], t: usize| interpolated(series, t as f64 / motion.len() as f64);
+        let measured = |t: usize| self.material.samples[t].row.probes[i];
+        let um = |of: &dyn Fn(usize) -> f64| shown.iter().map(|&t| 1e6 * of(t)).collect::<Vec<f64>>();
+        let rms = self.unexplained_rms(&row, &displacements).map(|rms| 1e6 * rms);
+        Some(FaultMotion {
+            probe: probe.column.clone(),
+            revolutions: shown.iter().map(|&t| 1.0 + self.speed().signum() * (motion.turns[t] - middle)).collect(),
+            measured: um(&measured),
+            without: um(&|t| measured(t) - at(&without, t)),
+            with: um(&|t| measured(t) - at(&with, t)),
+            unexplained: UnexplainedMotion::new(&probe.column, rms),
+        })
+    }
+
+    /// Returns the rms of the unexplained motion at a probe over the record without the fault, with it, and by the noise of the probes, m.
+    ///
+    /// By Parseval's theorem the sum over the window `w` of `N` samples is `sum |X_k|^2 / N`, over the lines of both signs; noise with
+    /// the standard deviation `s` has `|X_k|^2 = s^2 sum w^2`.
+    fn unexplained_rms(&self, row: &[f64; D], displacements: &[[Vec<C>; D]; 2]) -> [f64; 3] {
+        let (samples, lines) = (self.e.motion.len() as f64, self.e.transform.lines.len());
+        let rms = |x: &[Vec<C>; D]| {
+            let square = |k: usize| row.iter().zip(x).map(|(a, x)| x[k] * *a).sum::<C>().norm_sqr();
+            let both_signs = |k: usize| if k == 0 { 1.0 } else { 2.0 };
+            let sum: f64 = (0..lines).map(|k| both_signs(k) * square(k)).sum();
+            (sum / (samples * self.e.transform.power)).sqrt()
+        };
+        let [without, with] = displacements.each_ref().map(rms);
+        [without, with, self.e.reading_noise(row) * ((2 * lines - 1) as f64 / samples).sqrt()]
     }
 }
 

@@ -51,6 +51,15 @@ impl Weighting {
         }
         square.map(f64::sqrt)
     }
+
+    /// Returns the standard deviation that the noise of the probes causes in the reading of the pose by a probe with this row.
+    fn reading_noise(&self, row: &[f64; D]) -> f64 {
+        let by = |p: usize| {
+            let alone: Vec<f64> = self.noise.iter().enumerate().map(|(i, n)| if i == p { *n } else { 0.0 }).collect();
+            row.iter().zip(self.solver.pose(&alone, 0.0).to_array()).map(|(a, x)| a * x).sum::<f64>().powi(2)
+        };
+        (0..self.noise.len()).map(by).sum::<f64>().sqrt()
+    }
 }
 
 /// Recording to which hypotheses are compared, weighted for one machine.
@@ -238,6 +247,11 @@ impl<'a> Evidence<'a> {
     /// Returns true if the axial motion is computed: no probe measures it, and the rotor is rigid.
     pub fn follows_axially(&self) -> bool {
         !self.weighting.has_axial_probe && !self.is_elastic()
+    }
+
+    /// Returns the standard deviation that the noise of the probes causes in the reading of the pose by a probe with this row.
+    pub fn reading_noise(&self, row: &[f64; D]) -> f64 {
+        self.weighting.reading_noise(row)
     }
 
     /// Applies a changed pose of the motion of a rigid rotor.

@@ -145,7 +145,7 @@ pub(super) fn diagnosis(material: &DiagnosisInput, of: &Prepared, faults: &[Faul
     }
     if after > 1.5 && !faults.is_empty() {
         notes.push(format!(
-            "The residual that the diagnoses leave is {:.1} times its noise: the machine differs from its scene in further points.",
+            "The motion that the diagnoses leave unexplained is {:.1} times its noise: the machine differs from its scene in further points.",
             after.sqrt()
         ));
     }
@@ -177,7 +177,7 @@ fn undecided(first: Diagnosis, cause: Cause, other: Cause, e: &Evidence, healthy
         kind: FaultKind::Other,
         bearing: first.bearing.filter(|_| cause.bearing() == other.bearing()),
         sentence: format!(
-            "Not decided: {} or {}, odds {:.1}. Either explains {:.0} % of the residual; a recording at another speed or load may decide.",
+            "Not decided: {} or {}, odds {:.1}. Either explains {:.0} % of the unexplained motion; a recording at another speed or load may decide.",
             cause.name(&bearings),
             other.name(&bearings),
             odds_to_next.unwrap_or(1.0),
@@ -521,7 +521,7 @@ impl Reported<'_, '_> {
         let sentence = format!(
             "{place}. It explains {:.0} % of {}{next}.",
             100.0 * explained.clamp(0.0, 1.0),
-            if is_first { "the unexplained residual" } else { "what the other diagnoses leave" }
+            if is_first { "the unexplained motion" } else { "what the other diagnoses leave" }
         );
         Diagnosis {
             kind: cause.kind(),

@@ -22,8 +22,8 @@ pub struct Correction {
     pub status: Status,
     /// Result of the consistency test.
     pub verdict: ConsistencyState,
-    /// Mean normalised innovation squared over its expected value, where the observer became inconsistent at this sample.
-    pub lost_trust: Option<f64>,
+    /// Mean normalised innovation squared over its expected value.
+    pub ratio: f64,
 }
 
 impl RunningObserver {
@@ -67,7 +67,6 @@ impl RunningObserver {
         }
         let Some((nis, status)) = last.filter(|_| !readings.iter().any(|y| y.is_nan())) else { return (all, None) };
         let is_possible = !status.contains(Status::INPUT_NOT_FINITE) && is_possible(self.estimator.coordinates());
-        let was_trusted = self.consistency.is_trusted();
         let verdict = self.consistency.test(nis, is_possible);
         if verdict == ConsistencyState::Restart {
             let (position, rate) = restart_state();
@@ -77,8 +76,7 @@ impl RunningObserver {
         if let Some(evidence) = self.estimator.cage_evidence().filter(|_| verdict == ConsistencyState::Trusted) {
             cages.correct(evidence, self.consistency.ratio().max(1.0));
         }
-        let lost_trust = (was_trusted && verdict != ConsistencyState::Trusted).then(|| self.consistency.ratio());
-        (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, lost_trust }))
+        (all, Some(Correction { nis: self.consistency.bounded(nis), status, verdict, ratio: self.consistency.ratio() }))
     }
 
     /// Returns the estimated coordinates; `None` if the observer is not trusted.

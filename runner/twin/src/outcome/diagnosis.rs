@@ -111,9 +111,46 @@ pub struct FaultParameters {
     /// Odds against the next likely cause, at most 1e12.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub odds_to_next: Option<f64>,
-    /// Part of the unexplained residual that this fault explains, 0 to 1.
+    /// Part of the square of the unexplained motion, less its noise, that this fault explains at all probes together, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explained: Option<f64>,
+    /// Unexplained motion at the probe that shows the fault best.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unexplained_motion: Option<UnexplainedMotion>,
+}
+
+/// Unexplained motion at one probe over the samples of a diagnosis: displacement that the unexplained force causes, in the lines that are
+/// diagnosed. It is not the residual of the twin, which is simulated from the scene alone.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnexplainedMotion {
+    /// Column of the probe.
+    pub probe: String,
+    /// Rms without the fault.
+    pub without_um: f64,
+    /// Rms with the fault.
+    pub with_um: f64,
+    /// Rms that the noise of the probes causes.
+    pub noise_um: f64,
+    /// Part of the square of the unexplained motion, less that of its noise, that the fault explains at this probe, 0 to 1.
+    pub explained: f64,
+}
+
+impl UnexplainedMotion {
+    /// Creates the figures of a probe from its rms values without the fault, with it, and of the noise, um; `None` where the fault does not
+    /// lower the motion.
+    #[must_use]
+    pub fn new(probe: &str, [without_um, with_um, noise_um]: [f64; 3]) -> Option<Self> {
+        let fall = without_um.powi(2) - with_um.powi(2);
+        let left = (with_um.powi(2) - noise_um.powi(2)).max(0.0);
+        (fall > 0.0).then(|| Self {
+            probe: probe.to_owned(),
+            without_um,
+            with_um,
+            noise_um,
+            explained: fall / (fall + left),
+        })
+    }
 }
 
 impl FaultParameters {
@@ -255,6 +292,7 @@ impl Diagnosis {
     pub fn with_figures(mut self, figures: FaultFigures) -> Self {
         self.parameters.force_direction_deg = figures.rose.as_ref().map(|rose| rose.direction_deg);
         self.parameters.force_n = figures.rose.as_ref().map(|rose| rose.peak_n);
+        self.parameters.unexplained_motion = figures.motion.as_ref().and_then(|motion| motion.unexplained.clone());
         self.figures = figures;
         self
     }

@@ -1,5 +1,6 @@
 //! Data of the figures of one diagnosis.
 
+use super::UnexplainedMotion;
 use serde::{Deserialize, Serialize};
 
 /// Data of the figures of one diagnosis. A figure without data is not drawn.
@@ -77,4 +78,6 @@ pub struct FaultMotion {
     pub without: Vec<f64>,
     /// Estimate with the fault, um.
     pub with: Vec<f64>,
+    /// Unexplained motion at this probe over all samples of the diagnosis.
+    pub unexplained: Option<UnexplainedMotion>,
 }

@@ -17,7 +17,7 @@ mod timing;
 pub use calibration::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
 pub use diagnosis::{
     Diagnosis, Estimate, EvidenceSource, FaultForm, FaultKind, FaultParameters, Precession, UnexplainedLine,
-    VibrationLine,
+    UnexplainedMotion, VibrationLine,
 };
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use file::RecordingFile;
@@ -177,7 +177,9 @@ pub struct TwinSpread {
 pub struct Record {
     /// Rows delivered by the reader.
     pub samples: u64,
-    /// Samples in which every probe was compared.
+    /// Rows that are averaged into one sample of the probes.
+    pub average: u32,
+    /// Samples, averaged ones counted once, in which every probe was compared.
     pub compared: u64,
     /// Samples per second.
     pub rate_hz: f64,
@@ -203,6 +205,12 @@ pub struct Record {
 }
 
 impl Record {
+    /// Returns the number of samples, averaged ones counted once.
+    #[must_use]
+    pub fn averaged(&self) -> u64 {
+        self.samples.div_ceil(u64::from(self.average.max(1)))
+    }
+
     /// Returns true where the speed changes by more than 5 % of its mean, so that trends are shown over speed instead of time.
     #[must_use]
     pub fn speed_changes(&self) -> bool {

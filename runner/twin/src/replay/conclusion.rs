@@ -203,6 +203,7 @@ impl Pipeline<'_> {
         pictures.deflected_line = deflection.and_then(|mean| mean.line(scene, &self.plant, &self.planes, &probes));
         let record = Record {
             samples: facts.rows,
+            average: scene.recording.as_ref().map_or(1, |recording| recording.average),
             compared: evaluator.comparison.compared,
             rate_hz: self.rate,
             angle_source: facts.angle_source,

@@ -27,6 +27,7 @@ pub(super) struct ObserverStage {
     tuned: Option<TunedObserver>,
     running: Option<RunningObserver>,
     innovations: Innovations,
+    distrust: DistrustedShare,
     /// The unknown load acts on the centre of mass of a rotor; on the coordinates of a given system it has no resultant.
     has_resultant: bool,
 }
@@ -40,7 +41,8 @@ pub(super) struct ObserverSample {
 
 impl ObserverStage {
     pub(super) fn new(rows: Vec<Vec<f64>>, has_resultant: bool) -> Self {
-        Self { rows, tuned: None, running: None, innovations: Innovations::default(), has_resultant }
+        let distrust = DistrustedShare::default();
+        Self { rows, tuned: None, running: None, innovations: Innovations::default(), distrust, has_resultant }
     }
 
     /// Sets the observer that the search found.
@@ -98,8 +100,8 @@ impl ObserverStage {
         if let Some(correction) = correction {
             self.innovations.add(correction.nis, correction.status, correction.verdict);
             status = status.and(SampleStatus::RESTARTED.when(correction.verdict == ConsistencyState::Restart));
-            if let Some(ratio) = correction.lost_trust {
-                let restarts = self.innovations.restarts;
+            if self.distrust.add(correction.verdict != ConsistencyState::Trusted) {
+                let (ratio, restarts) = (correction.ratio, self.innovations.restarts);
                 notices.add("observer-not-consistent", sample.row.time, || {
                     format!("The observer does not describe the motion: normalised innovation squared {ratio:.1} times what is expected, {restarts} restarts so far. Forces come from the displacement.")
                 });
@@ -130,6 +132,32 @@ impl ObserverStage {
     /// Returns the outcome; none without an observer or without a sample in which every probe had a reading.
     pub(super) fn outcome(&self) -> Option<ObserverOutcome> {
         self.tuned.as_ref().and_then(|tuned| self.innovations.outcome(tuned))
+    }
+}
+
+/// Share of the last samples in which the observer was not trusted.
+///
+/// A spall or a jolt that is not in the scene makes the observer restart now and then: it is trusted again within some hundred samples, which
+/// their flags and the counts of the outcome show. An event is due where forces come from the displacement for long, or again and again.
+#[derive(Debug, Default)]
+struct DistrustedShare {
+    /// Exponential mean.
+    share: f64,
+    is_reported: bool,
+}
+
+impl DistrustedShare {
+    /// Time constant of the mean, samples: 16 times the settling time of an observer after a restart.
+    const WINDOW: f64 = 4096.0;
+    /// Share that is reported: two restarts in a row, or 550 samples without trust.
+    const REPORTED: f64 = 0.125;
+
+    /// Adds a sample; returns true where the share becomes so large that it is reported. It is reported again once it has halved.
+    fn add(&mut self, is_distrusted: bool) -> bool {
+        self.share += (f64::from(u8::from(is_distrusted)) - self.share) / Self::WINDOW;
+        let is_new = !self.is_reported && self.share > Self::REPORTED;
+        self.is_reported = is_new || self.is_reported && self.share > 0.5 * Self::REPORTED;
+        is_new
     }
 }
 
@@ -212,4 +240,25 @@ pub(super) fn sentence(observer: &ObserverOutcome) -> String {
         "Observer: {judged} (mean normalised square of the departure {:.2}, expected {:.0}, 99 % range {:.2} to {:.2}){unknown}.{distrusted} --forces writes the estimated forces.",
         observer.nis_mean, observer.nis_expected, observer.nis_bounds[0], observer.nis_bounds[1],
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_restart_is_not_reported_and_lasting_distrust_is() {
+        let reports = |is_distrusted: &dyn Fn(u32) -> bool| {
+            let mut share = DistrustedShare::default();
+            (0..100_000).filter(|i| share.add(is_distrusted(*i))).collect::<Vec<u32>>()
+        };
+        // The settling time after a restart is 256 samples.
+        assert!(reports(&|i| i % 20_000 < 256).is_empty());
+        let lasting = reports(&|i| i >= 10_000);
+        assert!(lasting.len() == 1 && (10_400..10_700).contains(&lasting[0]), "{lasting:?}");
+        let repeated = reports(&|i| i >= 10_000 && i % 1000 < 256);
+        assert!(repeated.len() == 1 && repeated[0] < 14_000, "{repeated:?}");
+        // Each of two long times is reported.
+        assert_eq!(reports(&|i| i % 50_000 < 2000).len(), 2);
+    }
 }

@@ -16,6 +16,7 @@ use crate::recording::Sample;
 use crate::scene::build::BuildError;
 use crate::scene::{Probe, Scene};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Number of consecutive diagnoses without a fault after which it has ended; a single one may miss a fault near its threshold.
@@ -63,9 +64,21 @@ enum Judged {
 /// State of the diagnosis of a running machine.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum DiagnosisState {
-    /// No block of samples was diagnosed yet.
+    /// No sample has arrived, or the samples are not diagnosed.
     #[default]
     NotMade,
+    /// The samples of the first diagnosis are collected.
+    Collecting {
+        /// Length of the samples in a row that it has, s.
+        collected_s: f64,
+        /// Length that it requires at the present speed, s.
+        required_s: f64,
+    },
+    /// The first diagnosis is computed, of samples up to this time of the recording, s.
+    Computing {
+        /// Time of the last sample.
+        time_s: f64,
+    },
     /// The last diagnosis, of samples up to this time of the recording, s.
     Made {
         /// Time of the last sample.
@@ -213,6 +226,9 @@ impl RunningDiagnosis {
     pub(super) fn poll(&mut self, block: &Block, sample: &Sample, cages: &mut CageTracker, notices: &mut Notices) {
         self.at = SamplePosition { index: sample.row.index, time: sample.row.time, turns: sample.total_revolutions() };
         self.advance(block, cages, notices);
+        if self.is_first() {
+            self.state = self.first(block, sample);
+        }
     }
 
     /// The same between the samples: a source that sends no more has its last block diagnosed too. `block` ends with the last sample.
@@ -272,6 +288,22 @@ impl RunningDiagnosis {
             }
             Err(error) => self.end(&error.to_string(), time, notices),
         }
+    }
+
+    /// Returns true before the first result.
+    fn is_first(&self) -> bool {
+        use DiagnosisState::{Collecting, Computing, NotMade};
+        matches!(self.state, NotMade | Collecting { .. } | Computing { .. })
+    }
+
+    /// Returns the state of the first diagnosis.
+    fn first(&self, block: &Block, sample: &Sample) -> DiagnosisState {
+        if let Some(Running { end, .. }) = &self.running {
+            return DiagnosisState::Computing { time_s: end.time };
+        }
+        let period = self.machine.period;
+        let required = Block::full_length(sample.speed * period / TAU).max(block.len());
+        DiagnosisState::Collecting { collected_s: block.len() as f64 * period, required_s: required as f64 * period }
     }
 
     /// Ends the diagnoses; limits stay in force.

@@ -52,6 +52,33 @@ impl Cost {
     }
 }
 
+/// Reason why a force was not counted on the target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotCounted {
+    /// The model is not counted in this precision with these math functions.
+    Arithmetic,
+    /// The surfaces of the bearing deviate: waviness, a defect, a displaced housing.
+    Surface,
+    /// The load law along the axis is not counted with that of the radius.
+    Law,
+    /// The effects are not counted together.
+    Effects,
+}
+
+impl NotCounted {
+    /// Returns the reason as a sentence.
+    #[must_use]
+    pub const fn reason(self) -> &'static str {
+        match self {
+            Self::Arithmetic => "the model is not counted in this arithmetic",
+            Self::Surface => "bearings with waviness, defects or a displaced housing are not counted",
+            Self::Law => "the axial load law is counted together with a radial one of power 3/2 alone",
+            Self::Effects => "these effects are not counted together",
+        }
+    }
+}
+
 struct Row {
     what: &'static str,
     elements: usize,
@@ -74,19 +101,24 @@ fn rows() -> Vec<Row> {
     TABLE.lines().filter_map(row).collect()
 }
 
-/// Returns the cost of one force of the bearing; none where the table has no similar bearing.
-#[must_use]
-pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
+/// Returns the cost of one force of the bearing.
+///
+/// # Errors
+/// Returns the reason where the table has no similar bearing.
+pub fn force(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCounted> {
     let all = rows();
     let what = name(of)?;
     // Only exact single precision is counted for balls in equilibrium.
-    let cold = at(&all, what, of.elements, precision, math)?;
-    let Some(steps) = of.solver_steps.map(f64::from) else { return Some(cold) };
-    let find = |function: &str| all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
+    let cold = at(&all, what, of.elements, precision, math).ok_or(NotCounted::Arithmetic)?;
+    let Some(steps) = of.solver_steps.map(f64::from) else { return Ok(cold) };
+    let find = |function: &str| {
+        let row = all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
+        row.ok_or(NotCounted::Arithmetic)
+    };
     let (full, few) = (find("force")?.cost, find("force, 3 steps from the last")?.cost);
     // Every step costs the same; its share of the cost is that of the counted bearing.
     let share = |cold: f64, few: f64| 1.0 - (COLD_STEPS - steps) / (COLD_STEPS - WARM_STEPS) * (1.0 - few / cold);
-    Some(Cost {
+    Ok(Cost {
         instructions: cold.instructions * share(full.instructions, few.instructions),
         cycles: cold.cycles * share(full.cycles, few.cycles),
         counted: false,
@@ -95,25 +127,25 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Option<Cost> {
 }
 
 /// Returns the name of this bearing in the table.
-fn name(of: &Bearing) -> Option<&'static str> {
+fn name(of: &Bearing) -> Result<&'static str, NotCounted> {
     let smooth = of.waviness.is_empty() && of.defect.is_empty() && of.has_rigid_outer_ring();
     if !smooth {
-        return None;
+        return Err(NotCounted::Surface);
     }
     let exponent = Exponent::of(of.law.map_or(1.5, |law| law.exponent));
     let outer = of.effects.sharing == FrictionSharing::Outer;
-    Some(match of.model {
+    Ok(match of.model {
         Model::Linear => "linear",
         Model::Lumped | Model::Dynamic => match (exponent, of.axial.map(|axial| Exponent::of(axial.exponent))) {
             (Exponent::Point, Some(Exponent::Point)) => "radial and axial 3/2",
-            (_, Some(_)) => return None,
+            (_, Some(_)) => return Err(NotCounted::Law),
             (Exponent::Point, None) => "radial 3/2",
             (Exponent::Line, None) => "radial 10/9",
             (Exponent::Other, None) => "radial, any power",
         },
         Model::Angular => "angular",
         // A table with friction at the inner contact has a third number in each node.
-        Model::Tabulated if of.effects.gyroscopic && !outer => return None,
+        Model::Tabulated if of.effects.gyroscopic && !outer => return Err(NotCounted::Effects),
         Model::Tabulated => "tabulated",
         Model::QuasiStatic => {
             let e = &of.effects;
@@ -124,7 +156,7 @@ fn name(of: &Bearing) -> Option<&'static str> {
                 (_, true, false) if plain => "quasi-static, gyroscopic",
                 (_, true, false) => "quasi-static, gyroscopic, any control",
                 (_, true, true) if plain => "quasi-static, gyroscopic, film",
-                _ => return None,
+                _ => return Err(NotCounted::Effects),
             }
         }
     })

@@ -1,6 +1,7 @@
 //! Forces of a candidate at the poses of the scene's motion: their errors and their computing time.
 
 use super::poses::{Pose, Poses};
+use super::timing::spread;
 use crate::handle::{AnyForceModel, BearingHandle, ForceModel};
 use crate::plant::Plant;
 use crate::scene::build::{self, AnyBearing, BuildError};
@@ -47,8 +48,8 @@ pub trait Forces {
     /// Returns the forces of bearing `i` at each pose, N and N m.
     fn wrenches(&self, i: usize, poses: &[Pose]) -> Vec<Wrench<f64>>;
 
-    /// Returns the time for one force of every bearing, ns.
-    fn time(&self, poses: &Poses) -> f64;
+    /// Returns the time for one force of every bearing, ns, and the spread of its timings.
+    fn time(&self, poses: &Poses) -> (f64, f64);
 }
 
 /// Creates the candidate's bearings as mounted in the plant.
@@ -117,7 +118,7 @@ impl<T: Scalar, H: ForceModel<T>> Forces for CandidateBearings<T, H> {
         poses.iter().map(wrench).collect()
     }
 
-    fn time(&self, poses: &Poses) -> f64 {
+    fn time(&self, poses: &Poses) -> (f64, f64) {
         let ready: Vec<Vec<_>> = poses.iter().map(|poses| poses.iter().map(in_precision::<T>).collect()).collect();
         let of_bearing = |((bearing, offset), ready): (&(H, Displacement<T>), &Vec<_>)| {
             let round = || {
@@ -128,9 +129,11 @@ impl<T: Scalar, H: ForceModel<T>> Forces for CandidateBearings<T, H> {
                 }
                 begun.elapsed().as_secs_f64() * 1e9 / ready.len().max(1) as f64
             };
-            (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
+            let times: Vec<f64> = (0..ROUNDS).map(|_| round()).collect();
+            (times.iter().copied().fold(f64::INFINITY, f64::min), spread(times))
         };
-        self.bearings.iter().zip(&ready).map(of_bearing).sum()
+        let all = self.bearings.iter().zip(&ready).map(of_bearing);
+        all.fold((0.0, 0.0), |(sum, largest), (time, spread)| (sum + time, spread.max(largest)))
     }
 }
 

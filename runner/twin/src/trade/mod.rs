@@ -7,12 +7,14 @@ pub(crate) mod force;
 mod level;
 pub(crate) mod poses;
 mod response;
+mod timing;
 
 pub use choose::{Choice, Goal, Target};
-pub use cortex::Cost;
+pub use cortex::{Cost, NotCounted};
 pub use force::{Arithmetic, Errors};
 pub use level::FidelityLevel;
 pub use response::MotionErrors;
+pub use timing::TimingSpread;
 
 use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{Result, TradeError, with_causes};
@@ -41,6 +43,8 @@ pub struct Trade {
     pub responses: Vec<Response>,
     /// Models that do not apply to the scene, with the reason.
     pub impossible: Vec<Impossible>,
+    /// Spread of the timings on this machine.
+    pub timing_spread: TimingSpread,
     /// Predicted change of force by each effect.
     #[serde(rename = "effect_significance")]
     pub significance: Vec<EffectSignificance>,
@@ -63,8 +67,13 @@ pub struct Candidate {
     pub rounding: Errors,
     /// Time of one force of every bearing on this machine, ns.
     pub desktop_ns: f64,
+    /// Interquartile range of its timings over their median.
+    pub desktop_spread: f64,
     /// Cost of one force of every bearing on a Cortex-M4F; `None` where it was not counted.
     pub cortex: Option<Cost>,
+    /// Reason where it was not counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cortex_not_counted: Option<NotCounted>,
     /// True where no candidate is both cheaper on this machine and more accurate.
     pub front_desktop: bool,
     /// True where no candidate is both cheaper on the target and more accurate.
@@ -88,6 +97,8 @@ pub struct Response {
     pub error: MotionErrors,
     /// Simulated time over computing time.
     pub times_real_time: f64,
+    /// Interquartile range of the computing times of equal parts over their median.
+    pub spread: f64,
     /// Number of steps that overflowed.
     pub held: u64,
     /// True where no response is both faster and more accurate.
@@ -150,6 +161,7 @@ pub fn trade(
     choose::mark(&mut candidates);
     let responses = if motions { responses(&allowed, (&truth_scene, &truth_plant), work, progress)? } else { vec![] };
     let choice = goal.map(|goal| choose::choose(goal, &candidates)).transpose()?;
+    let spreads = candidates.iter().map(|c| c.desktop_spread).chain(responses.iter().map(|r| r.spread)).collect();
     Ok(Trade {
         scene: scene.name.clone(),
         motion: if recording.is_some() { "recording" } else { "simulation" },
@@ -159,6 +171,7 @@ pub fn trade(
         candidates,
         responses,
         impossible,
+        timing_spread: TimingSpread::new(spreads),
         significance: effect_significance::of_scene(scene)?,
         choice,
     })
@@ -200,15 +213,18 @@ fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Resu
     let candidate = |arithmetic: Arithmetic| {
         let forces = forces(&one.scene, &one.plant, arithmetic)?;
         let cost = |of| cortex::force(of, arithmetic.precision, arithmetic.math);
-        let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Some(a?.plus(b?))).flatten();
+        let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Ok(a?.plus(b?))).transpose();
+        let (desktop_ns, desktop_spread) = forces.time(poses);
         Ok(Candidate {
             model: one.level.name.clone(),
             arithmetic,
             error: truth.errors(forces.as_ref(), poses),
             modelling,
             rounding: truth.rounding(forces.as_ref(), exact.as_ref(), poses),
-            desktop_ns: forces.time(poses),
-            cortex,
+            desktop_ns,
+            desktop_spread,
+            cortex: cortex.ok().flatten(),
+            cortex_not_counted: cortex.err(),
             front_desktop: false,
             front_cortex: false,
         })
@@ -270,6 +286,7 @@ fn response_of(
         usual,
         error: found.errors(truth),
         times_real_time: 1.0 / found.seconds_per_second,
+        spread: found.spread,
         held: found.held,
         front: false,
     })

@@ -1,5 +1,6 @@
 //! Simulated motion of a candidate against the reference: levels, integrators and time steps.
 
+use super::timing::spread;
 use crate::error::{Error, Result};
 use crate::motion;
 use crate::plant::Plant;
@@ -15,8 +16,9 @@ use std::time::Instant;
 pub struct MotionErrors {
     /// Error of the 1X vector over that of the reference (at least 1 % of its peak to peak), in the worst direction.
     pub one_per_turn: f64,
-    /// Error of the vector at the outer ball-pass frequency, over the peak to peak of the reference.
-    pub ball_pass: f64,
+    /// Error of the vector at the outer ball-pass frequency, over the peak to peak of the reference; none without a bearing that has
+    /// one.
+    pub ball_pass: Option<f64>,
     /// Relative error of the peak-to-peak value.
     pub peak_to_peak: f64,
     /// Rms of the residual about its mean, over the rms of the reference about its mean.
@@ -24,6 +26,9 @@ pub struct MotionErrors {
     /// Error of the mean position, over the peak to peak of the reference.
     pub mean: f64,
 }
+
+/// Equal parts of a motion that are timed.
+const PARTS: u64 = 32;
 
 /// Integrators with their names in the scene.
 pub const METHODS: [(&str, Method); 3] =
@@ -37,6 +42,8 @@ pub struct Motion {
     orders: Vec<f64>,
     /// Computing time over simulated time.
     pub seconds_per_second: f64,
+    /// Spread of the computing times of equal parts.
+    pub spread: f64,
     /// Number of steps that overflowed.
     pub held: u64,
 }
@@ -48,6 +55,8 @@ pub struct Motion {
 pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
     let mut series = vec![Vec::new(); 2 * plant.bearings.len()];
     let mut turned = Vec::new();
+    let part = (span.samples / PARTS).max(1);
+    let (mut parts, mut last) = (vec![], None::<Instant>);
     let begun = Instant::now();
     let (held, _) = motion::run(
         scene,
@@ -62,12 +71,18 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
                 }
             }
             turned.push(now.turned);
+            if (turned.len() as u64).is_multiple_of(part) {
+                let now = Instant::now();
+                parts.extend(last.map(|last| now.duration_since(last).as_secs_f64()));
+                last = Some(now);
+            }
             Ok::<_, Error>(())
         },
     )?;
     let computed = (span.settle + span.samples) as f64 / span.rate;
     let orders = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race).collect();
-    Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, held })
+    let seconds_per_second = begun.elapsed().as_secs_f64() / computed;
+    Ok(Motion { series, turned, orders, seconds_per_second, spread: spread(parts), held })
 }
 
 impl Motion {
@@ -85,7 +100,8 @@ impl Motion {
         // Without 1X in the reference, the denominator is a share of its peak to peak.
         let once = most(&|x| size(line_at(x, &truth.turned, 1.0))).max(0.01 * moved);
         let mut errors =
-            MotionErrors { one_per_turn: 0.0, ball_pass: 0.0, peak_to_peak: 0.0, residual: 0.0, mean: 0.0 };
+            MotionErrors { one_per_turn: 0.0, ball_pass: None, peak_to_peak: 0.0, residual: 0.0, mean: 0.0 };
+        let mut ball_pass = 0.0;
         for (i, (x, right)) in self.series.iter().zip(&truth.series).enumerate() {
             let order = truth.orders.get(i / 2).copied().unwrap_or(0.0);
             let off = |order: f64| {
@@ -95,7 +111,7 @@ impl Motion {
             let apart: Vec<f64> = x.iter().zip(right).map(|(a, b)| a - b).collect();
             let entries = [
                 (&mut errors.one_per_turn, off(1.0) / once),
-                (&mut errors.ball_pass, if order > 0.0 { off(order) / moved } else { 0.0 }),
+                (&mut ball_pass, if order > 0.0 { off(order) / moved } else { 0.0 }),
                 (&mut errors.peak_to_peak, (spread(x) - spread(right)).abs() / moved),
                 (&mut errors.residual, rms(&apart, sum(&apart)) / swung),
                 (&mut errors.mean, sum(&apart).abs() / moved),
@@ -104,6 +120,7 @@ impl Motion {
                 *worst = if error.is_nan() { f64::INFINITY } else { worst.max(error) };
             }
         }
+        errors.ball_pass = truth.orders.iter().any(|order| *order > 0.0).then_some(ball_pass);
         errors
     }
 }
