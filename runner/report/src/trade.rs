@@ -3,6 +3,7 @@
 use super::figures::{Dot, Shape, front};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use anyhow::Result;
+use ballrace_twin::output::quoted;
 use ballrace_twin::trade::{Candidate, Choice, Response, Trade};
 use std::fmt::Write;
 
@@ -90,10 +91,11 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
             (instructions, format!("{cycles}{}", front(c.front_cortex)))
         });
         let ns = format!("{:.0}{}", c.desktop_ns, front(c.front_desktop));
+        let overflow = if c.overflow.is_some() { "  its motion overflows" } else { "" };
         line(
             out,
             &format!(
-                "  {:<52} {numbers:<9} {:>10} {:>10} {:>10} {:>10} {ns:>9} {instructions:>11} {cycles:>11}",
+                "  {:<52} {numbers:<9} {:>10} {:>10} {:>10} {:>10} {ns:>9} {instructions:>11} {cycles:>11}{overflow}",
                 c.model,
                 percent(c.error.median),
                 percent(c.error.most_99),
@@ -116,14 +118,14 @@ fn motions(out: &mut String, responses: &[Response]) {
             "model", "", "integrator", "step us", "1X", "ball pass", "p-p", "mean", "residual", "x real"
         ),
     );
-    for r in responses.iter().filter(|r| r.usual || r.front) {
+    for r in responses.iter().filter(|r| r.usual || r.front || r.overflow.is_some()) {
         let e = &r.error;
         let front = if r.front { "*" } else { " " };
-        let held = if r.held > 0 { format!("  {} steps overflowed", r.held) } else { String::new() };
+        let overflow = if r.overflow.is_some() { "  the motion overflows" } else { "" };
         line(
             out,
             &format!(
-                "  {:<52} {:<5} {:<12} {:>9.2} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7.1}{front}{held}",
+                "  {:<52} {:<5} {:<12} {:>9.2} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7.1}{front}{overflow}",
                 r.model,
                 r.precision,
                 r.method,
@@ -144,14 +146,15 @@ fn motions(out: &mut String, responses: &[Response]) {
 pub fn csv(trade: &Trade) -> String {
     let mut out = "kind,model,precision,math,integrator,step_s,error_median,error_99,error_largest,modelling_99,rounding_99,\
                    desktop_ns,m4f_instructions,m4f_cycles,m4f_counted,one_per_turn,ball_pass,peak_to_peak,mean,residual,\
-                   times_real_time,front_desktop,front_m4f\n"
+                   times_real_time,front_desktop,front_m4f,overflow\n"
         .to_owned();
+    let overflow = |reason: Option<&str>| reason.map_or_else(String::new, quoted);
     for c in &trade.candidates {
         let cortex = c.cortex.map_or(",,".to_owned(), |m| format!("{},{},{}", m.instructions, m.cycles, m.counted));
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{}",
+            "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{},{}",
             c.model,
             c.arithmetic.precision,
             c.arithmetic.math,
@@ -163,13 +166,14 @@ pub fn csv(trade: &Trade) -> String {
             c.desktop_ns,
             c.front_desktop,
             c.front_cortex,
+            overflow(c.overflow.as_deref()),
         );
     }
     for r in &trade.responses {
         let e = &r.error;
         let _ = writeln!(
             out,
-            "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},",
+            "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},,{}",
             r.model,
             r.precision,
             r.method,
@@ -181,6 +185,7 @@ pub fn csv(trade: &Trade) -> String {
             e.residual,
             r.times_real_time,
             r.front,
+            overflow(r.overflow.as_deref()),
         );
     }
     out
@@ -212,7 +217,7 @@ pub fn html(trade: &Trade) -> Result<String> {
         single: r.precision == "f32",
         name: format!("{}, {}, {:.1} us", r.model, r.method, r.step * 1e6),
     };
-    let motions: Vec<Dot> = trade.responses.iter().map(moved).collect();
+    let motions: Vec<Dot> = trade.responses.iter().filter(|r| r.overflow.is_none()).map(moved).collect();
     let error = "Force error, 99th percentile, over largest load";
     let pictures = [
         front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target),
@@ -315,7 +320,7 @@ fn motion_table(responses: &[Response]) -> Table {
         let e = &r.error;
         let errors = [e.one_per_turn, e.ball_pass, e.peak_to_peak, e.mean, e.residual].map(percent);
         let head = [r.model.clone(), r.precision.to_owned(), r.method.to_owned(), format!("{:.2}", r.step * 1e6)];
-        let remarks = if r.held > 0 { format!("{} steps overflowed", r.held) } else { String::new() };
+        let remarks = r.overflow.clone().unwrap_or_default();
         let tail = [format!("{:.1}", r.times_real_time), if r.front { "yes" } else { "" }.to_owned(), remarks];
         head.into_iter().chain(errors).chain(tail).collect::<Vec<_>>()
     };

@@ -12,6 +12,7 @@ mod written;
 use crate::diagnosis::{self, block::Block};
 use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
+use crate::motion::check_overflow;
 use crate::observer::noise;
 use crate::plant::{Plant, only_observable, only_rotor};
 use crate::probes::reading;
@@ -538,7 +539,9 @@ impl Model<'_> {
             let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
             let drive = sample.shaft_motion();
             for k in 0..steps {
-                twin.step(&drive.after(k as f64 * self.of.period));
+                let is_held = twin.step(&drive.after(k as f64 * self.of.period)).is_held();
+                let time = (sample.row.index + k + 1) as f64 * self.of.period;
+                check_overflow((&plant, self.of.period), (twin.as_ref(), is_held), time)?;
             }
         }
         Ok(left)

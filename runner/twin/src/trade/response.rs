@@ -37,8 +37,8 @@ pub struct Motion {
     orders: Vec<f64>,
     /// Computing time over simulated time.
     pub seconds_per_second: f64,
-    /// Number of steps that overflowed.
-    pub held: u64,
+    /// Error of a motion that overflows, whose series end there.
+    pub overflow: Option<String>,
 }
 
 /// Computes the motion of a candidate over the span of the reference, with the same sampling times.
@@ -49,7 +49,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
     let mut series = vec![Vec::new(); 2 * plant.bearings.len()];
     let mut turned = Vec::new();
     let begun = Instant::now();
-    let (held, _) = motion::run(
+    let run = motion::run(
         scene,
         plant,
         span,
@@ -64,16 +64,31 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
             turned.push(now.turned);
             Ok::<_, Error>(())
         },
-    )?;
+    );
+    let overflow = match run {
+        Ok(_) => None,
+        Err(Error::Motion(overflow)) => Some(overflow.to_string()),
+        Err(error) => return Err(error),
+    };
     let computed = (span.settle + span.samples) as f64 / span.rate;
     let orders = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race).collect();
-    Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, held })
+    Ok(Motion { series, turned, orders, seconds_per_second: begun.elapsed().as_secs_f64() / computed, overflow })
 }
 
 impl Motion {
-    /// Returns the errors of this motion against the reference `truth`.
+    /// Returns the errors of this motion against the reference `truth`; infinite where it overflows.
     #[must_use]
     pub fn errors(&self, truth: &Self) -> MotionErrors {
+        if self.overflow.is_some() {
+            let none = f64::INFINITY;
+            return MotionErrors {
+                one_per_turn: none,
+                ball_pass: none,
+                peak_to_peak: none,
+                residual: none,
+                mean: none,
+            };
+        }
         let sum = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
         let spread = |x: &[f64]| x.iter().fold(f64::MIN, |m, &x| m.max(x)) - x.iter().fold(f64::MAX, |m, &x| m.min(x));
         // Relative to the largest direction: one without motion has no information.
