@@ -123,7 +123,9 @@ pub enum RecordingError {
         file: PathBuf,
     },
     /// The file is not text.
-    #[error("{file}:{line}: not plain text (binary, or UTF-16), expected a line of column names in UTF-8")]
+    #[error(
+        "{file}:{line}: not plain text (binary, or UTF-16 without a byte order mark), expected a line of column names in UTF-8"
+    )]
     NotText {
         /// The recording.
         file: PathBuf,
