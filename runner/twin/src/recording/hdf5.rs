@@ -2,9 +2,10 @@
 //! `/rig/x` and `/rig/m[:,1]`, or `bearing.gs` and `m(:,2)` of MATLAB. Those that the scene names are held in memory.
 //!
 //! Format: The HDF Group, HDF5 File Format Specification, version 3.0. The reader supports superblocks 0 to 3, both forms of
-//! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under a B-tree
-//! of version 1, with the filters deflate, shuffle and Fletcher-32. The fields of a compound type are vectors, such as `/table.x`.
+//! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under any index,
+//! with the filters deflate, shuffle and Fletcher-32. The fields of a compound type are vectors, such as `/table.x`.
 
+mod chunk_index;
 mod data;
 mod group;
 mod object;
@@ -24,8 +25,7 @@ use super::numbers::{LoadedColumns, Number};
 use super::table::{Cells, Table, equal_lengths};
 use crate::printable::name;
 
-const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, compact, contiguous or in chunks under a B-tree of \
-                        version 1, uncompressed or by deflate, as h5py writes it with libver=\"earliest\"";
+const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, uncompressed or by deflate";
 
 /// First bytes of the superblock.
 pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
