@@ -21,7 +21,7 @@ use crate::recording::Sample;
 use crate::recording::clock::check_rate;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
-use crate::scene::{RotationSource, Scene};
+use crate::scene::{KeyphasorSignal, RotationSource, Scene};
 use crate::statistics::{largest_chi_square, quantile};
 use intervals::{covariance, expanded, unbalance};
 use nalgebra::DMatrix;
@@ -638,6 +638,10 @@ impl Model<'_> {
     fn angle_step(&self) -> f64 {
         let keyphasor = self.of.scene.recording.as_ref().map(|r| &r.rotation);
         let speed = self.of.samples.first().map_or(0.0, |s| s.speed.abs());
-        if matches!(keyphasor, Some(RotationSource::Keyphasor { .. })) { 0.5 * speed * self.of.period } else { 0.0 }
+        match keyphasor {
+            Some(RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. }) => 0.0,
+            Some(RotationSource::Keyphasor { .. }) => 0.5 * speed * self.of.period,
+            _ => 0.0,
+        }
     }
 }

@@ -22,7 +22,7 @@ use self::object::Dataset;
 use super::bytes::Bytes;
 use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
-use super::table::{Cells, Table, equal_lengths};
+use super::table::{Cells, LONGEST_VECTOR, Table, equal_lengths};
 use crate::printable::name;
 
 const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, uncompressed or by deflate";
@@ -211,6 +211,19 @@ impl Table for Hdf5 {
         };
         let (path, reason) = self.refused.iter().find(|(own, _)| is_within(own))?;
         Some(wrong(&self.path, &refuse(format!("`{}`: {reason}", name(path)))))
+    }
+
+    fn vector(&mut self, place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        let count = self
+            .vectors
+            .get(place)
+            .and_then(|vector| Some(self.datasets.get(vector.dataset)?.length(vector.along)))
+            .unwrap_or(0);
+        if count > LONGEST_VECTOR {
+            return Err(wrong(&self.path, &refuse(format!("a vector of {count} values, more than {LONGEST_VECTOR}"))));
+        }
+        let loaded = self.load(&[place]).map_err(|cause| wrong(&self.path, &cause))?;
+        Ok(Some(LoadedColumns::new(loaded, count).first()))
     }
 
     fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {
