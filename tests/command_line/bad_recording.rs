@@ -75,7 +75,9 @@ fn no_header() {
 
 #[test]
 fn binary() {
-    let parts = ["healthy.csv:1: not plain text (binary, or UTF-16), expected a line of column names"];
+    let parts = [
+        "healthy.csv:1: not plain text (binary, or UTF-16 without a byte order mark), expected a line of column names",
+    ];
     refused([b'R', b'I', b'F', b'F', 0, 1, 2, 0xff], 1, &parts);
 }
 
@@ -203,8 +205,27 @@ fn more_cells_than_names() {
 fn time_that_does_not_run() {
     let still = edited_recording(|line, row| vec![if line > 1 { with_cell(row, 0, "0.5") } else { row.into() }]);
     let desk = Desk::with(&timed(), &still);
-    let said = "healthy.csv: column time_s: time stamps whose usual step is 0 s, expected time stamps in seconds";
+    let said = "healthy.csv: column time_s: a clock with a resolution coarser than a sample: the first 1000 time stamps are \
+                equal, expected time stamps in seconds";
     desk.refused(&REPLAY, 1, &[said]);
+}
+
+/// Blocks of equal stamps from a clock of 1 ms, as numbers and as times: the error names resolution, rate and key.
+#[test]
+fn time_from_a_clock_coarser_than_a_sample() {
+    let stamps: [&dyn Fn(f64) -> String; 2] = [&|time| format!("{:.3}", (time * 1e3).floor() / 1e3), &|time| {
+        format!("2026-11-22T10:11:12.{:03.0}", (time * 1e3).floor())
+    }];
+    for stamp in stamps {
+        let stamped = |line: usize, row: &str| {
+            vec![if line > 1 { with_cell(row, 0, &stamp((line - 2) as f64 / 12_800.0)) } else { row.into() }]
+        };
+        let desk = Desk::with(&timed(), &edited_recording(stamped));
+        let said = "healthy.csv: column time_s: a clock with a resolution of 0.001 s, coarser than a sample: 921 of the first 1000 \
+                    time stamps repeat the one before (about 12800 rows a second), expected time stamps in seconds that rise from \
+                    row to row, or `rate` instead of `time` in the scene";
+        desk.refused(&REPLAY, 1, &[said]);
+    }
 }
 
 /// The demonstration's scene with its samples placed by their time stamps.

@@ -4,7 +4,7 @@ use ballrace::bearing::Bearing;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use serde_json::Value;
 
-use crate::support::{DEMO_SCENE, Desk, changed, numbers, short_recording};
+use crate::support::{DEMO_SCENE, Desk, changed, numbers, short_recording, swap};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -297,6 +297,11 @@ fn nonsense_is_not_certified() {
     let bake = |scene: &str, parts: &[&str]| desk.refused(&["bake", scene, "-o", "out.rs"], 2, parts);
     bake("unsupported.toml", &["unsupported.toml: no equilibrium: ", "expected at most 1e-6 in bake"]);
     bake("overload.toml", &["overload.toml: bearing ", "on an element", "the static limit of ISO 76"]);
+    // A motion that overflows has no poses, of which the error could be stated.
+    let coarse = swap(bare, "\"3000 rpm\"", "\"200 rpm\"") + "[integration]\nstep = \"1 ms\"\n";
+    desk.put("coarse.toml", coarse);
+    desk.refused(&["bake", "coarse.toml", "-o", "out.rs"], 1, &["the motion overflows: ", "us is beyond "]);
+    assert!(!desk.files().contains(&"out.rs".to_owned()));
     desk.done(&["bake", "sound.toml", "-o", "sound.rs"]);
     let verify = |scene: &str, part: &str| desk.refused(&["verify", "sound.rs", "--scene", scene], 2, &[part]);
     verify("unsupported.toml", "no equilibrium");

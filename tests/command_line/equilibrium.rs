@@ -185,3 +185,44 @@ fn campbell_table_contains_damping() {
     let ratio = found.unwrap()["damping_ratio"].as_f64().unwrap();
     assert!((ratio - expected).abs() < 1e-6, "{ratio} {expected}");
 }
+
+/// Catalogue rollers have the limit of ISO 76 for rollers, 4.0 GPa, in a line contact; a law alone has no limit that could be known.
+#[test]
+fn rollers_beyond_their_static_limit() {
+    let scene = |load: &str, bearing: &str| {
+        let bearing =
+            |name: &str, station: &str| format!("[[bearing]]\nname = \"{name}\"\nstation = \"{station}\"\n{bearing}\n");
+        format!(
+            "[shaft]\nspeed = \"1500 rpm\"\n[rotor]\nmass = \"12 kg\"\ndiametral_inertia = 0.05\npolar_inertia = 0.02\n\
+             damping = [400, 400, 400, 0.4, 0.4]\nstiffness = [0, 0, \"1e6 N/m\", 0, 0]\nload = [\"0 N\", \"-{load}\", \"0 N\", 0, 0]\n{}{}",
+            bearing("A", "-100 mm"),
+            bearing("B", "100 mm")
+        )
+    };
+    let catalogue = "bearing = \"NU206\"";
+    let most = |scene: &str| {
+        let found = settled(scene, &[]);
+        let element =
+            |e: &Value| [number(e, "/inner_load"), number(e, "/inner_pressure"), number(e, "/outer_pressure")];
+        let most = list(&found, "elements").iter().map(element).max_by(|a, b| a[0].total_cmp(&b[0])).unwrap();
+        (number(&found, "/bearings/0/pressure_limit"), most)
+    };
+    let (limit, [small, pressure, outer]) = most(&scene("20 kN", catalogue));
+    let (_, [large, higher, _]) = most(&scene("400 kN", catalogue));
+    assert!(
+        limit == 4e9 && pressure < limit && outer < pressure && higher > limit,
+        "{limit} {pressure} {outer} {higher}"
+    );
+    // A line contact: the pressure grows with the root of the load.
+    assert!((higher / pressure / (large / small).sqrt() - 1.0).abs() < 1e-12);
+    let desk = Desk::empty();
+    desk.put("scene.toml", scene("400 kN", catalogue));
+    let text = desk.done(&["equilibrium", "scene.toml"]).out;
+    assert!(text.contains("GPa of peak pressure, the static limit of ISO 76 is 4.0 GPa."), "{text}");
+    let text = desk.run(&["check", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("the static limit of ISO 76 (4.0 GPa)"), "{text}");
+    desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &["bearing A: load of ", "the static limit of ISO 76"]);
+    let law = "model = \"lumped\"\nelements = 13\nstiffness = 5.4e8\nexponent = 1.1111\nradial_play = \"16 um\"\ncage_ratio = 0.4";
+    let found = settled(&scene("400 kN", law), &[]);
+    assert!(found["bearings"][0]["pressure_limit"].is_null() && found["elements"][0]["inner_pressure"].is_null());
+}

@@ -51,20 +51,27 @@ fn parquet() -> Vec<u8> {
 }
 
 fn mat() -> Vec<u8> {
+    let (names, columns) = table();
+    let columns: Vec<(&str, &[f64])> =
+        names.iter().map(String::as_str).zip(columns.iter().map(Vec::as_slice)).collect();
+    mat_of(&columns)
+}
+
+/// A MATLAB file with a vector of each name.
+fn mat_of(columns: &[(&str, &[f64])]) -> Vec<u8> {
     let element = |kind: u32, bytes: &[u8]| {
         let mut out = [kind.to_le_bytes(), (bytes.len() as u32).to_le_bytes()].concat();
         out.extend(bytes);
         out.resize(out.len().next_multiple_of(8), 0);
         out
     };
-    let (names, columns) = table();
     let mut out = b"MATLAB 5.0 MAT-file, made by a test".to_vec();
     out.resize(124, b' ');
     out.extend([0, 1, b'I', b'M']);
-    for (name, column) in names.iter().zip(&columns) {
-        let size = [SHORT as i32, 1].map(i32::to_le_bytes).concat();
+    for (name, column) in columns {
+        let size = [column.len() as i32, 1].map(i32::to_le_bytes).concat();
         let flags = element(6, &[6, 0, 0, 0, 0, 0, 0, 0]);
-        let parts = [flags, element(5, &size), element(1, name.as_bytes()), element(9, &little_endian(column))];
+        let parts = [flags, element(5, &size), element(1, name.as_bytes()), element(9, &little_endian(*column))];
         out.extend(element(14, &parts.concat()));
     }
     out
@@ -181,4 +188,70 @@ fn files_cut_short() {
     let outcome = desk.replay("scene.toml", &["--recording", "r.tdms"]);
     let flaws = outcome["flaws"].as_array().unwrap();
     assert!(flaws.iter().any(|flaw| flaw["kind"] == "short_row"), "{outcome:#}");
+}
+
+/// Text as spreadsheets write it in UTF-16, of either byte order, packed or not.
+#[test]
+fn the_same_figures_from_utf_16() {
+    let desk = Desk::rig();
+    let text = figures(&desk, "healthy.csv");
+    let table = desk.read("healthy.csv");
+    let of = |text: &str, order: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(order).collect()
+    };
+    let unicode_text = table.replace(',', "\t").replace('\n', "\r\n");
+    desk.put("r.txt", of(&unicode_text, u16::to_le_bytes));
+    assert_eq!(figures(&desk, "r.txt"), text);
+    desk.put("r.csv", of(&table, u16::to_be_bytes));
+    assert_eq!(figures(&desk, "r.csv"), text);
+}
+
+/// A keyphasor as instants of its pulses, a vector shorter than those of the samples, gives the figures of the same instants as pulses.
+#[test]
+fn instants_of_pulses() {
+    let (names, columns) = table();
+    let key = names.iter().position(|name| name == "keyphasor").unwrap();
+    // A pulse recorded as a step is known to half a sample.
+    let rises = columns[key].windows(2).enumerate().filter(|(_, pair)| pair[0] < 0.5 && pair[1] > 0.5);
+    let instants: Vec<f64> = rises.map(|(i, _)| (i as f64 + 0.5) / 12_800.0 * 1e3).collect();
+    assert!(instants.len() >= 6 && instants.len() < SHORT);
+    let keyed = |unit: &str| {
+        swap(
+            DEMO_SCENE,
+            "column = \"keyphasor\"",
+            &format!("column = \"tach\", kind = \"instants\", unit = \"{unit}\""),
+        )
+    };
+    let others: Vec<(&str, &[f64])> = names.iter().map(String::as_str).zip(columns.iter().map(Vec::as_slice)).collect();
+    let with = |tach: &[f64]| mat_of(&[&others[..], &[("tach", tach)]].concat());
+    let desk = Desk::rig();
+    let pulses = desk.replay("scene.toml", &[]);
+    desk.put("keyed.toml", keyed("ms"));
+    desk.put("r.mat", with(&instants));
+    let found = desk.replay("keyed.toml", &["--recording", "r.mat"]);
+    for path in ["/speed/mean_rpm", "/probes/0/one_x/amplitude_um", "/bearings/0/measured/fx/rms"] {
+        let [found, pulses] = [&found, &pulses].map(|outcome| outcome.pointer(path).and_then(Value::as_f64));
+        if let (Some(found), Some(pulses)) = (found, pulses) {
+            assert!((found / pulses - 1.0).abs() < 1e-3, "{path}: {found} {pulses}");
+        }
+    }
+    let speed = |outcome: &Value| outcome.to_string();
+    assert!(speed(&found).contains("; their instants"), "{found}");
+    let refused = |unit: &str, tach: &[f64], part: &str| {
+        desk.put("keyed.toml", keyed(unit));
+        desk.put("r.mat", with(tach));
+        desk.refused(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"], 1, &[part]);
+    };
+    refused("ms", &[2.0, 1.0, 3.0], "r.mat: column tach: 1 after 2, expected instants of pulses that rise");
+    refused("us", &instants, "r.mat: column tach: instants that are ");
+    desk.put("keyed.toml", keyed("h"));
+    desk.put("r.mat", with(&instants));
+    let text = desk.done(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"]).out;
+    assert!(text.contains("No verdict: ") && text.contains("column tach: no instant of a pulse within"), "{text}");
+    // Text has one length for all its columns.
+    desk.put("keyed.toml", swap(&keyed("ms"), "\"tach\"", "\"keyphasor\""));
+    let said = "healthy.csv: column keyphasor: a column of a file whose columns have equal lengths, expected instants of pulses";
+    desk.refused(&["replay", "keyed.toml", "--no-report"], 1, &[said]);
+    let args = ["simulate", "keyed.toml", "--duration", "0.1 s", "--as-recording", "-o", "o.csv"];
+    desk.refused(&args, 2, &["recording.keyphasor.kind: \"instants\", expected \"pulses\" or \"count\""]);
 }

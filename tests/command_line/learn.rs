@@ -138,3 +138,58 @@ fn a_fit_ends_after_its_time() {
         assert!(run.code == Some(2) && run.err.contains("expected a time above 0"), "{limit}: {run:?}");
     }
 }
+
+/// The time of `--learn` is bounded as that of `fit`, and the note states how far it came.
+#[test]
+fn learning_ends_after_its_time() {
+    let desk = desk(DEMO_SCENE, 6400, |_, _| 0.0);
+    let run = learn(&desk, &["--format", "json", "--time-limit", "1 ms"]);
+    assert_eq!(run.code, Some(4), "{run:?}");
+    let outcome: Value = run.json();
+    let learning = &outcome["learning"];
+    assert!(learning["taken"] == false && learning["stored"] == false, "{learning:#}");
+    let reason = learning["not_converged"].as_str().unwrap();
+    assert!(
+        reason.starts_with("the search does not converge because its time has ended: 0.001 s, in round "),
+        "{reason}"
+    );
+    assert!(
+        notes(&outcome).contains("Nothing is learned: the search does not converge because"),
+        "{}",
+        notes(&outcome)
+    );
+    assert!(!desk.files().contains(&"b.json".to_owned()));
+    let whole: Value = learn(&desk, &["--format", "json"]).json();
+    let learning = &whole["learning"];
+    assert!(learning["taken"] == true && learning["not_converged"].is_null(), "{learning:#}");
+    assert!((1.0..=16.0).contains(&number(learning, "/rounds")), "{learning:#}");
+    for limit in ["0 s", "1", "long"] {
+        let run = learn(&desk, &[&format!("--time-limit={limit}")]);
+        assert!(run.code == Some(2) && run.err.contains("expected a time above 0"), "{limit}: {run:?}");
+    }
+    let run = desk.run(&["replay", "scene.toml", "--time-limit", "1 h"]);
+    assert!(run.code == Some(2) && run.err.contains("--learn"), "{run:?}");
+}
+
+/// A motion that overflows is no start of a fit, and gives no verdict of the readings' unit in a replay.
+#[test]
+fn a_motion_that_overflows_is_not_compared() {
+    let every = 13;
+    let rows = DEMO_RECORDING.lines().enumerate().filter(|(i, _)| *i == 0 || (i - 1) % every == 0);
+    let text: String = rows.map(|(_, line)| line.to_owned() + "\n").collect();
+    let keyphasor = DEMO_SCENE.lines().find(|line| line.starts_with("keyphasor")).unwrap();
+    let slow = scene(&[("12.8 kHz", "984.6154 Hz"), (keyphasor, "")]) + "\n[integration]\nstep = \"1 ms\"\n";
+    let desk = Desk::with(&slow, &text);
+    let run = desk.run(&["fit", "scene.toml"]);
+    assert!(run.code == Some(1) && run.err.contains("the motion overflows: "), "{run:?}");
+    assert!(!desk.files().contains(&"scene-fitted.toml".to_owned()));
+    let run = desk.run(&["replay", "scene.toml", "--no-report"]);
+    let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(run.code, Some(4), "{said}");
+    assert!(
+        said.contains("twin: the motion of the twin overflowed and was held in 9") || said.contains("held in 100 %"),
+        "{said}"
+    );
+    assert!(said.contains("a step in [integration] that is too long"), "{said}");
+    assert!(!said.contains("another unit or sensitivity"), "{said}");
+}

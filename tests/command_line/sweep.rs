@@ -1,6 +1,6 @@
 //! `ballrace sweep`: its points are those of `simulate`, and a sweep in parts is the sweep in one.
 
-use crate::support::{Desk, numbers, swap};
+use crate::support::{DEMO_SCENE, Desk, numbers, swap};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
@@ -207,4 +207,53 @@ fn a_slow_transient_is_no_subharmonic() {
     let (periods, exponents) = (column(&desk, "a.csv", "period"), column(&desk, "a.csv", "lyapunov_per_s"));
     assert!(exponents.iter().all(|exponent| exponent.unwrap() < -10.0), "{exponents:?}");
     assert_eq!(periods, [Some(1.0); 4], "{exponents:?}");
+}
+
+/// The demonstration's scene without a recording, whose step of 1 ms is taken whole where the samples are farther apart: below 390 rpm.
+fn coarse() -> Desk {
+    let desk = Desk::empty();
+    let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
+    desk.put("scene.toml", bare.to_owned() + "[integration]\nstep = \"1 ms\"\n");
+    desk
+}
+
+/// A point whose motion overflows has no results, and text, table and JSON name it; a sweep of such points only is an error.
+#[test]
+fn points_that_overflow_are_named() {
+    let desk = coarse();
+    let args = ["sweep", "scene.toml", "--settle", "0.1 s", "--periods", "16", "-o", "a"];
+    let run = |over: &str, more: &[&str]| desk.done(&[&args[..], &["--over", over], more].concat());
+    let mixed = "shaft.speed=200rpm,6000rpm";
+    let text = run(mixed, &[]).out;
+    assert!(text.contains("WARNING: the motion overflows at 1 of 2 points, which have no results:"), "{text}");
+    assert!(
+        text.contains("point 0 (shaft.speed = 200 rpm): the motion overflows: ") && text.contains("beyond"),
+        "{text}"
+    );
+    for name in ["u_peak_to_peak_um", "v_mean_um", "u_one_x_um"] {
+        let found = column(&desk, "a.csv", name);
+        assert!(found[0].is_none() && found[1].is_some(), "{name}: {found:?}");
+    }
+    let table = desk.read("a.csv");
+    assert!(table.lines().next().unwrap().ends_with(",overflow"), "{table}");
+    let [first, second] = [1, 2].map(|line| table.lines().nth(line).unwrap());
+    assert!(first.contains("the motion overflows: ") && !second.contains("overflows"), "{table}");
+    assert!(desk.read("a.html").contains("overflows"));
+    let summary: Value = run(mixed, &["--format", "json"]).json();
+    let point = &summary["overflowed"][0];
+    assert!(point["point"] == 0 && point["values"] == "shaft.speed = 200 rpm", "{summary}");
+    // Both directions: the point after one that overflows starts from equilibrium.
+    let summary: Value = run(mixed, &["--format", "json", "--follow", "both"]).json();
+    assert_eq!(summary["overflowed"].as_array().map(Vec::len), Some(2), "{summary}");
+
+    let all = coarse();
+    let over = ["--over", "shaft.speed=100rpm,200rpm"];
+    let said = "the motion overflows at every point of 2; shaft.speed = 100 rpm: the motion overflows: ";
+    all.refused(&[&args[..], &over].concat(), 1, &[said]);
+    assert_eq!(all.files(), ["scene.toml"]);
+    for shard in ["1/2", "2/2"] {
+        let out = all.done(&[&args[..], &over, &["--shard", shard]].concat()).out;
+        assert!(out.contains("WARNING: the motion overflows at 1 of 1 points"), "{out}");
+    }
+    all.refused(&[&args[..], &over, &["--merge"]].concat(), 1, &[said]);
 }

@@ -1,6 +1,6 @@
 //! `ballrace trade`: its figures are those of `force`, its front is a Pareto front, the chosen model meets the goal.
 
-use crate::support::{Desk, numbers};
+use crate::support::{Desk, numbers, swap};
 use serde_json::Value;
 
 /// Two angular-contact bearings under preload at speed; damped so that its transient is short.
@@ -251,4 +251,35 @@ fn invalid_goals_are_rejected() {
             + LUMPED.split("[[bearing]]").nth(1).unwrap(),
     );
     desk.refused(&["trade", "alone.toml"], 2, &["missing table [rotor]"]);
+}
+
+/// A method whose motion overflows is named and on no front; a model is recommended only where a motion with it does not.
+#[test]
+fn motions_that_overflow_are_named() {
+    // Damping that an explicit method with the default step does not bear, the implicit one does.
+    let damped = swap(LUMPED, "[[bearing]]", "[integration]\nmethod = \"newmark\"\n[[bearing]]");
+    let damping = LUMPED.lines().find(|line| line.starts_with("damping")).unwrap();
+    let damped = swap(&damped, damping, "damping = [5e5, 5e5, 5e5, 0, 0]");
+    let desk = desk(&damped);
+    let json: Value = desk.done(&["trade", "scene.toml", "--error", "10%", "--format", "json"]).json();
+    let responses = json["responses"].as_array().unwrap();
+    let (overflowed, sound): (Vec<&Value>, Vec<&Value>) =
+        responses.iter().partition(|response| response["overflow"].is_string());
+    assert!(!overflowed.is_empty() && !sound.is_empty(), "{responses:?}");
+    for response in &overflowed {
+        assert!(response["front"] == false && response["error"]["residual"].is_null(), "{response}");
+        assert!(response["overflow"].as_str().unwrap().starts_with("the motion overflows: "), "{response}");
+    }
+    assert!(sound.iter().any(|response| response["method"] == "newmark"), "{sound:?}");
+    assert!(json["choice"]["model"].is_string(), "{json}");
+    let text = desk.done(&["trade", "scene.toml"]).out;
+    assert_eq!(text.matches("  the motion overflows").count(), overflowed.len(), "{text}");
+    assert!(desk.read("ballrace-trade.html").contains("the motion overflows: "));
+    let csv = desk.done(&["trade", "scene.toml", "--format", "csv"]).out;
+    assert_eq!(csv.matches("the motion overflows: ").count(), overflowed.len(), "{csv}");
+
+    // The motion with which all others are compared.
+    let coarse = LUMPED.to_owned() + "[integration]\nstep = \"1 s\"\n";
+    desk.put("coarse.toml", swap(&coarse, damping, "damping = [5e5, 5e5, 5e5, 0, 0]"));
+    desk.refused(&["trade", "coarse.toml"], 1, &["the motion overflows: "]);
 }

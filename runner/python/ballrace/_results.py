@@ -294,7 +294,7 @@ class Motion(Table):
     values : numpy.ndarray
         Array of shape (samples, columns).
     held_steps : int
-        Integration steps that overflowed.
+        0: a motion that overflows is an error.
     """
 
     def __init__(self, names: list[str], values: Floats, held_steps: int) -> None:
@@ -349,7 +349,7 @@ class Sweep(Table, Page):
                 for name in ("peak_to_peak", "mean")
                 for i, along in enumerate("xyz")
             }
-            scalars = {name: figures[name] for name in ("speed_rpm", "held", "period", "lyapunov")}
+            scalars = {name: figures[name] for name in ("speed_rpm", "held", "overflow", "period", "lyapunov")}
             rows.append({"direction": row["direction"], **values, **scalars, **vectors})
         return _columns_of(rows)
 

@@ -167,8 +167,8 @@ class Scene:
         >>> motion["v"].shape
         (256,)
         """
-        names, values, held = self._native.simulate(duration, rate, settle)
-        return Motion(names, values, held)
+        names, values = self._native.simulate(duration, rate, settle)
+        return Motion(names, values, 0)
 
     def sweep(
         self,

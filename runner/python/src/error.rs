@@ -114,7 +114,9 @@ fn of_recording(fields: &Fields<'_>, error: &RecordingError) -> PyResult<()> {
             (file, None, None, Some(found.clone()), Some((*expected).to_owned()))
         }
         E::NotSynchronous { file } => (file, None, None, None, Some("samples in step with the shaft".to_owned())),
-        E::Clock { file, column, found } => (file, None, Some(column.clone()), Some(found.clone()), None),
+        E::Clock { file, column, found } | E::Instants { file, column, found } => {
+            (file, None, Some(column.clone()), Some(found.clone()), None)
+        }
     };
     fields.set_item("file", file)?;
     line.map_or(Ok(()), |line| fields.set_item("line", line))?;

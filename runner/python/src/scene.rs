@@ -178,8 +178,7 @@ impl Scene {
         json_of(py, &diagram)
     }
 
-    /// Simulates the motion from equilibrium; returns the names of the columns, their values in an array of shape (samples, columns),
-    /// and the number of integration steps that overflowed.
+    /// Simulates the motion from equilibrium; returns the names of the columns and their values in an array of shape (samples, columns).
     #[pyo3(signature = (duration, rate, settle=None))]
     fn simulate<'py>(
         &self,
@@ -187,7 +186,7 @@ impl Scene {
         duration: Quantity,
         rate: Quantity,
         settle: Option<Quantity>,
-    ) -> PyResult<(Vec<String>, Bound<'py, PyAny>, u64)> {
+    ) -> PyResult<(Vec<String>, Bound<'py, PyAny>)> {
         let duration = duration.si(py, "duration", Dimension::Time)?;
         let rate = rate.si(py, "rate", Dimension::Frequency)?;
         let settle = settle.map_or(Ok(0.0), |settle| settle.si(py, "settle", Dimension::Time))?;
@@ -201,7 +200,7 @@ impl Scene {
             if values.try_reserve_exact(count).is_err() {
                 return Ok(None);
             }
-            let (held, _) = motion::run::<Error>(
+            motion::run::<Error>(
                 &self.content,
                 &plant,
                 span,
@@ -212,14 +211,14 @@ impl Scene {
                     Ok(())
                 },
             )?;
-            Ok::<_, Error>(Some((columns, values, held)))
+            Ok::<_, Error>(Some((columns, values)))
         })?;
-        let Some((columns, values, held)) = computed.map_err(|e| exception(py, e))? else {
+        let Some((columns, values)) = computed.map_err(|e| exception(py, e))? else {
             let message = format!("duration, rate: {} samples, expected a number that fits into memory", span.samples);
             return Err(PyMemoryError::new_err(message));
         };
         let shape = [values.len() / columns.len(), columns.len()];
-        Ok((columns, values.into_pyarray(py).reshape(shape)?.into_any(), held))
+        Ok((columns, values.into_pyarray(py).reshape(shape)?.into_any()))
     }
 
     /// Computes the response over ranges of keys, `KEY=VALUES` as on the command line; returns JSON of the rows and HTML.

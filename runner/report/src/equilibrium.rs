@@ -8,7 +8,6 @@ use super::text::broken;
 use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingEquilibrium, EffectShare, Element, StaticEquilibrium};
-use ballrace_twin::plant::PRESSURE_LIMIT;
 use ballrace_twin::replay::outcome::BearingOrders;
 use std::fmt::Write;
 
@@ -51,9 +50,8 @@ pub fn text(settled: &StaticEquilibrium) -> String {
         kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }
-    let pressed = highest_pressure(settled);
-    if pressed > PRESSURE_LIMIT {
-        let (found, limit) = (pressed / 1e9, PRESSURE_LIMIT / 1e9);
+    if let Some([pressed, limit]) = highest_pressure(settled).filter(|[pressed, limit]| pressed > limit) {
+        let (found, limit) = (pressed / 1e9, limit / 1e9);
         line(
             &mut out,
             &format!("BEYOND YIELD: {found:.2} GPa of peak pressure, the static limit of ISO 76 is {limit:.1} GPa."),
@@ -173,14 +171,21 @@ fn effect_table(out: &mut String, effects: &[EffectShare]) {
     }
 }
 
-/// Returns the highest peak pressure, Pa.
-fn highest_pressure(settled: &StaticEquilibrium) -> f64 {
-    settled.elements.iter().flat_map(|e| [e.inner_pressure, e.outer_pressure]).flatten().fold(0.0, f64::max)
+/// Returns the peak pressure that is highest over the limit of its bearing, and that limit, Pa; none where no contact is known.
+fn highest_pressure(settled: &StaticEquilibrium) -> Option<[f64; 2]> {
+    let of_bearing = |bearing: &BearingEquilibrium| {
+        let limit = bearing.pressure_limit?;
+        let own = settled.elements.iter().filter(|element| element.bearing == bearing.name);
+        let pressures = own.flat_map(|element| [element.inner_pressure, element.outer_pressure]).flatten();
+        Some([pressures.fold(0.0, f64::max), limit])
+    };
+    let all = settled.bearings.iter().filter_map(of_bearing);
+    all.max_by(|[a, of_a], [b, of_b]| (a / of_a).total_cmp(&(b / of_b)))
 }
 
 fn verdict(settled: &StaticEquilibrium) -> Verdict {
-    let pressed = highest_pressure(settled);
-    let [found, limit] = [pressed, PRESSURE_LIMIT].map(|pressure| fixed(pressure / 1e9, 2));
+    let highest = highest_pressure(settled);
+    let [found, limit] = highest.unwrap_or_default().map(|pressure| fixed(pressure / 1e9, 2));
     if !settled.is_in_equilibrium() {
         return Verdict {
             level: Level::Red,
@@ -189,7 +194,7 @@ fn verdict(settled: &StaticEquilibrium) -> Verdict {
             action: "support the rotor in the direction in which it has none, or reduce the load.".to_owned(),
         };
     }
-    if pressed > PRESSURE_LIMIT {
+    if highest.is_some_and(|[pressed, limit]| pressed > limit) {
         return Verdict {
             level: Level::Amber,
             word: "BEYOND YIELD",
@@ -197,7 +202,7 @@ fn verdict(settled: &StaticEquilibrium) -> Verdict {
             action: "reduce the load, or choose a larger bearing.".to_owned(),
         };
     }
-    let pressure = if pressed > 0.0 {
+    let pressure = if highest.is_some_and(|[pressed, _]| pressed > 0.0) {
         format!(" The highest peak pressure is {found} GPa, below the static limit of {limit} GPa (ISO 76).")
     } else {
         String::new()

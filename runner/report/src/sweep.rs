@@ -2,7 +2,7 @@
 
 use super::figures::{Curve, Shape, bifurcation, response, waterfall};
 use super::html::{column, rows as table_rows, typeset};
-use super::number::{count, fixed};
+use super::number::{count, counted, fixed};
 use super::page::{self, Column, Fact, Page, PageSection, Table};
 use anyhow::Result;
 use ballrace_twin::sweep::{Axis, Row};
@@ -21,7 +21,7 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
     let Some(first) = axes.first() else { return page::render(page) };
     let title = format!("{}{}", first.key, with_unit(&first.unit));
     let mut curves: Vec<Curve<'_>> = Vec::new();
-    for row in rows {
+    for row in rows.iter().filter(|row| row.figures.overflow.is_none()) {
         let name = named(axes, row);
         match curves.iter_mut().find(|curve| curve.name == name && curve.direction == row.direction) {
             Some(curve) => curve.rows.push(row),
@@ -37,6 +37,10 @@ pub fn html(scene: &str, axes: &[Axis], rows: &[&Row]) -> Result<String> {
     pictures.extend(curves.first().map(|curve| waterfall(&title, curve)));
     let swept: Vec<String> = axes.iter().map(range).collect();
     let mut facts = vec![Fact::new("Points", count(rows.len() as u64)), Fact::new("Over", swept.join("; "))];
+    let overflowed = rows.iter().filter(|row| row.figures.overflow.is_some()).count();
+    if overflowed > 0 {
+        facts.push(Fact::new("The motion overflows", format!("at {}", counted(overflowed as u64, "point"))));
+    }
     if all > MAX_CURVES {
         let shown = format!("{MAX_CURVES} of {all} curves; the tables contain all");
         facts.push(Fact::new("In the figures", shown));
@@ -89,7 +93,11 @@ fn points(axes: &[Axis], rows: &[&Row]) -> Table {
     let of = |value: &dyn Fn(&Row) -> f64| column(rows.iter().map(|row| value(row)));
     let direction =
         |row: &&&Row| if row.direction == "rest" { "from equilibrium".to_owned() } else { row.direction.clone() };
-    let period = |row: &&&Row| row.figures.period.map_or_else(|| "none".to_owned(), |period| period.to_string());
+    let period = |row: &&&Row| match (&row.figures.overflow, row.figures.period) {
+        (Some(_), _) => "overflows".to_owned(),
+        (None, Some(period)) => period.to_string(),
+        (None, None) => "none".to_owned(),
+    };
     let exponent = |row: &&&Row| typeset(&fixed(row.figures.lyapunov.unwrap_or(f64::NAN), 3));
     let mut cells: Vec<Vec<String>> = (0..axes.len())
         .map(|k| {

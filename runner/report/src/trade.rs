@@ -3,6 +3,7 @@
 use super::figures::{Dot, Shape, front};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use anyhow::Result;
+use ballrace_twin::output::quoted;
 use ballrace_twin::trade::{Candidate, Choice, NotCounted, Response, Trade};
 use std::fmt::Write;
 
@@ -135,7 +136,8 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
         let [median, most, largest, rounding] = errors.each_ref().map(String::as_str);
         let (numbers, ns) = (numbers(c), format!("{:.0}{}", c.desktop_ns, front(c.front_desktop)));
         let row = head([&c.model, &numbers, median, most, largest, rounding, &ns]);
-        line(out, &(row + &cortex(&instructions, &cycles)));
+        let overflow = if c.overflow.is_some() { "  its motion overflows" } else { "" };
+        line(out, &(row + &cortex(&instructions, &cycles) + overflow));
     }
     for sentence in not_counted(shown()) {
         line(out, &format!("  {sentence}"));
@@ -147,7 +149,7 @@ fn motions(out: &mut String, responses: &[Response]) {
         out,
         "\nMotion computed with each model (errors of 1X vector, ball pass, peak to peak, mean and residual, relative to the reference)",
     );
-    let shown = || responses.iter().filter(|r| r.usual || r.front);
+    let shown = || responses.iter().filter(|r| r.usual || r.front || r.overflow.is_some());
     let has_ball_pass = shown().any(|r| r.error.ball_pass.is_some());
     let ball_pass = |cell: &str| if has_ball_pass { format!(" {cell:>9}") } else { String::new() };
     let row = |names: [&str; 5], pass: &str, errors: [&str; 3], pace: &str| {
@@ -161,12 +163,15 @@ fn motions(out: &mut String, responses: &[Response]) {
     for r in shown() {
         let e = &r.error;
         let front = if r.front { "*" } else { " " };
-        let held = if r.held > 0 { format!("  {} steps overflowed", r.held) } else { String::new() };
+        let overflow = if r.overflow.is_some() { "  the motion overflows" } else { "" };
         let errors = [e.one_per_turn, e.peak_to_peak, e.mean, e.residual].map(percent);
         let [one, peak, mean, residual] = errors.each_ref().map(String::as_str);
         let (step, pace) = (format!("{:.2}", r.step * 1e6), format!("{:.1}{front}", r.times_real_time));
         let pass = e.ball_pass.map_or_else(String::new, percent);
-        line(out, &(row([&r.model, r.precision, r.method, &step, one], &pass, [peak, mean, residual], &pace) + &held));
+        line(
+            out,
+            &(row([&r.model, r.precision, r.method, &step, one], &pass, [peak, mean, residual], &pace) + overflow),
+        );
     }
     if !has_ball_pass {
         line(out, &format!("  {NO_BALL_PASS}"));
@@ -181,14 +186,15 @@ fn motions(out: &mut String, responses: &[Response]) {
 pub fn csv(trade: &Trade) -> String {
     let mut out = "kind,model,precision,math,integrator,step_s,error_median,error_99,error_largest,modelling_99,rounding_99,\
                    desktop_ns,m4f_instructions,m4f_cycles,m4f_counted,one_per_turn,ball_pass,peak_to_peak,mean,residual,\
-                   times_real_time,front_desktop,front_m4f\n"
+                   times_real_time,front_desktop,front_m4f,overflow\n"
         .to_owned();
+    let overflow = |reason: Option<&str>| reason.map_or_else(String::new, quoted);
     for c in &trade.candidates {
         let cortex = c.cortex.map_or(",,".to_owned(), |m| format!("{},{},{}", m.instructions, m.cycles, m.counted));
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{}",
+            "force,\"{}\",{},{},,,{},{},{},{},{},{},{cortex},,,,,,,{},{},{}",
             c.model,
             c.arithmetic.precision,
             c.arithmetic.math,
@@ -200,13 +206,14 @@ pub fn csv(trade: &Trade) -> String {
             c.desktop_ns,
             c.front_desktop,
             c.front_cortex,
+            overflow(c.overflow.as_deref()),
         );
     }
     for r in &trade.responses {
         let e = &r.error;
         let _ = writeln!(
             out,
-            "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},",
+            "motion,\"{}\",{},exact,{},{},,,,,,,,,,{},{},{},{},{},{},{},,{}",
             r.model,
             r.precision,
             r.method,
@@ -218,6 +225,7 @@ pub fn csv(trade: &Trade) -> String {
             e.residual,
             r.times_real_time,
             r.front,
+            overflow(r.overflow.as_deref()),
         );
     }
     out
@@ -246,7 +254,7 @@ pub fn html(trade: &Trade) -> Result<String> {
         single: r.precision == "f32",
         name: format!("{}, {}, {:.1} us", r.model, r.method, r.step * 1e6),
     };
-    let motions: Vec<Dot> = trade.responses.iter().map(moved).collect();
+    let motions: Vec<Dot> = trade.responses.iter().filter(|r| r.overflow.is_none()).map(moved).collect();
     let error = "Force error, 99th percentile, over largest load";
     let pictures = [
         front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target),
@@ -357,7 +365,7 @@ fn motion_table(responses: &[Response]) -> Table {
         let [one, others @ ..] = [e.one_per_turn, e.peak_to_peak, e.mean, e.residual].map(percent);
         let errors = [one, ball_pass].into_iter().chain(others);
         let head = [r.model.clone(), r.precision.to_owned(), r.method.to_owned(), format!("{:.2}", r.step * 1e6)];
-        let remarks = if r.held > 0 { format!("{} steps overflowed", r.held) } else { String::new() };
+        let remarks = r.overflow.clone().unwrap_or_default();
         let tail = [format!("{:.1}", r.times_real_time), if r.front { "yes" } else { "" }.to_owned(), remarks];
         head.into_iter().chain(errors).chain(tail).collect::<Vec<_>>()
     };

@@ -344,8 +344,10 @@ fn compared_twin(twin: &ComparedTwin) -> String {
     match &twin.spread {
         None => format!("{twin_is}, as in the baseline"),
         Some(spread) => format!(
-            "{twin_is}: two twins of the scene that started a turn apart still differ by {:.2} um rms at {} after {:.1} s",
-            spread.difference_um, spread.probe, spread.time_s
+            "{twin_is}: two twins of the scene that started a turn apart still differ by {} um rms at {} after {:.1} s",
+            fixed(spread.difference_um, 2),
+            spread.probe,
+            spread.time_s
         ),
     }
 }

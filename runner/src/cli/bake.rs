@@ -5,6 +5,7 @@ use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_twin::bake::{BakeOptions, Baked, BearingCertificate, Core, Language, bake};
 use ballrace_twin::effect_significance;
+use ballrace_twin::error::Error;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::output::quoted;
 use ballrace_twin::scene::read::{load, read_str};
@@ -45,7 +46,10 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     check_distinct_paths(&named, &[&args.scene])?;
     let name = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let options = BakeOptions { bearing: args.bearing.as_deref(), language, core: args.core, poses: None, name: &name };
-    let baked = bake(&scene, &text, &options).map_err(UsageError::with_bearing_option)?;
+    let baked = bake(&scene, &text, &options).map_err(|error| match error {
+        Error::Motion(_) => anyhow::Error::new(error),
+        error => UsageError::with_bearing_option(error).into(),
+    })?;
     for (path, file) in outputs.iter().zip(&baked.files) {
         AtomicFile::write(path, &file.source)?;
     }

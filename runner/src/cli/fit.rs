@@ -1,7 +1,7 @@
 //! `ballrace fit`: estimates parameters of the scene from a recording.
 
 use super::progress::ProgressLines;
-use super::{Format, check_distinct_paths};
+use super::{Format, check_distinct_paths, parse_time_limit};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
 use ballrace_report::fit::{csv, html, text};
@@ -11,7 +11,6 @@ use ballrace_twin::fit::{FitPlan, FitProgress, Fitted, MAX_ITERATIONS, fit_recor
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::scene::read::read_file;
-use ballrace_twin::scene::units::{Dimension, parse};
 use indicatif::ProgressBar;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -88,7 +87,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let fitted = fit_recording(&scene, reader, &name, &plan, &mut progress);
     bar.finish_and_clear();
     let fitted = fitted.map_err(|error| match error {
-        Error::Fit(FitError::NotConverged { .. } | FitError::TooLong { .. }) => anyhow::Error::new(error),
+        Error::Motion(_) | Error::Fit(FitError::NotConverged { .. } | FitError::TooLong { .. }) => {
+            anyhow::Error::new(error)
+        }
         error => anyhow::Error::new(UsageError::new(error)),
     })?;
     let source = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
@@ -97,12 +98,6 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         AtomicFile::write(path, &html(&fitted)?)?;
     }
     print(&fitted, &output, args.report.as_deref(), format)
-}
-
-fn parse_time_limit(text: &str) -> Result<Duration, String> {
-    let seconds = parse(text, Dimension::Time).ok().filter(|seconds| *seconds > 0.0);
-    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    time.ok_or_else(|| format!("expected {}", Dimension::Time.expected("above 0")))
 }
 
 /// Returns the path of the fitted scene: the name of `scene` with the ending -fitted.toml.

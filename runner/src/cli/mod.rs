@@ -30,10 +30,12 @@ use ballrace_twin::printable::{self, Printable};
 use ballrace_twin::recording::error::RecordingError;
 use ballrace_twin::replay::outcome::Outcome;
 use ballrace_twin::scene::read::SceneError;
+use ballrace_twin::scene::units::{Dimension, parse};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Rolling-bearing forces in fixed time, and a digital twin that replays measured shaft motion.
 #[derive(Debug, Parser)]
@@ -63,6 +65,13 @@ fn parse_fraction(text: &str) -> Result<f64, String> {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number * scale),
         _ => Err("expected a fraction above 0, such as 1% or 0.01".to_owned()),
     }
+}
+
+/// Parses a time above 0 such as `30 min`.
+fn parse_time_limit(text: &str) -> Result<Duration, String> {
+    let seconds = parse(text, Dimension::Time).ok().filter(|seconds| *seconds > 0.0);
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| format!("expected {}", Dimension::Time.expected("above 0")))
 }
 
 /// Prints the significant and the neglected effects of a scene, with a warning for each neglected effect whose predicted

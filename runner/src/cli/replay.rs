@@ -2,12 +2,13 @@
 
 use super::live::{self, DEMO_NAME, DEMO_RECORDING, LiveArgs};
 use super::progress::ProgressLines;
-use super::{Format, ReplayStatus, check_distinct_paths};
+use super::{Format, ReplayStatus, check_distinct_paths, parse_time_limit};
 use crate::error::UsageError;
 use crate::live as monitor;
 use crate::live::address::Address;
 use anyhow::{Context, Result, bail};
 use ballrace_report as report;
+use ballrace_twin::diagnosis::MAX_ROUNDS;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::replay::outcome::{Outcome, RecordingFile};
@@ -16,6 +17,7 @@ use ballrace_twin::scene::Scene;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{Cursor, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
@@ -41,6 +43,9 @@ pub struct Args {
     /// Store this recording's levels as the baseline of the healthy machine.
     #[arg(long, value_name = "BASELINE.json")]
     learn: Option<PathBuf>,
+    /// Time after which --learn is given up, e.g. "1 h" [default: 30 min].
+    #[arg(long, value_name = "T", requires = "learn", value_parser = parse_time_limit)]
+    time_limit: Option<Duration>,
     /// Compare with a baseline stored by --learn.
     #[arg(long, value_name = "BASELINE.json")]
     baseline: Option<PathBuf>,
@@ -55,6 +60,9 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Live operation, only with --paced")]
     live: LiveArgs,
 }
+
+/// Time limit of `--learn` without `--time-limit`.
+const LEARNING_TIME: Duration = Duration::from_secs(1800);
 
 /// Runs the command and returns the status for the exit code.
 ///
@@ -93,7 +101,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
             bar.set_position(read);
         }
         Progress::Learning(round) => {
-            let message = || format!("Learning from {name}: round {round}");
+            let message = || format!("Learning from {name}: round {round} of at most {MAX_ROUNDS}");
             bar.set_message(message());
             now_and_then(&message);
         }
@@ -109,6 +117,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<ReplayStat
         source: args.force_source,
         baseline: args.baseline.as_deref(),
         learn: args.learn.is_some(),
+        learning_time: Some(args.time_limit.unwrap_or(LEARNING_TIME)),
         force_diagnosis: args.force,
         progress: Some(&progress),
         ..Options::default()

@@ -8,7 +8,7 @@ use ballrace_twin::effect_significance::EffectSignificance;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
-use ballrace_twin::sweep::{self, Axis, Chain, Follow, Journal, Measure, Plan, Row};
+use ballrace_twin::sweep::{self, Axis, Chain, Follow, Journal, Measure, OverflowedPoint, Plan, Row};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -55,6 +55,9 @@ pub struct Args {
     pub(super) limit: super::ErrorLimit,
 }
 
+/// Largest number of points that overflow in the text.
+const MAX_PRINTED: usize = 8;
+
 /// Values of `--section`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Section {
@@ -72,6 +75,8 @@ struct Summary {
     /// Points read from journals of earlier runs.
     taken_over: usize,
     written: Vec<String>,
+    /// Points at which the motion overflows.
+    overflowed: Vec<OverflowedPoint>,
     /// Significance of each effect at the point where its removal changes the result most.
     #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
@@ -113,6 +118,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         (journal.done, computed, Some(path))
     };
     let rows: Vec<&Row> = chains.values().flat_map(|chain: &Chain| &chain.rows).collect();
+    let overflowed = plan.overflowed(&rows);
+    if let Some(first) = overflowed.first().filter(|_| overflowed.len() == rows.len()) {
+        remove_journal(journal.as_deref())?;
+        bail!("no result: the motion overflows at every point of {}; {}: {}", rows.len(), first.values, first.reason);
+    }
     write_file(&table, |out| sweep::csv(out, &plan.axes, &rows))?;
     write_file(&section, |out| sweep::sections(out, &rows))?;
     let mut bytes = Vec::new();
@@ -120,9 +130,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     write_file(&columns, |out| out.write_all(&bytes))?;
     let html = report::sweep::html(&scene.name, &plan.axes, &rows)?;
     write_file(&page, |out| out.write_all(html.as_bytes()))?;
-    if let Some(journal) = journal {
-        std::fs::remove_file(&journal).with_context(|| journal.display().to_string())?;
-    }
+    remove_journal(journal.as_deref())?;
     let written = [&table, &columns, &section, &page].map(|path| path.display().to_string()).to_vec();
     let summary = Summary {
         scene: scene.name,
@@ -130,6 +138,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         computed,
         taken_over: rows.len() - computed,
         written,
+        overflowed,
         significance: plan.significance(&rows)?,
     };
     print(&summary, &plan.axes, &rows, format)?;
@@ -186,6 +195,13 @@ fn run_chains(args: &Args, plan: &Plan, chains: &[usize], path: &Path) -> Result
     Ok((journal, after - before))
 }
 
+fn remove_journal(journal: Option<&Path>) -> Result<()> {
+    match journal {
+        Some(journal) => std::fs::remove_file(journal).with_context(|| journal.display().to_string()),
+        None => Ok(()),
+    }
+}
+
 fn shard_path(output: &Path, k: usize, n: usize) -> PathBuf {
     output_path(output, &format!("shard-{k}-of-{n}"))
 }
@@ -206,6 +222,7 @@ fn run_shard(args: &Args, plan: &Plan, shard: &str, format: Format) -> Result<()
         computed,
         taken_over: points - computed,
         written: vec![path.display().to_string()],
+        overflowed: plan.overflowed(&journal.done.values().flat_map(|chain| &chain.rows).collect::<Vec<_>>()),
         significance: vec![],
     };
     print(&summary, &plan.axes, &[], format)
@@ -246,7 +263,24 @@ fn print(summary: &Summary, axes: &[Axis], rows: &[&Row], format: Format) -> Res
             for path in &summary.written {
                 writeln!(out, "Written: {path}")?;
             }
+            print_overflowed(&mut out, &summary.overflowed, *points)?;
         }
     }
     Ok(out.flush()?)
+}
+
+/// Prints the points at which the motion overflows, at most [`MAX_PRINTED`].
+fn print_overflowed(out: &mut impl Write, overflowed: &[OverflowedPoint], points: usize) -> Result<()> {
+    if overflowed.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "WARNING: the motion overflows at {} of {points} points, which have no results:", overflowed.len())?;
+    for OverflowedPoint { point, direction, values, reason } in overflowed.iter().take(MAX_PRINTED) {
+        let direction = if direction == "rest" { String::new() } else { format!(", {direction}") };
+        writeln!(out, "  point {point} ({values}{direction}): {reason}")?;
+    }
+    if overflowed.len() > MAX_PRINTED {
+        writeln!(out, "  and {} more; the column overflow of the table has them", overflowed.len() - MAX_PRINTED)?;
+    }
+    Ok(())
 }

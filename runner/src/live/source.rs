@@ -17,7 +17,7 @@ use ballrace_twin::error::Error;
 use ballrace_twin::recording::clock::check_rate;
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
-use ballrace_twin::scene::{Clock, Recording, RotationSource, Scene, Sequence};
+use ballrace_twin::scene::{Clock, KeyphasorSignal, Recording, RotationSource, Scene, Sequence};
 use socket2::SockRef;
 use std::io::{BufReader, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -195,6 +195,13 @@ impl SourceReader {
 
     /// Returns the sampling rate of frames, which have no time column.
     fn frame_rate(&self) -> Result<f64> {
+        let rotation = &self.recording.rotation;
+        if matches!(rotation, RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. }) {
+            bail!(UsageError(
+                "[recording] keyphasor.kind: \"instants\": frames have no instants, expected \"pulses\" or \"count\""
+                    .to_owned()
+            ));
+        }
         match self.recording.clock {
             Clock::Rate(rate) => Ok(rate),
             Clock::Column { .. } => bail!(UsageError(

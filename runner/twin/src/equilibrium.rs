@@ -5,7 +5,7 @@ use crate::effect_significance::{self, EffectSignificance};
 use crate::error::{NoLoad, Result};
 use crate::outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use crate::plant::{LARGEST_RESIDUAL, Plant};
-use crate::scene::build::{self, AnyBearing, Kinematics, rolling_speed};
+use crate::scene::build::{self, AnyBearing, ElementContact, Kinematics, rolling_speed};
 use crate::scene::{Bearing as BearingScene, Effects, Lubricant, Model, PreloadAmount, Scene};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -83,6 +83,8 @@ pub struct BearingEquilibrium {
     pub orders: Option<BearingOrders>,
     /// Orders by rolling at the mean contact angle under this load; `None` if no contact angle is known.
     pub orders_under_load: Option<BearingOrders>,
+    /// Permissible static contact pressure of ISO 76, Pa; `None` where the contact is not known.
+    pub pressure_limit: Option<f64>,
     /// Operating clearance; `None` without `fit` and `temperatures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub operating_clearance: Option<ClearanceOutcome>,
@@ -115,9 +117,9 @@ pub struct Element {
     pub inner_angle: Option<f64>,
     /// Contact angle at the outer race, rad; `None` without load or contact angle.
     pub outer_angle: Option<f64>,
-    /// Maximum Hertzian pressure at the inner race, Pa; `None` without a geometry.
+    /// Maximum Hertzian pressure at the inner race, Pa; `None` where the contact is not known.
     pub inner_pressure: Option<f64>,
-    /// Maximum Hertzian pressure at the outer race, Pa; `None` without a geometry.
+    /// Maximum Hertzian pressure at the outer race, Pa; `None` where the contact is not known.
     pub outer_pressure: Option<f64>,
     /// Central film thickness at the inner race, m.
     pub inner_film: f64,
@@ -269,12 +271,13 @@ fn equilibrium_of_bearing(
         contact_angle: None,
         orders: None,
         orders_under_load: None,
+        pressure_limit: None,
         operating_clearance: None,
     }
 }
 
 impl BearingEquilibrium {
-    /// Adds contact angles and orders; `elements` are those of this bearing.
+    /// Adds contact angles, orders and the limit of pressure; `elements` are those of this bearing.
     fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
         let orders = |kinematics: &Kinematics| {
             let Kinematics { orders: o, spin_known, .. } = kinematics;
@@ -294,6 +297,7 @@ impl BearingEquilibrium {
             operating_clearance: of.mounting.map(|mounting| mounting.operating().into()),
             cage_ratio: of.cage_ratio,
             contact_angle,
+            pressure_limit: ElementContact::of(of)?.map(|contact| contact.limit()),
             orders: orders(&build::kinematics(scene, of)?),
             orders_under_load: loaded.map(under_load).transpose()?.as_ref().and_then(orders),
             ..self
@@ -371,7 +375,7 @@ fn elements(
     u: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
 ) -> Result<Vec<Element>> {
-    let geometry = build::geometry(of)?;
+    let (geometry, contact) = (build::geometry(of)?, ElementContact::of(of)?);
     let states = match of.model {
         Model::QuasiStatic | Model::Tabulated | Model::Angular => {
             let mut states = vec![BallState::default(); of.elements];
@@ -385,7 +389,7 @@ fn elements(
     let element = |(j, &load): (usize, &f64)| {
         let state = states.as_ref().and_then(|states| states.get(j));
         let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
-        element(of, (j + 1, azimuth), load, state, geometry.as_ref(), at)
+        element(of, (j + 1, azimuth), load, state, (geometry.as_ref(), contact.as_ref()), at)
     };
     Ok(loads.iter().enumerate().map(element).collect())
 }
@@ -395,11 +399,11 @@ fn element(
     (number, azimuth): (usize, f64),
     load: f64,
     state: Option<&BallState<f64>>,
-    geometry: Option<&BallBearingGeometry>,
+    (geometry, contact): (Option<&BallBearingGeometry>, Option<&ElementContact>),
     at: &BearingKinematicState<f64>,
 ) -> Element {
     let (inner_load, outer_load) = state.map_or((load, load), |s| (s.inner_load, s.outer_load));
-    let pressure = |race, load: f64| geometry.map(|g| if load > 0.0 { g.contact(race).ellipse(load).2 } else { 0.0 });
+    let pressure = |race, load: f64| contact.map(|contact| contact.pressure(race, load));
     let angle = |load: f64, [cos, sin]: [f64; 2]| (load > 0.0).then(|| sin.atan2(cos));
     Element {
         bearing: of.name.clone(),

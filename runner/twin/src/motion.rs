@@ -2,7 +2,7 @@
 
 pub mod instruments;
 
-use crate::error::Error;
+use crate::error::{Error, LARGEST_SPEED, MotionOverflow};
 use crate::plant::{Plant, Twin};
 use crate::recording::Row;
 use crate::recording::rotation::Tracker;
@@ -56,8 +56,6 @@ pub struct ResponseSample<'a> {
     pub turned: f64,
     /// Motion of the shaft.
     pub drive: ShaftMotion<f64>,
-    /// Number of steps so far that overflowed and were held.
-    pub held: u64,
     /// The twin at this time.
     pub twin: &'a dyn Twin,
     /// The plant with its bearings.
@@ -94,23 +92,44 @@ pub fn columns(plant: &Plant) -> Vec<String> {
     std::iter::once("t".to_owned()).chain(motion).chain(forces).collect()
 }
 
-/// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.
-/// Returns the number of steps that overflowed and were held, and the twin at the end.
+/// Rejects a motion that overflows: a step without a result, or a speed beyond [`LARGEST_SPEED`] after it at `time` (s).
 ///
 /// # Errors
-/// Returns an error if the kernel rejects a parameter, or the first error of `visit`.
+/// Returns [`MotionOverflow`] with its probable cause.
+pub fn check_overflow(
+    (plant, sample_period): (&Plant, f64),
+    (twin, is_held): (&dyn Twin, bool),
+    time: f64,
+) -> Result<(), Error> {
+    let fastest = twin.rates().iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    if !is_held && fastest <= LARGEST_SPEED {
+        return Ok(());
+    }
+    let speed = if is_held { "a step without a result".to_owned() } else { format!("{fastest:.1e} m/s") };
+    let advice = plant.unstable_step(sample_period)?;
+    Err(Error::Motion(MotionOverflow {
+        found: format!("{speed} at {time:.6} s"),
+        advice: advice
+            .unwrap_or_else(|| "A system without damping, or a step that is too long, is a usual cause.".to_owned()),
+    }))
+}
+
+/// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.
+/// Returns the twin at the end.
+///
+/// # Errors
+/// Returns an error if the kernel rejects a parameter, [`MotionOverflow`], or the first error of `visit`.
 pub fn run<E: From<Error>>(
     scene: &Scene,
     plant: &Plant,
     span: Span,
     start: impl FnOnce(&mut dyn Twin),
     mut visit: impl FnMut(&ResponseSample<'_>) -> Result<(), E>,
-) -> Result<(u64, Box<dyn Twin>), E> {
+) -> Result<Box<dyn Twin>, E> {
     let period = 1.0 / span.rate;
     let plant = &plant.for_simulation();
     let mut twin = plant.start(period, 0.0).map_err(Error::setup)?;
     start(twin.as_mut());
-    let mut held = 0;
     // The tracker follows the scene's speed profile as for a recording without a speed column.
     let mut shaft = Tracker::new(&RotationSource::Scene, span.rate, scene.shaft.speed);
     for i in 0..span.settle + span.samples {
@@ -120,11 +139,12 @@ pub fn run<E: From<Error>>(
         let drive = sample.shaft_motion();
         if i >= span.settle {
             let turned = sample.total_revolutions();
-            visit(&ResponseSample { time, turned, drive, held, twin: twin.as_ref(), plant })?;
+            visit(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
         }
-        held += u64::from(twin.step(&drive).is_held());
+        let is_held = twin.step(&drive).is_held();
+        check_overflow((plant, period), (twin.as_ref(), is_held), (i + 1) as f64 * period)?;
     }
-    Ok((held, twin))
+    Ok(twin)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Options of a replay.
 
 use std::path::Path;
+use std::time::Duration;
 
 /// Options of a replay.
 #[derive(Default)]
@@ -22,6 +23,8 @@ pub struct Options<'a> {
     pub viewed: bool,
     /// The machine is healthy: its parameters are calibrated for the baseline of the outcome.
     pub learn: bool,
+    /// Time after which the calibration is given up; none without a limit.
+    pub learning_time: Option<Duration>,
     /// A recording that is not plausible for the scene is diagnosed nevertheless; the implausibilities are notes of the outcome.
     pub force_diagnosis: bool,
     /// Function that is called with the progress at intervals.

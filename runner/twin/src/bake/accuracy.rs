@@ -70,7 +70,7 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
     for source in [PoseSource::Recording, PoseSource::Simulation] {
         match computed(source) {
             Ok(Some(poses)) => return Ok((source, Some(poses))),
-            Err(refused @ Error::Bake(_)) => return Err(refused),
+            Err(refused @ (Error::Bake(_) | Error::Motion(_))) => return Err(refused),
             // A source without displacements is not an error here: the next source replaces it.
             Ok(None) | Err(_) => {}
         }

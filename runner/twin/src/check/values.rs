@@ -1,9 +1,9 @@
 //! Checks of single values of a scene against each other and against the readings: mass, load, stations, noise, zero of the probes.
 
 use super::{Implausibility, ReadingSummary};
-use crate::plant::{PRESSURE_LIMIT, Plant};
+use crate::plant::Plant;
 use crate::replay::range::{self, LARGEST_UNSEEN_FORCE, STANDARD_GRAVITY};
-use crate::scene::build::{self, BuildError};
+use crate::scene::build::{BuildError, ElementContact};
 use crate::scene::{Bearing, Direction, Probe, Recording, Scene};
 use ballrace::Phase;
 use ballrace::bearing::Bearing as _;
@@ -151,7 +151,8 @@ fn load(scene: &Scene) -> Option<Implausibility> {
 fn pressures(scene: &Scene, plant: &Plant) -> Result<Vec<Implausibility>, BuildError> {
     let mut all = Vec::new();
     for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
-        let Some(most) = build::static_limit(of)? else { continue };
+        let Some(contact) = ElementContact::of(of)? else { continue };
+        let most = contact.load_limit();
         let mut loads = vec![0.0; mounted.elements];
         let (u, at) = (plant.displacement(i, &plant.rest), plant.resting(mounted, Phase::ZERO));
         mounted.bearing.element_loads(&u, &at, &mut loads);
@@ -160,12 +161,13 @@ fn pressures(scene: &Scene, plant: &Plant) -> Result<Vec<Implausibility>, BuildE
             all.push(Implausibility {
                 subject: format!("bearing {}", of.name),
                 found: format!(
-                    "{} N on an element in static equilibrium, beyond {} N, the static limit of ISO 76 ({:.1} GPa for balls)",
+                    "{} N on an element in static equilibrium, beyond {} N, the static limit of ISO 76 ({:.1} GPa)",
                     short(found),
                     short(most),
-                    PRESSURE_LIMIT * 1e-9
+                    contact.limit() * 1e-9
                 ),
-                cause: "a load in another unit, a smaller bearing than that of the machine, or too large a preload".to_owned(),
+                cause: "a load in another unit, a smaller bearing than that of the machine, or too large a preload"
+                    .to_owned(),
                 remedy: "check load, preload, clearance and size of the bearing".to_owned(),
             });
         }

@@ -9,11 +9,12 @@ use crate::outcome::{CalibratedParameter, Calibration, LearnedParameter, Learnin
 use crate::scene::Scene;
 use crate::statistics::{largest_chi_square, quantile};
 use nalgebra::{DMatrix, DVector};
+use std::time::{Duration, Instant};
 
 /// Clearances that are tried where a bearing carries no load, over that of the scene.
 const SMALLER_CLEARANCES: [f64; 12] = [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4];
 /// Largest number of rounds of fit, weighting and search of the cages.
-const MAX_ROUNDS: usize = 16;
+pub const MAX_ROUNDS: usize = 16;
 /// Precision of the prior until the last fit, over that of the scene: on the way to the minimum the damping may be far from both.
 const LOOSE: f64 = 0.25;
 /// Relative standard deviation of a damping from which it keeps its earlier value.
@@ -39,6 +40,18 @@ pub struct Calibrated {
     pub calibration: Calibration,
     /// Number of values of the residual.
     pub values: usize,
+    /// Number of rounds.
+    pub rounds: usize,
+    /// Reason why the search does not converge; none where it does.
+    pub not_converged: Option<String>,
+}
+
+/// Bounds and progress of a calibration.
+pub struct CalibrationPlan<'a> {
+    /// Receives the number of each round before it, from 1; at most [`MAX_ROUNDS`].
+    pub begin: &'a dyn Fn(usize),
+    /// Time after which the calibration is given up; none without a limit.
+    pub time_limit: Option<Duration>,
 }
 
 impl ParameterName {
@@ -95,6 +108,17 @@ fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)>
     of_bearings.chain(of_rotor).filter(|(.., unknown)| exists(unknown)).collect()
 }
 
+impl Calibrated {
+    /// Returns the calibration compared with its scene, and with the noise of the probes by its residual.
+    #[must_use]
+    pub fn learning(&self, scene: &Scene) -> Learning {
+        let learning = self.calibration.learning(scene, self.values);
+        let (taken, stored) =
+            (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
+        Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
+    }
+}
+
 impl Calibration {
     /// Returns the scene with these parameters.
     #[must_use]
@@ -105,12 +129,13 @@ impl Calibration {
     }
 
     /// Returns the calibration compared with its scene, and with the noise of the probes by its residual of `values` values.
-    #[must_use]
-    pub fn learning(&self, scene: &Scene, values: usize) -> Learning {
+    fn learning(&self, scene: &Scene, values: usize) -> Learning {
         let largest = largest_chi_square(values.max(1) as f64) + MODEL_ERROR;
         let found = self.chi_square_per_value;
         let mut learning = Learning {
             parameters: vec![],
+            rounds: 0,
+            not_converged: None,
             chi_square_per_value: found,
             largest_chi_square_per_value: largest,
             // NaN is no chi-squared of a machine.
@@ -232,7 +257,7 @@ fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
 
 /// Returns the fit with a damping that the recording hardly determines as it was known before: where the motion is not far above the noise,
 /// damping is estimated too high.
-fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior) -> Result<Fitted> {
+fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<Instant>) -> Result<Fitted> {
     let is_vague = |(i, unknown): (usize, &Unknown)| {
         let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
         matches!(unknown, Unknown::Damping(_))
@@ -249,11 +274,17 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior) -> Result<Fit
         unknown.set(&mut machine, prior.mean_of(*unknown));
     }
     let unknowns: Vec<Unknown> = fitted.unknowns.iter().filter(|unknown| !vague.contains(unknown)).copied().collect();
-    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, 2 * ITERATIONS)
+    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, (2 * ITERATIONS, end))
 }
 
 /// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
-pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>, begin: &dyn Fn(usize)) -> Result<Calibrated> {
+pub(super) fn calibrate(
+    of: &mut Prepared,
+    earlier: Option<&Calibration>,
+    plan: &CalibrationPlan<'_>,
+) -> Result<Calibrated> {
+    let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+    let is_over = || end.is_some_and(|end| Instant::now() > end);
     let own = parameters(&of.healthy.machine);
     let prior = match earlier {
         Some(calibration) => calibration.prior(&of.healthy.machine),
@@ -268,25 +299,41 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>, begin:
     }
     let loose = prior.times(LOOSE);
     let mut has_modulus = false;
-    for round in 1..=MAX_ROUNDS {
-        begin(round);
+    let (mut rounds, mut still_falls) = (0, None);
+    while rounds < MAX_ROUNDS && !is_over() {
+        rounds += 1;
+        (plan.begin)(rounds);
         let before = now.chi_square;
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !matches!(unknown, Unknown::Modulus(_)));
-        now = fit_whole(&of.evidence, &now, &unknowns, &loose, ITERATIONS)?;
+        now = fit_whole(&of.evidence, &now, &unknowns, &loose, (ITERATIONS, end))?;
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
         let values = now.residual.len() as f64;
         let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
         let fall = before - now.chi_square;
         if has_modulus && fall < DONE * excess {
+            still_falls = None;
             break;
         }
+        still_falls = Some(fall / before);
         has_modulus |= fall < SETTLED * excess;
     }
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
-    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, 2 * ITERATIONS)?;
-    let now = with_known_damping(&of.evidence, fitted, &prior)?;
+    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, (2 * ITERATIONS, end))?;
+    let now = with_known_damping(&of.evidence, fitted, &prior, end)?;
+    let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
+        (Some(limit), _) => Some(format!(
+            "the search does not converge because its time has ended: {} s, in round {rounds} of at most {MAX_ROUNDS}, expected more time \
+             (--time-limit) or a recording that the model describes",
+            limit.as_secs_f64()
+        )),
+        (None, Some(still_falls)) => Some(format!(
+            "the search does not converge: after {MAX_ROUNDS} rounds chi-squared still falls by {:.1e} % a round",
+            100.0 * still_falls
+        )),
+        (None, None) => None,
+    };
     let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
     let inflation = chi_square_per_value.max(1.0).sqrt();
     let place = |unknown: &Unknown| now.unknowns.iter().position(|fitted| fitted == unknown);
@@ -306,5 +353,5 @@ pub(super) fn calibrate(of: &mut Prepared, earlier: Option<&Calibration>, begin:
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
     let calibration = Calibration { parameters, correlation, chi_square_per_value };
-    Ok(Calibrated { calibration, values: now.residual.len() })
+    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged })
 }

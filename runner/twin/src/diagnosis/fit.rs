@@ -5,6 +5,7 @@ use super::machine::{ForceSource, Machine, Unknown};
 use super::residual::{Evidence, Spectra, dot};
 use crate::parallel;
 use nalgebra::{DMatrix, DVector};
+use std::time::Instant;
 
 /// A machine with its unknowns fitted.
 #[derive(Clone)]
@@ -150,18 +151,18 @@ impl Weights {
 
 /// Fits `unknowns` from `start`.
 pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), iterations)
+    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), (iterations, None))
 }
 
-/// Fits `unknowns` with a prior of some of them, in the weights of each machine tried.
+/// Fits `unknowns` with a prior of some of them, in the weights of each machine tried, in at most `iterations` and until `end`.
 pub fn fit_whole(
     e: &Evidence,
     start: &Fitted,
     unknowns: &[Unknown],
     prior: &Prior,
-    iterations: usize,
+    (iterations, end): (usize, Option<Instant>),
 ) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), iterations)
+    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), (iterations, end))
 }
 
 fn levenberg_marquardt(
@@ -169,7 +170,7 @@ fn levenberg_marquardt(
     start: &Fitted,
     unknowns: &[Unknown],
     (weights, prior): (Weights, Option<&Prior>),
-    iterations: usize,
+    (iterations, end): (usize, Option<Instant>),
 ) -> Result<Fitted> {
     let n = unknowns.len();
     if n == 0 {
@@ -187,6 +188,9 @@ fn levenberg_marquardt(
     let mut slopes = weights.slopes(e, &now, unknowns)?;
     let mut is_exact = true;
     for _ in 0..iterations {
+        if end.is_some_and(|end| Instant::now() > end) {
+            break;
+        }
         let system = NormalEquations::new(e, &now, unknowns, &slopes, prior.as_ref());
         inverse = system.inverse();
         let mut improved = None;

@@ -29,7 +29,7 @@ mod result;
 mod surface;
 mod unexplained;
 
-pub use calibration::Calibrated;
+pub use calibration::{Calibrated, CalibrationPlan, MAX_ROUNDS};
 pub use result::{CageEstimate, DiagnosisResult};
 
 use crate::outcome::Calibration;
@@ -185,13 +185,14 @@ pub(crate) fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
 
 /// Calibrates the scene with the recording of a healthy machine; `None` if the rotor or its probes do not allow it.
 ///
-/// `begin` receives the number of each round before it, from 1.
-///
 /// # Errors
 /// Returns an error if a bearing cannot be built.
-pub fn calibrate(of: &DiagnosisInput, begin: &dyn Fn(usize)) -> std::result::Result<Option<Calibrated>, BuildError> {
+pub fn calibrate(
+    of: &DiagnosisInput,
+    plan: &CalibrationPlan<'_>,
+) -> std::result::Result<Option<Calibrated>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };
     let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
-    Ok(Some(calibration::calibrate(&mut prepared, of.calibration, begin)?))
+    Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan)?))
 }

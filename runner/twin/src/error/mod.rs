@@ -8,7 +8,7 @@ mod study;
 
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
-pub use study::{BakeError, FitError, NoLoad, SweepError, TradeError, VerifyError};
+pub use study::{BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, TradeError, VerifyError};
 
 use crate::outcome::baseline::BaselineError;
 use crate::output::OutputError;
@@ -57,6 +57,8 @@ pub enum Error {
     Vibration(#[from] VibrationError),
     /// A static equilibrium without a load.
     Equilibrium(#[from] NoLoad),
+    /// A computed motion overflows.
+    Motion(#[from] MotionOverflow),
     /// A sweep cannot be run or continued.
     Sweep(#[from] SweepError),
     /// A table of machines or the outcomes of a fleet cannot be used.

@@ -263,6 +263,18 @@ pub enum TradeError {
          displaced housing are not counted), expected --error with --on desktop"
     )]
     NotCounted,
+    /// The motion of the reference overflows.
+    #[error("no motion to compare with: the most accurate model at a fine step: {reason}")]
+    Reference {
+        /// Its error.
+        reason: String,
+    },
+    /// The motion of every candidate with a cost overflows.
+    #[error("no model to recommend: the motion overflows with every model that has a cost. {reason}")]
+    Overflow {
+        /// Error of the first.
+        reason: String,
+    },
     /// No candidate is accurate enough.
     #[error(
         "--error: no model is so accurate: {:.3e} %, expected {:.3e} % or more, the least error of a model with a cost", found * 100.0, least * 100.0
@@ -294,6 +306,19 @@ impl TradeError {
     pub const fn is_usage_error(&self) -> bool {
         matches!(self, Self::NoRotor { .. } | Self::NotCounted | Self::Error { .. } | Self::Deadline { .. })
     }
+}
+
+/// Speed of sound in steel, m/s: a motion that is faster has no physical meaning, and is that of an unstable system or step.
+pub const LARGEST_SPEED: f64 = 5000.0;
+
+/// Error returned when a computed motion overflows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the motion overflows: {found}, expected at most {LARGEST_SPEED} m/s. {advice}")]
+pub struct MotionOverflow {
+    /// Speed and time.
+    pub found: String,
+    /// Probable cause.
+    pub advice: String,
 }
 
 /// Error returned when a scene cannot be written as constants.

@@ -12,6 +12,7 @@ mod written;
 use crate::diagnosis::{self, block::Block};
 use crate::error::{FitError, Result};
 use crate::least_squares::{self, Bounds, Limits, Solution};
+use crate::motion::check_overflow;
 use crate::observer::noise;
 use crate::plant::{Plant, only_observable, only_rotor};
 use crate::probes::reading;
@@ -20,7 +21,7 @@ use crate::recording::Sample;
 use crate::recording::clock::check_rate;
 use crate::recording::rotation::Tracker;
 use crate::recording::run_out::RunOut;
-use crate::scene::{RotationSource, Scene};
+use crate::scene::{KeyphasorSignal, RotationSource, Scene};
 use crate::statistics::{largest_chi_square, quantile};
 use intervals::{covariance, expanded, unbalance};
 use nalgebra::DMatrix;
@@ -538,7 +539,9 @@ impl Model<'_> {
             let steps = self.of.samples.get(i + 1).map_or(0, |next| next.row.index - sample.row.index);
             let drive = sample.shaft_motion();
             for k in 0..steps {
-                twin.step(&drive.after(k as f64 * self.of.period));
+                let is_held = twin.step(&drive.after(k as f64 * self.of.period)).is_held();
+                let time = (sample.row.index + k + 1) as f64 * self.of.period;
+                check_overflow((&plant, self.of.period), (twin.as_ref(), is_held), time)?;
             }
         }
         Ok(left)
@@ -635,6 +638,10 @@ impl Model<'_> {
     fn angle_step(&self) -> f64 {
         let keyphasor = self.of.scene.recording.as_ref().map(|r| &r.rotation);
         let speed = self.of.samples.first().map_or(0.0, |s| s.speed.abs());
-        if matches!(keyphasor, Some(RotationSource::Keyphasor { .. })) { 0.5 * speed * self.of.period } else { 0.0 }
+        match keyphasor {
+            Some(RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. }) => 0.0,
+            Some(RotationSource::Keyphasor { .. }) => 0.5 * speed * self.of.period,
+            _ => 0.0,
+        }
     }
 }

@@ -27,6 +27,12 @@ pub enum InstrumentError {
         /// File of the scene.
         file: PathBuf,
     },
+    /// The keyphasor of the scene is a vector of instants.
+    #[error("{}: recording.keyphasor.kind: \"instants\", expected \"pulses\" or \"count\", which have a value for each sample", .file.display())]
+    Instants {
+        /// File of the scene.
+        file: PathBuf,
+    },
     /// The scene has a vibration sensor, but a scene has no model of the housing.
     #[error("{}: vibration sensor {sensor}, expected displacement probes only: a scene has no model of the housing", .file.display())]
     Sensor {
@@ -74,6 +80,9 @@ impl Instruments {
         let is_stated = matches!(recording.clock, Clock::Stated | Clock::Number { .. });
         if is_stated || recording.rotation == RotationSource::Synchronous {
             return Err(InstrumentError::FromHeader { file: scene.path.clone() });
+        }
+        if matches!(recording.rotation, RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. }) {
+            return Err(InstrumentError::Instants { file: scene.path.clone() });
         }
         if let Some(sensor) = recording.sensors.first() {
             let sensor = sensor.column.clone();
@@ -126,6 +135,8 @@ impl Instruments {
                 let wheel = Wheel { teeth: f64::from(*pulses_per_turn), present: pulses_per_turn - missing };
                 into.push(match signal {
                     KeyphasorSignal::Count => wheel.count(sample.turned),
+                    // No instruments are created for instants.
+                    KeyphasorSignal::Instants { .. } => f64::NAN,
                     KeyphasorSignal::Pulses(detection) => level(detection, wheel.is_pulse(before, sample.turned)),
                 });
             }

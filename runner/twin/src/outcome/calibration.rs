@@ -20,11 +20,16 @@ pub struct Calibration {
 pub struct Learning {
     /// Parameters in the order of the calibration.
     pub parameters: Vec<LearnedParameter>,
+    /// Number of rounds of the search.
+    pub rounds: usize,
+    /// Reason why the search does not converge; none where it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<String>,
     /// Chi-squared per value of the residual: about 1 where the learned parameters describe the recording.
     pub chi_square_per_value: f64,
     /// Largest chi-squared per value by noise and rounding alone.
     pub largest_chi_square_per_value: f64,
-    /// True where chi-squared per value is at most the largest: the parameters are used and stored. Otherwise the scene keeps its own.
+    /// True where the search converges and chi-squared per value is at most the largest: the parameters are used and stored. Otherwise the scene keeps its own.
     pub taken: bool,
     /// Chi-squared per value with the faults of the diagnosis and the parameters of the scene; none without a diagnosis.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -40,17 +45,22 @@ impl Learning {
             return;
         }
         self.chi_square_with_faults = with_faults;
-        self.stored =
-            is_forced || with_faults.is_some_and(|with_faults| with_faults <= self.largest_chi_square_per_value);
+        let is_described = with_faults.is_some_and(|with_faults| with_faults <= self.largest_chi_square_per_value);
+        self.stored = is_forced || (is_described && self.not_converged.is_none());
     }
 
-    /// Returns why the parameters do not describe the recording.
+    /// Returns why the parameters are not taken.
     pub(super) fn misfit(&self) -> String {
         let [found, largest] = [self.chi_square_per_value, self.largest_chi_square_per_value];
         let with_faults = self.chi_square_with_faults;
+        let search = self.not_converged.as_ref();
+        if let Some(search) = search.filter(|_| found <= largest) {
+            return search.clone();
+        }
         format!(
-            "the model does not describe the recording: chi-squared per value is {found:.3}{}, expected about 1 and at most {largest:.3} \
+            "{}the model does not describe the recording: chi-squared per value is {found:.3}{}, expected about 1 and at most {largest:.3} \
              by the noise of the probes",
+            search.map_or_else(String::new, |search| format!("{search}; ")),
             with_faults.map_or_else(String::new, |with| format!(", with the faults of the diagnosis {with:.3}"))
         )
     }

@@ -11,7 +11,6 @@ mod system;
 mod twin;
 mod warm;
 
-pub use crate::scene::build::PRESSURE_LIMIT;
 pub use given::Given;
 pub use machine::ReactingElement;
 pub use machine::{LARGEST, MAX_BEARINGS, MAX_OBSERVED, SystemTask};
@@ -24,7 +23,7 @@ pub use twin::{Step, Twin, first_five};
 
 use crate::eigenvalues::eigenvalues;
 use crate::outcome::{ClearanceOutcome, RotorOutcome};
-use crate::scene::build;
+use crate::scene::build::{self, ElementContact};
 use crate::scene::{
     Bearing, Clock, FromCatalogue, Integration, Linear, Method, Model, PreloadAmount, PreloadState, Rotor, Scene, Speed,
 };
@@ -139,17 +138,17 @@ impl Plant {
     /// Adds notes on contact pressures above the static limit and on an unstable integration step.
     fn warn(&mut self, scene: &Scene) -> Result<()> {
         for (i, (of, mounted)) in scene.bearings.iter().zip(&self.bearings).enumerate() {
-            let Ok(Some(geometry)) = build::geometry(of) else { continue };
+            let Ok(Some(contact)) = ElementContact::of(of) else { continue };
             let mut loads = vec![0.0; mounted.elements];
             let (u, at) = (self.displacement(i, &self.rest), self.resting(mounted, Phase::ZERO));
             mounted.bearing.element_loads(&u, &at, &mut loads);
-            let pressure = geometry.contact(Race::Inner).ellipse(loads.iter().copied().fold(0.0, f64::max)).2;
-            if pressure > PRESSURE_LIMIT {
+            let pressure = contact.pressure(Race::Inner, loads.iter().copied().fold(0.0, f64::max));
+            if pressure > contact.limit() {
                 self.notes.push(format!(
                     "Bearing {}: the contact pressure in static equilibrium is {:.2} GPa, beyond {:.1} GPa, the static limit of ISO 76.",
                     mounted.name,
                     pressure / 1e9,
-                    PRESSURE_LIMIT / 1e9
+                    contact.limit() / 1e9
                 ));
             }
         }

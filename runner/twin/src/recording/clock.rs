@@ -97,7 +97,7 @@ pub const LEARN: usize = 1000;
 /// printed stamps and still follows a clock that drifts by 1 % of the step.
 const FOLLOW: f64 = 1.0 / 16.0;
 
-/// Share of repeated stamps above which the stamps have too few decimals.
+/// Share of repeated stamps above which the resolution of the clock is coarser than a sample.
 const COARSE: f64 = 0.05;
 
 /// Position of a row after the last sample.
@@ -123,12 +123,16 @@ pub enum ClockError {
         /// Median step, s.
         step: f64,
     },
-    /// The stamps have too few decimals to distinguish samples.
+    /// The stamps do not distinguish samples: their clock is too coarse, or they have too few decimals.
     Coarse {
         /// Number of stamps that repeat the previous one.
         repeated: usize,
         /// Number of stamps.
         of: usize,
+        /// Smallest step above 0, s; none where all stamps are equal.
+        resolution: Option<f64>,
+        /// Stamps a second, Hz, to the accuracy of the resolution; none where all stamps are equal.
+        rate: Option<f64>,
     },
 }
 
@@ -137,8 +141,19 @@ impl core::fmt::Display for ClockError {
         match self {
             Self::TooFew => write!(f, "fewer than two time stamps"),
             Self::NotRising { step } => write!(f, "time stamps whose usual step is {step} s"),
-            Self::Coarse { repeated, of } => {
-                write!(f, "too few decimals: {repeated} of the first {of} time stamps repeat the one before")
+            Self::Coarse { repeated, of, resolution: Some(resolution), rate } => {
+                write!(
+                    f,
+                    "a clock with a resolution of {} s, coarser than a sample: {repeated} of the first {of} time stamps repeat the one before",
+                    significant(*resolution)
+                )?;
+                match rate {
+                    Some(rate) => write!(f, " (about {} rows a second)", significant(*rate)),
+                    None => Ok(()),
+                }
+            }
+            Self::Coarse { of, .. } => {
+                write!(f, "a clock with a resolution coarser than a sample: the first {of} time stamps are equal")
             }
         }
     }
@@ -167,8 +182,8 @@ impl Grid {
         let median = median(&steps).ok_or(ClockError::TooFew)?;
         let repeated = steps.iter().filter(|step| **step == 0.0).count();
         let coarse = repeated as f64 > COARSE * steps.len() as f64;
-        if median > 0.0 && coarse && repeated > 1 {
-            return Err(ClockError::Coarse { repeated, of: known.len() });
+        if median >= 0.0 && coarse && repeated > 1 {
+            return Err(coarse_clock(&known, &steps, repeated));
         }
         if median <= 0.0 {
             return Err(ClockError::NotRising { step: median });
@@ -240,6 +255,28 @@ impl Grid {
         }
         index
     }
+}
+
+/// Returns the error of `stamps` of which `repeated` repeat the one before.
+fn coarse_clock(stamps: &[f64], steps: &[f64], repeated: usize) -> ClockError {
+    let rising = steps.iter().copied().filter(|step| *step > 0.0);
+    let resolution = rising.clone().fold(f64::INFINITY, f64::min);
+    // The rows between the first and the last rise are whole blocks of equal stamps.
+    let mut rises = (0..steps.len()).filter(|place| steps[*place] > 0.0);
+    let (first, last) = (rises.next(), rises.next_back());
+    let rate = first.zip(last).map(|(first, last)| (last - first) as f64 / (stamps[last + 1] - stamps[first + 1]));
+    ClockError::Coarse {
+        repeated,
+        of: stamps.len(),
+        resolution: resolution.is_finite().then_some(resolution),
+        rate: rate.filter(|rate| rate.is_finite() && *rate > 0.0),
+    }
+}
+
+/// Formats a number with three significant digits.
+fn significant(x: f64) -> String {
+    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
+    number(rounded).to_string()
 }
 
 fn median(steps: &[f64]) -> Option<f64> {
@@ -345,5 +382,20 @@ mod tests {
         assert_eq!(Grid::learn(&[1.0, f64::NAN]), Err(ClockError::TooFew));
         assert!(matches!(Grid::learn(&[3.0, 2.0, 1.0]), Err(ClockError::NotRising { .. })));
         assert!(matches!(Grid::learn(&printed(12_800.0, 4, 1000)), Err(ClockError::Coarse { .. })));
+    }
+
+    /// Blocks of equal stamps from a clock of 1 ms, and of 1 s.
+    #[test]
+    fn a_coarse_clock_is_named() {
+        let found = Grid::learn(&printed(25_600.0, 3, 1000)).unwrap_err().to_string();
+        let expected = "a clock with a resolution of 0.001 s, coarser than a sample: 960 of the first 1000 time stamps \
+                        repeat the one before (about 25600 rows a second)";
+        assert_eq!(found, expected);
+        let found = Grid::learn(&[5.0; 1000]).unwrap_err().to_string();
+        assert_eq!(found, "a clock with a resolution coarser than a sample: the first 1000 time stamps are equal");
+        // Half a block at either end does not count.
+        let stamps: Vec<f64> = (0..100).map(|i| f64::from(i / 30)).collect();
+        let found = Grid::learn(&stamps).unwrap_err().to_string();
+        assert!(found.ends_with("(about 30 rows a second)"), "{found}");
     }
 }

@@ -8,6 +8,7 @@ mod system1;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 mod time;
+mod utf16;
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Cursor, Read};
@@ -35,6 +36,7 @@ pub(super) fn open(
     name: &Path,
     layout: FileLayout,
 ) -> Result<Box<dyn Table>, RecordingError> {
+    let (reader, is_utf16) = utf16::decoded(reader).map_err(|cause| failed(name, 0, cause))?;
     let mut reader = BufReader::with_capacity(BUFFER, reader);
     let mut first = Vec::new();
     let read = reader.by_ref().take(system1::BEGIN).read_until(b'\n', &mut first);
@@ -42,7 +44,7 @@ pub(super) fn open(
     let is_system1 = system1::begins(&first);
     let whole = BufReader::with_capacity(BUFFER, Box::new(Cursor::new(first).chain(reader)) as Box<dyn Read + Send>);
     if !is_system1 {
-        return Ok(Box::new(CsvTable::new(whole, name, layout)?));
+        return Ok(Box::new(CsvTable { is_utf16, ..CsvTable::new(whole, name, layout)? }));
     }
     let keys = [("header", layout.is_headless), ("skip", layout.skip.is_some()), ("comment", layout.comment.is_some())];
     if let Some((key, _)) = keys.into_iter().find(|(_, given)| *given) {
@@ -71,6 +73,8 @@ struct CsvTable {
     ahead: VecDeque<(ByteRecord, u64)>,
     mark: DecimalMark,
     time: Option<TimeStamps>,
+    /// The file has two bytes for each character.
+    is_utf16: bool,
 }
 
 impl CsvTable {
@@ -98,7 +102,7 @@ impl CsvTable {
         let (line, selected, record) = (header.line, Vec::new(), ByteRecord::new());
         let mark = if header.delimiter == b',' { DecimalMark::Point } else { DecimalMark::Unknown };
         let (name, ahead) = (name.into(), VecDeque::new());
-        Ok(Self { name, header, least, selected, source, record, line, ahead, mark, time: None })
+        Ok(Self { name, header, least, selected, source, record, line, ahead, mark, time: None, is_utf16: false })
     }
 
     /// Reads the next row that is not blank.
@@ -266,6 +270,6 @@ impl Table for CsvTable {
     }
 
     fn bytes_read(&self) -> u64 {
-        self.header.bytes + self.source.position().byte()
+        (self.header.bytes + self.source.position().byte()) * if self.is_utf16 { 2 } else { 1 }
     }
 }

@@ -84,6 +84,16 @@ pub enum RecordingError {
         /// Content expected.
         expected: &'static str,
     },
+    /// A vector that is not one of instants of pulses.
+    #[error("{file}: column {column}: {found}, expected instants of pulses that rise, in the time of the samples", column = name(.column))]
+    Instants {
+        /// The recording.
+        file: PathBuf,
+        /// Name of the column.
+        column: String,
+        /// Content of the vector.
+        found: String,
+    },
     /// The units of file and scene differ.
     #[error("{file}: column {column}: unit differs from the scene's: `{found}`, expected `{expected}` or no unit", column = name(.column), found = name(.found))]
     Unit {
@@ -123,7 +133,9 @@ pub enum RecordingError {
         file: PathBuf,
     },
     /// The file is not text.
-    #[error("{file}:{line}: not plain text (binary, or UTF-16), expected a line of column names in UTF-8")]
+    #[error(
+        "{file}:{line}: not plain text (binary, or UTF-16 without a byte order mark), expected a line of column names in UTF-8"
+    )]
     NotText {
         /// The recording.
         file: PathBuf,

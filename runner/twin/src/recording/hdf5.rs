@@ -2,9 +2,10 @@
 //! `/rig/x` and `/rig/m[:,1]`, or `bearing.gs` and `m(:,2)` of MATLAB. Those that the scene names are held in memory.
 //!
 //! Format: The HDF Group, HDF5 File Format Specification, version 3.0. The reader supports superblocks 0 to 3, both forms of
-//! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under a B-tree
-//! of version 1, with the filters deflate, shuffle and Fletcher-32. The fields of a compound type are vectors, such as `/table.x`.
+//! object headers, groups by symbol tables, links and fractal heaps, and datasets that are compact, contiguous or in chunks under any index,
+//! with the filters deflate, shuffle and Fletcher-32. The fields of a compound type are vectors, such as `/table.x`.
 
+mod chunk_index;
 mod data;
 mod group;
 mod object;
@@ -21,11 +22,10 @@ use self::object::Dataset;
 use super::bytes::Bytes;
 use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
-use super::table::{Cells, Table, equal_lengths};
+use super::table::{Cells, LONGEST_VECTOR, Table, equal_lengths};
 use crate::printable::name;
 
-const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, compact, contiguous or in chunks under a B-tree of \
-                        version 1, uncompressed or by deflate, as h5py writes it with libver=\"earliest\"";
+const EXPECTED: &str = "an HDF5 file with vectors of integers or floats, uncompressed or by deflate";
 
 /// First bytes of the superblock.
 pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -211,6 +211,19 @@ impl Table for Hdf5 {
         };
         let (path, reason) = self.refused.iter().find(|(own, _)| is_within(own))?;
         Some(wrong(&self.path, &refuse(format!("`{}`: {reason}", name(path)))))
+    }
+
+    fn vector(&mut self, place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        let count = self
+            .vectors
+            .get(place)
+            .and_then(|vector| Some(self.datasets.get(vector.dataset)?.length(vector.along)))
+            .unwrap_or(0);
+        if count > LONGEST_VECTOR {
+            return Err(wrong(&self.path, &refuse(format!("a vector of {count} values, more than {LONGEST_VECTOR}"))));
+        }
+        let loaded = self.load(&[place]).map_err(|cause| wrong(&self.path, &cause))?;
+        Ok(Some(LoadedColumns::new(loaded, count).first()))
     }
 
     fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {

@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 use super::bytes::Bytes;
 use super::error::{RecordingError, refuse};
 use super::numbers::{LoadedColumns, Number};
-use super::table::{Cells, Table, equal_lengths};
+use super::table::{Cells, LONGEST_VECTOR, Table, equal_lengths};
 use crate::scene::bounded::open_regular;
 use walk::Element;
 
@@ -242,6 +242,15 @@ impl Table for Vectors {
 
     fn is_called(&self, place: usize, name: &str) -> bool {
         self.names.get(place).is_some_and(|own| is_same(own, name))
+    }
+
+    fn vector(&mut self, place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        let count = self.all.get(place).map(|vector| vector.count).unwrap_or(0);
+        if count > LONGEST_VECTOR {
+            return Err(wrong(&self.path, &refuse(format!("a vector of {count} values, more than {LONGEST_VECTOR}"))));
+        }
+        let loaded = self.load(place).map(|loaded| vec![loaded]).map_err(|cause| wrong(&self.path, &cause))?;
+        Ok(Some(LoadedColumns::new(loaded, count).first()))
     }
 
     fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {

@@ -26,6 +26,10 @@ impl Table for Memory<'_> {
         &self.names
     }
 
+    fn vector(&mut self, place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        Ok(self.columns.get(place).map(|column| column.to_vec()))
+    }
+
     fn select(&mut self, places: &[usize]) -> Result<(), RecordingError> {
         let chosen = || places.iter().filter_map(|&place| Some((self.names.get(place)?, *self.columns.get(place)?)));
         let lengths: Vec<(&str, u64)> = chosen().map(|(name, c)| (name.as_str(), c.len() as u64)).collect();

@@ -14,6 +14,7 @@ mod format;
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;
 mod hdf5;
+mod instants;
 pub mod mat;
 mod memory;
 mod npy;

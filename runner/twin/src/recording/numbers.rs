@@ -5,7 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::error::RecordingError;
-use super::table::{Cells, Table, equal_lengths};
+use super::table::{Cells, LONGEST_VECTOR, Table, equal_lengths};
 
 /// Bytes read at once.
 const BLOCK: u64 = 1 << 16;
@@ -241,6 +241,19 @@ impl Table for Numbers {
         self.layout.notes.clone()
     }
 
+    fn vector(&mut self, place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        let Some(lane) = self.layout.lanes.get(place) else { return Ok(None) };
+        let size = self.file.metadata().map_err(|cause| RecordingError::Open { file: self.path.clone(), cause })?.len();
+        let mut column = self.column(lane, size)?;
+        let count = column.length();
+        if count > LONGEST_VECTOR {
+            return Err(self.wrong(format!("{count} values in `{}`, more than {LONGEST_VECTOR}", lane.name)));
+        }
+        let values = (0..count).map(|_| column.next(&mut self.file, &mut self.bytes)).collect::<io::Result<Vec<_>>>();
+        let failed = |cause| RecordingError::Read { file: self.path.clone(), line: 0, cause };
+        values.map(Some).map_err(failed)
+    }
+
     fn scalar(&mut self, name: &str) -> Result<Option<f64>, RecordingError> {
         let Some((_, run)) = self.layout.scalars.iter().find(|(own, _)| own == name) else { return Ok(None) };
         let mut bytes = vec![0; run.number.bytes.into()];
@@ -340,6 +353,12 @@ impl LoadedColumns {
     /// Creates the columns, each with this number of values.
     pub(super) fn new(columns: Vec<(Number, Vec<u8>)>, rows: u64) -> Self {
         Self { columns, rows, row: 0 }
+    }
+
+    /// Returns the values of the first column.
+    pub(super) fn first(&self) -> Vec<f64> {
+        let Some((number, bytes)) = self.columns.first() else { return vec![] };
+        bytes.chunks_exact(usize::from(number.bytes).max(1)).map(|bytes| number.read(bytes)).collect()
     }
 
     /// Reads the next row of a file with `width` columns; false at the end.

@@ -17,13 +17,14 @@ use super::error::{RecordingError, listed, nearest};
 use super::files::Files;
 use super::flaws::{Flaw, FlawLedger, Position};
 use super::format;
+use super::instants::Instants;
 use super::memory::Memory;
 use super::probe::{ProbeWatch, ReadingState};
 use super::table::{Cells, Table};
 use crate::printable::name;
 use crate::scene::bounded::open_regular;
 use crate::scene::units;
-use crate::scene::{Clock, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
+use crate::scene::{Clock, KeyphasorSignal, Probe, Recording, RotationSource, Sequence, TemperatureChannel};
 
 /// Largest relative difference between the sampling rates of file and scene.
 const RATE_TOLERANCE: f64 = 1e-3;
@@ -58,6 +59,8 @@ pub struct Reader<'a> {
     /// Rows read ahead.
     ahead: VecDeque<Parsed>,
     timing: Timing,
+    /// Instants of the pulses, where the recording has them in place of a column.
+    instants: Option<Instants>,
     /// Detection of stuck and clipped channels: probes, then sensors.
     watches: Vec<ProbeWatch>,
     ledger: FlawLedger,
@@ -179,6 +182,13 @@ impl<'a> Reader<'a> {
             table.set_time(stamp.place);
         }
         table.select(&wanted.places())?;
+        let instants = match &recording.rotation {
+            rotation @ RotationSource::Keyphasor { column, signal: KeyphasorSignal::Instants { .. }, .. } => {
+                let place = find(table.as_ref(), column, name)?;
+                Instants::read(table.as_mut(), place, rotation, name)?
+            }
+            _ => None,
+        };
         let rate = rate(table.as_mut(), recording, name)?;
         if recording.rotation == RotationSource::Synchronous {
             let samples = table.samples_per_revolution();
@@ -193,6 +203,7 @@ impl<'a> Reader<'a> {
             cells: Cells::default(),
             ahead: VecDeque::new(),
             timing: Timing::Rate { rate: rate.unwrap_or(1.0), next: 0 },
+            instants,
             watches: Vec::new(),
             ledger: FlawLedger::default(),
             ended: false,
@@ -248,6 +259,10 @@ impl<'a> Reader<'a> {
     pub fn next_row(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
         while let Some(whole) = self.fetch(row)? {
             if self.place(row)? {
+                let rate = self.rate();
+                if let Some(instants) = &mut self.instants {
+                    row.rotation = instants.next(row.time, rate);
+                }
                 self.inspect(row, whole);
                 return Ok(true);
             }
@@ -271,6 +286,9 @@ impl<'a> Reader<'a> {
                 self.check_seconds(column)?;
             }
             self.timing = Timing::Stamps(self.learn(column)?);
+        }
+        if let Some(instants) = &self.instants {
+            instants.check(self.rate(), &self.name)?;
         }
         self.watches = self.wanted.channels().map(|_| ProbeWatch::new(self.rate())).collect();
         Ok(())
@@ -486,6 +504,7 @@ impl Wanted {
     fn new(table: &dyn Table, recording: &Recording, file: &Path) -> Result<Self, RecordingError> {
         let column = |name: &str, unit| find(table, name, file).map(|place| Column { place, unit, offset: 0.0 });
         let rotation = match &recording.rotation {
+            RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. } => None,
             RotationSource::Keyphasor { column: name, .. } | RotationSource::SpeedColumn { column: name, .. } => {
                 Some(column(name, recording.rotation.factor().unwrap_or(1.0))?)
             }

@@ -92,6 +92,17 @@ pub enum RotationError {
         /// The count.
         low: f64,
     },
+    /// Instants outside the recording.
+    #[error(
+        "column {column}: no instant of a pulse within {samples} samples, expected instants in the time of the samples: from 0 at the first \
+         one, or in that of `time`"
+    )]
+    NoInstant {
+        /// Column of the keyphasor.
+        column: String,
+        /// Number of samples.
+        samples: usize,
+    },
     /// A count of pulses that is no whole number.
     #[error("column {column}: line {line}: no count of pulses: {found}, expected whole numbers with kind = \"count\"")]
     NotACount {
@@ -373,10 +384,13 @@ impl Tracker {
         }
     }
 
-    /// Returns how the pulses of a keyphasor are found: threshold, hysteresis and slope of a signal, or the width of a count; none
+    /// Returns how the pulses of a keyphasor are found: threshold, hysteresis and slope of a signal, the width of a count, or instants; none
     /// without a keyphasor or before its levels are known.
     fn detection(&self) -> Option<String> {
         let Source::Keyphasor(keyphasor) = &self.source else { return None };
+        if keyphasor.has_instants() {
+            return Some("their instants".to_owned());
+        }
         let used = keyphasor.threshold().map(|used| used.to_string());
         used.or_else(|| Some(format!("a count that wraps at 2^{}", keyphasor.count_bits()?)))
     }

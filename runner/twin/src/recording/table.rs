@@ -6,6 +6,9 @@ use std::path::Path;
 /// Values expected in a used cell.
 pub(super) const EXPECTED: &str = "a number, or NaN or nothing where the reading is missing";
 
+/// Largest number of values of a vector with a length of its own.
+pub(super) const LONGEST_VECTOR: u64 = 1 << 26;
+
 /// Columns of a file and its rows, one after another.
 pub(super) trait Table: Send {
     /// Returns the names of all columns.
@@ -29,6 +32,11 @@ pub(super) trait Table: Send {
     /// Name of a selected column whose rate the file does not state, where it states that of another.
     fn unrated(&self) -> Option<&str> {
         None
+    }
+
+    /// Reads all values of a column, of which the file may have another number than of rows; none where its columns have equal lengths.
+    fn vector(&mut self, _place: usize) -> Result<Option<Vec<f64>>, RecordingError> {
+        Ok(None)
     }
 
     /// Reads a single number of the file by its name.
@@ -112,6 +120,6 @@ pub(super) fn equal_lengths(file: &Path, columns: &[(&str, u64)]) -> Result<u64,
     Err(RecordingError::Format {
         file: file.into(),
         found,
-        expected: "columns of equal length with at least one value; instants of pulses in place of samples are not read",
+        expected: "columns of equal length with at least one value; instants of pulses in place of samples need keyphasor.kind = \"instants\"",
     })
 }

@@ -4,7 +4,7 @@
 use super::notices::Notices;
 use super::range::ReadingRange;
 use crate::diagnosis::block::Block;
-use crate::diagnosis::{self, Calibrated, DiagnosisInput, DiagnosisResult};
+use crate::diagnosis::{self, Calibrated, CalibrationPlan, DiagnosisInput, DiagnosisResult};
 use crate::error::Result;
 use crate::outcome::baseline::Baseline;
 use crate::outcome::{Calibration, Implausibility};
@@ -116,19 +116,19 @@ impl Ahead {
         Ok(diagnosis::diagnose(&self.material(scene, plant, recording, calibration), progress)?)
     }
 
-    /// Calibrates the scene; none where the samples do not allow it. Calls `begin` with the number of each round, from 1.
+    /// Calibrates the scene; none where the samples do not allow it.
     pub fn calibrate(
         &self,
         scene: &Scene,
         plant: &Plant,
         recording: &Recording,
         earlier: Option<&Calibration>,
-        begin: &dyn Fn(usize),
+        plan: &CalibrationPlan<'_>,
     ) -> Result<Option<Calibrated>> {
         if diagnosis::not_applicable(scene, &self.samples).is_some() {
             return Ok(None);
         }
-        Ok(diagnosis::calibrate(&self.material(scene, plant, recording, earlier), begin)?)
+        Ok(diagnosis::calibrate(&self.material(scene, plant, recording, earlier), plan)?)
     }
 
     fn material<'a>(

@@ -93,7 +93,9 @@ impl Pipeline<'_> {
             rotation: None,
             samples: &samples,
         });
-        if implausible.is_empty() {
+        if evaluator.counts.has_overflowed() {
+            implausible.extend(evaluator.counts.overflow());
+        } else if implausible.is_empty() {
             implausible = plausibility::unlike_twin(&probes, evaluator.force.bearings(), bearings);
         }
         let mut overridden = std::mem::take(&mut self.overridden);

@@ -69,7 +69,7 @@ pub use running_diagnosis::{DiagnosisState, FaultState};
 pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
-use crate::diagnosis::set_cages;
+use crate::diagnosis::{CalibrationPlan, set_cages};
 use crate::error::{Error, ReplayError, Result};
 use crate::outcome::Outcome;
 use crate::outcome::baseline::Baseline;
@@ -139,8 +139,9 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
                 progress(Progress::Learning(round));
             }
         };
-        let found = ahead.calibrate(&scene, &plant, recording, calibration.as_ref(), &begin)?;
-        learning = found.as_ref().map(|found| found.calibration.learning(&given, found.values));
+        let plan = CalibrationPlan { begin: &begin, time_limit: options.learning_time };
+        let found = ahead.calibrate(&scene, &plant, recording, calibration.as_ref(), &plan)?;
+        learning = found.as_ref().map(|found| found.learning(&given));
         // A recording that the parameters do not describe is compared with the scene as it was.
         if let Some(found) = found.filter(|_| learning.as_ref().is_some_and(|learning| learning.taken)) {
             scene = found.calibration.scene(&scene);

@@ -38,6 +38,24 @@ impl Counts {
         self.angle_not_measured += 1;
     }
 
+    /// Returns true where the motion of the twin overflowed at the end or in more than a few samples, so that its figures have no meaning.
+    #[must_use]
+    pub fn has_overflowed(&self) -> bool {
+        self.share(self.twin_held) > MAX_NOT_MEASURED || self.twin_is_held
+    }
+
+    /// Returns the reason why there is no motion of the twin to compare with, where it overflowed.
+    #[must_use]
+    pub fn overflow(&self) -> Option<Implausibility> {
+        let share = self.share(self.twin_held);
+        (share > MAX_NOT_MEASURED).then(|| Implausibility {
+            subject: "twin".to_owned(),
+            found: format!("the motion of the twin overflowed and was held in {:.0} % of the samples", 100.0 * share),
+            cause: "a step in [integration] that is too long, or a rotor that is not stable".to_owned(),
+            remedy: "omit the step, or give the rotor damping and supports".to_owned(),
+        })
+    }
+
     fn share(&self, count: u64) -> f64 {
         count as f64 / self.samples.max(1) as f64
     }

@@ -8,7 +8,7 @@ mod preload;
 mod service_load;
 
 pub use balls::{
-    FIRMWARE_TABLE, PRESSURE_LIMIT, Solved, TableData, inertia_params, of_table, point_contact_approach,
+    ElementContact, FIRMWARE_TABLE, Solved, TableData, inertia_params, of_table, point_contact_approach,
     point_contact_load, quasi_static, solved_in, static_limit, table,
 };
 pub use error::BuildError;

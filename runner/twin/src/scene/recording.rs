@@ -220,12 +220,14 @@ impl RotationSource {
             Self::Keyphasor { signal: KeyphasorSignal::Pulses(pulses), .. } => {
                 pulses.volts_per_unit.and_then(units::voltage_name)
             }
+            Self::Keyphasor { signal: KeyphasorSignal::Instants { seconds }, .. } => units::time_name(*seconds),
             Self::SpeedColumn { radians_per_second, .. } => units::speed_name(*radians_per_second),
             Self::Keyphasor { .. } | Self::Synchronous | Self::Scene => None,
         }
     }
 
-    /// Returns the factor of its column to SI, or 1 for a column without a unit; none without a column.
+    /// Returns the factor of its column to SI, or 1 for a column without a unit; none without a column, and for instants, which are no
+    /// column with a value for each sample.
     #[must_use]
     pub fn factor(&self) -> Option<f64> {
         match self {
@@ -234,7 +236,7 @@ impl RotationSource {
             }
             Self::Keyphasor { signal: KeyphasorSignal::Count, .. } => Some(1.0),
             Self::SpeedColumn { radians_per_second, .. } => Some(*radians_per_second),
-            Self::Synchronous | Self::Scene => None,
+            Self::Keyphasor { signal: KeyphasorSignal::Instants { .. }, .. } | Self::Synchronous | Self::Scene => None,
         }
     }
 }
@@ -246,6 +248,24 @@ pub enum KeyphasorSignal {
     Pulses(PulseDetection),
     /// Number of pulses so far.
     Count,
+    /// Instants of the pulses, a vector with a length of its own: from 0 at the first sample, or in the time of `time`.
+    Instants {
+        /// Seconds for one unit of the column.
+        seconds: f64,
+    },
+}
+
+/// Instants that are used per revolution of a wheel with as many pulses. The angle is fitted through 11 of them; more instants only add
+/// noise to the speed.
+pub(crate) const INSTANTS_PER_TURN: u32 = 16;
+
+impl KeyphasorSignal {
+    /// Returns the number of pulses of a wheel from one instant that is used to the next.
+    #[must_use]
+    pub(crate) const fn instant_spacing(pulses_per_turn: u32, missing: u32) -> u32 {
+        let spacing = pulses_per_turn / INSTANTS_PER_TURN;
+        if spacing == 0 || missing > 0 { 1 } else { spacing }
+    }
 }
 
 impl Default for KeyphasorSignal {

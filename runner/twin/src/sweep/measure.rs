@@ -1,13 +1,13 @@
 //! One point of a sweep: the steady-state motion of the scene's rotor and its measures.
 
 use crate::effect_significance::{self, EffectSignificance};
-use crate::error::{Error, Result, SweepError};
+use crate::error::{Error, MotionOverflow, Result, SweepError};
 use crate::motion::{self, MAX_SAMPLES, ResponseSample, Span};
 use crate::plant::{Plant, Twin};
 use crate::scene::Scene;
 use crate::spectrum::{amplitudes, line};
 use ballrace::Phase;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::f64::consts::TAU;
 
 /// Number of samples in one section period.
@@ -38,19 +38,25 @@ pub struct Measure {
     pub lyapunov: bool,
 }
 
-/// Measures of the motion at one point.
+/// Measures of the motion at one point; NaN where it overflows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Shaft speed, rpm.
     pub speed_rpm: f64,
-    /// Steps that overflowed.
+    /// 0: a motion that overflows has no measures.
     pub held: u64,
+    /// Error of a motion that overflows.
+    #[serde(default)]
+    pub overflow: Option<String>,
     /// Peak-to-peak displacement along X, Y, Z, um.
+    #[serde(deserialize_with = "three")]
     pub peak_to_peak: [f64; 3],
     /// Mean displacement along X, Y, Z, um.
+    #[serde(deserialize_with = "three")]
     pub mean: [f64; 3],
     /// Amplitudes along X and Y, um: at the shaft's speed, at the ball pass, at a half and at a third of the section's
     /// frequency.
+    #[serde(deserialize_with = "four_pairs")]
     pub lines: [[f64; 2]; 4],
     /// Period of the motion in section periods; none where it does not repeat within twelve.
     pub period: Option<usize>,
@@ -63,6 +69,16 @@ pub struct Figures {
     /// Predicted change of force by each effect; empty in journals of older versions.
     #[serde(default)]
     pub effects: Vec<EffectChange>,
+}
+
+/// Reads three numbers; JSON has null for NaN.
+fn three<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
+    Ok(<[Option<f64>; 3]>::deserialize(from)?.map(|x| x.unwrap_or(f64::NAN)))
+}
+
+/// Reads four pairs of numbers as [`three`].
+fn four_pairs<'de, D: Deserializer<'de>>(from: D) -> Result<[[f64; 2]; 4], D::Error> {
+    Ok(<[[Option<f64>; 2]; 4]>::deserialize(from)?.map(|pair| pair.map(|x| x.unwrap_or(f64::NAN))))
 }
 
 /// Predicted change of a bearing's force when an effect is omitted (see [`crate::effect_significance::EffectSignificance`]).
@@ -97,11 +113,11 @@ fn frequencies(scene: &Scene, plant: &Plant, by_shaft: bool) -> (f64, f64) {
     (section, pass.unwrap_or(0.0))
 }
 
-/// Runs one point, from rest or from `start`.
+/// Runs one point, from rest or from `start`; a motion that overflows has no measures and no end.
 ///
 /// # Errors
 /// Returns an error if the shaft is at standstill or the kernel rejects a parameter.
-pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Result<(Figures, State)> {
+pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Result<(Figures, Option<State>)> {
     let plant = Plant::try_new(scene)?;
     let (section, pass) = frequencies(scene, &plant, options.by_shaft);
     if section <= 0.0 {
@@ -137,24 +153,29 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
         }
         if path.len() == measured {
             let (coordinates, rates) = (now.twin.coordinates().to_vec(), now.twin.rates().to_vec());
-            end = Some((now.held, State { coordinates, rates }));
+            end = Some(State { coordinates, rates });
             return Err(Stop::Measured);
         }
         path.add(now);
         if options.lyapunov { Ok(neighbour.follow(now, 1.0 / rate)?) } else { Ok(()) }
     });
-    let (held, end) = match (found, end) {
+    let speed_rpm = scene.shaft.speed.nominal() / TAU * 60.0;
+    let effects: Vec<EffectChange> =
+        effect_significance::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect();
+    let end = match (found, end) {
         (_, Some(end)) => end,
-        (Err(Stop::Failed(error)), None) => return Err(error),
-        (Ok((held, twin)), None) => {
-            (held, State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() })
+        (Err(Stop::Failed(Error::Motion(overflow))), None) => {
+            return Ok((Figures::overflowed(speed_rpm, &overflow, effects), None));
         }
+        (Err(Stop::Failed(error)), None) => return Err(error),
+        (Ok(twin), None) => State { coordinates: twin.coordinates().to_vec(), rates: twin.rates().to_vec() },
         (Err(Stop::Measured), None) => return Err(SweepError::Standstill { file: scene.path.clone() }.into()),
     };
     let shaft = scene.shaft.speed.nominal() / TAU;
     let figures = Figures {
-        speed_rpm: shaft * 60.0,
-        held,
+        speed_rpm,
+        held: 0,
+        overflow: None,
         peak_to_peak: path.along.each_ref().map(|x| spread(x)),
         mean: path.along.each_ref().map(|x| x.iter().sum::<f64>() / x.len().max(1) as f64),
         lines: [shaft.abs(), pass, section / 2.0, section / 3.0].map(|hz| path.line(hz / rate)),
@@ -162,9 +183,28 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
         lyapunov: options.lyapunov.then(|| neighbour.exponent()),
         section: path.section(),
         spectrum: path.spectrum(options.periods),
-        effects: effect_significance::at_rest(scene, &plant)?.into_iter().map(EffectChange::from).collect(),
+        effects,
     };
-    Ok((figures, end))
+    Ok((figures, Some(end)))
+}
+
+impl Figures {
+    /// Returns the figures of a motion that overflows.
+    fn overflowed(speed_rpm: f64, overflow: &MotionOverflow, effects: Vec<EffectChange>) -> Self {
+        Self {
+            speed_rpm,
+            held: 0,
+            overflow: Some(overflow.to_string()),
+            peak_to_peak: [f64::NAN; 3],
+            mean: [f64::NAN; 3],
+            lines: [[f64::NAN; 2]; 4],
+            period: None,
+            lyapunov: None,
+            section: vec![],
+            spectrum: vec![],
+            effects,
+        }
+    }
 }
 
 /// Reason why a run ends before its span.

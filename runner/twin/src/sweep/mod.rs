@@ -73,6 +73,19 @@ pub struct Row {
     pub figures: Figures,
 }
 
+/// A point at which the motion overflows.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct OverflowedPoint {
+    /// Number of the point.
+    pub point: usize,
+    /// `rest`, `up` or `down`.
+    pub direction: String,
+    /// The keys with their values.
+    pub values: String,
+    /// The error.
+    pub reason: String,
+}
+
 /// Largest number of values in the results of a sweep: 1 GiB in memory at the end.
 const MAX_NUMBERS: usize = 1 << 27;
 /// Number of values of one point besides its sections.
@@ -191,7 +204,7 @@ impl Plan {
                 self.scene(&values)
                     .and_then(|scene| measure(&scene, &self.measure, state.as_ref()))
                     .map_err(|error| Error::Point { point: self.named(&values), source: Box::new(error) })?;
-            state = (self.follow != Follow::None).then_some(end);
+            state = end.filter(|_| self.follow != Follow::None);
             rows.push(Row { point, direction: direction.to_owned(), values, figures });
         }
         Ok(Chain { number, rows })
@@ -225,6 +238,21 @@ impl Plan {
             all.extend(of_point.into_iter().map(|effect| EffectSignificance { at: Some(at(&effect)), ..effect }));
         }
         Ok(effect_significance::largest(all))
+    }
+
+    /// Returns the points at which the motion overflows, in the order of `rows`.
+    #[must_use]
+    pub fn overflowed(&self, rows: &[&Row]) -> Vec<OverflowedPoint> {
+        let point = |row: &&Row| {
+            let reason = row.figures.overflow.clone()?;
+            Some(OverflowedPoint {
+                point: row.point,
+                direction: row.direction.clone(),
+                values: self.named(&row.values),
+                reason,
+            })
+        };
+        rows.iter().filter_map(point).collect()
     }
 
     fn named(&self, values: &[f64]) -> String {

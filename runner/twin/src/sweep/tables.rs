@@ -8,7 +8,7 @@ use super::{Axis, Row};
 
 fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     let number = |name: &str, of: &dyn Fn(&Row) -> Option<f64>| {
-        Column::new(name, Values::Number(rows.iter().map(|row| of(row)).collect()))
+        Column::new(name, Values::Number(rows.iter().map(|row| of(row).filter(|x| !x.is_nan())).collect()))
     };
     let count = |name: &str, of: &dyn Fn(&Row) -> Option<i64>| {
         Column::new(name, Values::Count(rows.iter().map(|row| of(row)).collect()))
@@ -35,6 +35,8 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
     }
     all.push(count("period", &|r| r.figures.period.and_then(|p| i64::try_from(p).ok())));
     all.push(number("lyapunov_per_s", &|r| r.figures.lyapunov));
+    let overflow = |row: &&Row| row.figures.overflow.clone().unwrap_or_default();
+    all.push(Column::new("overflow", Values::Word(rows.iter().map(overflow).collect())));
     all
 }
 
@@ -48,7 +50,8 @@ fn cell(column: &Column, i: usize) -> String {
     }
 }
 
-/// Writes one row per point; absent values, such as the period of a motion that does not repeat, are empty cells.
+/// Writes one row per point; absent values, such as the period of a motion that does not repeat and all measures of one that
+/// overflows, are empty cells.
 ///
 /// # Errors
 /// Returns the writer's error.

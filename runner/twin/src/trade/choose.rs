@@ -51,7 +51,7 @@ const ROUNDED: f64 = 1e-12;
 
 /// Marks the candidates that no other beats in both cost and error.
 pub fn mark(candidates: &mut [Candidate]) {
-    let error = |c: &Candidate| c.error.most_99.max(ROUNDED);
+    let error = |c: &Candidate| if c.overflow.is_some() { f64::INFINITY } else { c.error.most_99.max(ROUNDED) };
     let desktop: Vec<_> = candidates.iter().map(|c| Some((c.desktop_ns, error(c)))).collect();
     let cortex: Vec<_> = candidates.iter().map(|c| c.cortex.map(|cost| (cost.cycles, error(c)))).collect();
     for (i, candidate) in candidates.iter_mut().enumerate() {
@@ -90,9 +90,11 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice, TradeErro
     };
     let precision = if target == Target::CortexM4f { "f32" } else { "f64" };
     let open = candidates.iter().filter(|c| c.arithmetic.precision == precision && c.arithmetic.math == "exact");
-    let open: Vec<(&Candidate, f64)> = open.filter_map(|c| Some((c, cost(c)?))).collect();
+    let (open, overflowed): (Vec<_>, Vec<_>) =
+        open.filter_map(|c| Some((c, cost(c)?))).partition(|(c, _)| c.overflow.is_none());
     if open.is_empty() {
-        return Err(TradeError::NotCounted);
+        let reason = overflowed.first().and_then(|(c, _)| c.overflow.clone());
+        return Err(reason.map_or(TradeError::NotCounted, |reason| TradeError::Overflow { reason }));
     }
     let error = |c: &Candidate| c.error.most_99;
     let found = match goal {

@@ -103,6 +103,13 @@ impl FidelityLevel {
         self.steps.is_some()
     }
 
+    /// Returns the name of the level without a number of steps of its own.
+    #[must_use]
+    pub fn name_without_steps(&self) -> &str {
+        let name = self.steps.and_then(|steps| self.name.strip_suffix(&format!(", {steps} steps")));
+        name.unwrap_or(&self.name)
+    }
+
     /// Returns the scene's text with this level as the model of its bearings. Bearings given by a stiffness matrix keep it.
     ///
     /// # Errors

@@ -74,6 +74,8 @@ pub struct Candidate {
     /// Reason where it was not counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cortex_not_counted: Option<NotCounted>,
+    /// Error of the motion with this model where it overflows with every integrator and step; such a candidate is not recommended.
+    pub overflow: Option<String>,
     /// True where no candidate is both cheaper on this machine and more accurate.
     pub front_desktop: bool,
     /// True where no candidate is both cheaper on the target and more accurate.
@@ -95,12 +97,12 @@ pub struct Response {
     pub usual: bool,
     /// Error against the reference.
     pub error: MotionErrors,
-    /// Simulated time over computing time.
+    /// Simulated time over computing time; 0 for a motion that overflows.
     pub times_real_time: f64,
     /// Interquartile range of the computing times of equal parts over their median.
     pub spread: f64,
-    /// Number of steps that overflowed.
-    pub held: u64,
+    /// Error of a motion that overflows.
+    pub overflow: Option<String>,
     /// True where no response is both faster and more accurate.
     pub front: bool,
 }
@@ -158,8 +160,16 @@ pub fn trade(
         }
         progress(i + 1, work);
     }
-    choose::mark(&mut candidates);
     let responses = if motions { responses(&allowed, (&truth_scene, &truth_plant), work, progress)? } else { vec![] };
+    for candidate in &mut candidates {
+        let level = allowed.iter().find(|one| one.level.name == candidate.model);
+        let model = level.map_or(candidate.model.as_str(), |one| one.level.name_without_steps());
+        let motions: Vec<&Response> = responses.iter().filter(|r| r.model == model).collect();
+        if motions.iter().all(|motion| motion.overflow.is_some()) {
+            candidate.overflow = motions.first().and_then(|motion| motion.overflow.clone());
+        }
+    }
+    choose::mark(&mut candidates);
     let choice = goal.map(|goal| choose::choose(goal, &candidates)).transpose()?;
     let spreads = candidates.iter().map(|c| c.desktop_spread).chain(responses.iter().map(|r| r.spread)).collect();
     Ok(Trade {
@@ -225,6 +235,7 @@ fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Resu
             desktop_spread,
             cortex: cortex.ok().flatten(),
             cortex_not_counted: cortex.err(),
+            overflow: None,
             front_desktop: false,
             front_cortex: false,
         })
@@ -247,6 +258,9 @@ fn responses(
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
     let span = poses::span(moving, &truth_plant);
     let truth = response::run(moving, &truth_plant, span)?;
+    if let Some(reason) = truth.overflow {
+        return Err(TradeError::Reference { reason }.into());
+    }
     let mut all = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
         for (j, (name, method)) in METHODS.into_iter().enumerate() {
@@ -285,9 +299,9 @@ fn response_of(
         step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?),
         usual,
         error: found.errors(truth),
-        times_real_time: 1.0 / found.seconds_per_second,
         spread: found.spread,
-        held: found.held,
+        times_real_time: if found.overflow.is_some() { 0.0 } else { 1.0 / found.seconds_per_second },
+        overflow: found.overflow,
         front: false,
     })
 }

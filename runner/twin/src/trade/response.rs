@@ -44,8 +44,8 @@ pub struct Motion {
     pub seconds_per_second: f64,
     /// Spread of the computing times of equal parts.
     pub spread: f64,
-    /// Number of steps that overflowed.
-    pub held: u64,
+    /// Error of a motion that overflows, whose series end there.
+    pub overflow: Option<String>,
 }
 
 /// Computes the motion of a candidate over the span of the reference, with the same sampling times.
@@ -58,7 +58,7 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
     let part = (span.samples / PARTS).max(1);
     let (mut parts, mut last) = (vec![], None::<Instant>);
     let begun = Instant::now();
-    let (held, _) = motion::run(
+    let run = motion::run(
         scene,
         plant,
         span,
@@ -78,17 +78,32 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
             }
             Ok::<_, Error>(())
         },
-    )?;
+    );
+    let overflow = match run {
+        Ok(_) => None,
+        Err(Error::Motion(overflow)) => Some(overflow.to_string()),
+        Err(error) => return Err(error),
+    };
     let computed = (span.settle + span.samples) as f64 / span.rate;
     let orders = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race).collect();
     let seconds_per_second = begun.elapsed().as_secs_f64() / computed;
-    Ok(Motion { series, turned, orders, seconds_per_second, spread: spread(parts), held })
+    Ok(Motion { series, turned, orders, seconds_per_second, spread: spread(parts), overflow })
 }
 
 impl Motion {
-    /// Returns the errors of this motion against the reference `truth`.
+    /// Returns the errors of this motion against the reference `truth`; infinite where it overflows.
     #[must_use]
     pub fn errors(&self, truth: &Self) -> MotionErrors {
+        if self.overflow.is_some() {
+            let none = f64::INFINITY;
+            return MotionErrors {
+                one_per_turn: none,
+                ball_pass: None,
+                peak_to_peak: none,
+                residual: none,
+                mean: none,
+            };
+        }
         let sum = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
         let spread = |x: &[f64]| x.iter().fold(f64::MIN, |m, &x| m.max(x)) - x.iter().fold(f64::MAX, |m, &x| m.min(x));
         // Relative to the largest direction: one without motion has no information.

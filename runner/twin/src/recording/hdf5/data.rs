@@ -1,17 +1,15 @@
-//! Numbers of datasets: compact, contiguous, or in chunks under a B-tree of version 1.
+//! Numbers of datasets: compact, contiguous, or in chunks.
 
 use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
 
-use super::group::Node;
+use super::chunk_index::{self, Chunking};
 use super::object::{Dataset, Filter, Layout};
-use super::{LARGEST, Source, TIGHTEST, UNDEFINED, Vector, little, refuse};
+use super::{LARGEST, Source, TIGHTEST, UNDEFINED, Vector, refuse};
 
 /// Bytes of a contiguous dataset that are read at once.
 const BLOCK: u64 = 1 << 20;
-/// Largest number of chunks of a dataset.
-const MAX_CHUNKS: u64 = 1 << 22;
 
 /// A part of a dataset in memory: all elements from `offset` on, over `lengths`.
 struct Part<'a> {
@@ -43,9 +41,9 @@ pub(super) fn load(source: &mut Source, dataset: &Dataset, vectors: &[Vector]) -
             copy(&Part { offset: &zeros, lengths: &dataset.lengths, bytes });
         }
         // Nothing was written: every element has the default of 0.
-        Layout::Contiguous { address: UNDEFINED } | Layout::Chunked { address: UNDEFINED, .. } => {}
+        Layout::Contiguous { address: UNDEFINED } | Layout::Chunked(Chunking { address: UNDEFINED, .. }) => {}
         Layout::Contiguous { address } => contiguous(source, dataset, *address, &mut copy)?,
-        Layout::Chunked { address, chunk } => chunked(source, dataset, *address, chunk, &mut copy)?,
+        Layout::Chunked(chunking) => chunked(source, (dataset, chunking), vectors, &mut copy)?,
     }
     Ok(loaded)
 }
@@ -55,7 +53,7 @@ pub(super) fn all(source: &mut Source, dataset: &Dataset) -> io::Result<Vec<u8>>
     match &dataset.layout {
         Layout::Compact(bytes) => Ok(bytes.clone()),
         Layout::Contiguous { address } => source.read(*address, whole(dataset)?),
-        Layout::Chunked { .. } => Err(refuse("references in chunks")),
+        Layout::Chunked(_) => Err(refuse("references in chunks")),
     }
 }
 
@@ -124,46 +122,36 @@ fn contiguous(
     Ok(())
 }
 
-/// Reads the chunks of a dataset, one after the other.
+/// Reads those chunks of a dataset that `vectors` cross, one after the other.
 fn chunked(
     source: &mut Source,
-    dataset: &Dataset,
-    address: u64,
-    chunk: &[u64],
+    (dataset, chunking): (&Dataset, &Chunking),
+    vectors: &[Vector],
     copy: &mut impl FnMut(&Part<'_>),
 ) -> io::Result<()> {
+    let chunk = chunking.lengths.as_slice();
     let unpacked = chunk.iter().try_fold(dataset.width, |bytes, length| bytes.checked_mul(*length));
     let most = source.size.saturating_mul(TIGHTEST).min(LARGEST);
     let unpacked = unpacked.filter(|bytes| *bytes <= most).ok_or_else(|| refuse("a chunk that is too large"))?;
-    let dimensions = chunk.len();
-    let tiles = dataset.lengths.iter().zip(chunk).map(|(length, chunk)| length.div_ceil(*chunk));
-    let expected = tiles.fold(1_u64, u64::saturating_mul).min(MAX_CHUNKS);
-    let (mut nodes, mut next, mut count) = (vec![address], 0, 0);
-    while let Some(&address) = nodes.get(next) {
-        next += 1;
-        let node = Node::read(source, address, 1, 8 + 8 * (dimensions as u64 + 1))?;
-        let mut body = little(&node.body);
-        for _ in 0..node.entries {
-            let (length, mask) = (body.u32()?, body.u32()?);
-            let offset = (0..dimensions).map(|_| body.u64()).collect::<io::Result<Vec<_>>>()?;
-            let (_element, child) = (body.u64()?, body.u64()?);
-            if node.level > 0 {
-                nodes.push(child);
-            } else {
-                count += 1;
-            }
-            if count > expected || nodes.len() as u64 > MAX_CHUNKS {
-                return Err(refuse(format!("more chunks than {expected}")));
-            }
-            if node.level > 0 {
-                continue;
-            }
-            let bytes = source.read(child, length.into())?;
-            let bytes = unfiltered(bytes, dataset, mask, unpacked)?;
-            copy(&Part { offset: &offset, lengths: chunk, bytes: &bytes });
-        }
-    }
-    Ok(())
+    let crosses = |first: &[u64], vector: &Vector| {
+        let mut dimensions = first.iter().zip(chunk).enumerate().filter(|(place, _)| *place != vector.along);
+        dimensions.all(|(place, (first, length))| {
+            let index = vector.cut.filter(|(across, _)| *across == place).map_or(0, |(_, index)| index);
+            index.checked_sub(*first).is_some_and(|within| within < *length)
+        })
+    };
+    let is_wanted = |first: &[u64]| vectors.iter().any(|vector| crosses(first, vector));
+    let mut visit = |source: &mut Source, place: chunk_index::Place, first: &[u64]| {
+        let is_edge = || {
+            let mut ends = first.iter().zip(chunk).map(|(first, length)| first.saturating_add(*length));
+            dataset.lengths.iter().any(|length| ends.next().is_some_and(|end| end > *length))
+        };
+        let mask = if chunking.has_plain_edges && is_edge() { u32::MAX } else { place.mask };
+        let bytes = unfiltered(source.read(place.address, place.length)?, dataset, mask, unpacked)?;
+        copy(&Part { offset: first, lengths: chunk, bytes: &bytes });
+        Ok(())
+    };
+    chunk_index::visit(source, (dataset, chunking), unpacked, &is_wanted, &mut visit)
 }
 
 /// Undoes the filters of a chunk, the last of them first.

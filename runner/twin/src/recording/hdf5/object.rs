@@ -2,6 +2,7 @@
 
 use std::io;
 
+use super::chunk_index::{ChunkIndex, Chunking};
 use super::{Source, UNDEFINED, little, refuse};
 use crate::recording::bytes::Bytes;
 use crate::recording::numbers::{Kind, Number};
@@ -59,15 +60,8 @@ pub(super) enum Filter {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Layout {
     Compact(Vec<u8>),
-    Contiguous {
-        address: u64,
-    },
-    Chunked {
-        /// Address of the B-tree.
-        address: u64,
-        /// Lengths of a chunk.
-        chunk: Vec<u64>,
-    },
+    Contiguous { address: u64 },
+    Chunked(Chunking),
 }
 
 /// Type of the elements.
@@ -88,6 +82,8 @@ pub(super) struct Dataset {
     pub(super) width: u64,
     pub(super) offset: u64,
     pub(super) lengths: Vec<u64>,
+    /// Lengths up to which the dimensions may grow; `u64::MAX` without a limit.
+    pub(super) largest: Vec<u64>,
     pub(super) layout: Layout,
     pub(super) filters: Vec<Filter>,
 }
@@ -106,6 +102,8 @@ pub(super) struct Object {
     /// Bytes of an element.
     width: u64,
     pub(super) lengths: Option<Vec<u64>>,
+    /// Lengths up to which the dimensions may grow.
+    largest: Vec<u64>,
     pub(super) layout: Option<Layout>,
     pub(super) filters: Vec<Filter>,
     /// Names and addresses.
@@ -204,7 +202,10 @@ impl Object {
 
     fn message(&mut self, kind: u16, mut bytes: Bytes<'_>) -> io::Result<()> {
         match kind {
-            DATASPACE => self.lengths = dataspace(bytes)?,
+            DATASPACE => {
+                let (lengths, largest) = dataspace(bytes)?.unzip();
+                (self.lengths, self.largest) = (lengths, largest.unwrap_or_default());
+            }
             DATATYPE => {
                 self.width = little(bytes.rest.get(4..).unwrap_or_default()).u32()?.into();
                 match datatype(&mut bytes, 0)? {
@@ -249,7 +250,7 @@ impl Object {
         };
         let [name, kind, space] = [part(lengths[0])?, part(lengths[1])?, part(lengths[2])?];
         let name = text(name);
-        let single = dataspace(little(space))?.is_some_and(|lengths| lengths.iter().all(|length| *length == 1));
+        let single = dataspace(little(space))?.is_some_and(|(lengths, _)| lengths.iter().all(|length| *length == 1));
         const STRING: u8 = 3;
         match (datatype(&mut little(kind), 0)?, kind.first().map(|class| class & 0x0f)) {
             (Ok(Type::Number(number)), _) if single && bytes.rest.len() >= usize::from(number.bytes) => {
@@ -273,13 +274,13 @@ impl Object {
             Type::Number(number) => number,
             Type::Reference | Type::Compound(_) => Number::new(Kind::Unsigned, 8, false),
         };
-        if let Layout::Chunked { chunk, .. } = &layout
+        if let Layout::Chunked(Chunking { lengths: chunk, .. }) = &layout
             && (chunk.len() != lengths.len() || chunk.contains(&0))
         {
             return None;
         }
-        let (width, filters) = (self.width, self.filters.clone());
-        Some((kind, Dataset { number, width, offset: 0, lengths, layout, filters }))
+        let (width, largest, filters) = (self.width, self.largest.clone(), self.filters.clone());
+        Some((kind, Dataset { number, width, offset: 0, lengths, largest, layout, filters }))
     }
 }
 
@@ -288,16 +289,20 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned()
 }
 
-/// Returns the lengths of the dimensions; `None` for a space without elements or with too many dimensions.
-fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<Vec<u64>>> {
+/// Returns the lengths of the dimensions and those up to which they may grow; `None` for a space without elements or with too many
+/// dimensions.
+fn dataspace(mut bytes: Bytes<'_>) -> io::Result<Option<(Vec<u64>, Vec<u64>)>> {
     let (version, dimensions) = (bytes.u8()?, bytes.u8()?);
-    let (_flags, kind) = (bytes.u8()?, bytes.u8()?);
+    let (flags, kind) = (bytes.u8()?, bytes.u8()?);
     bytes.take(if version == 1 { 4 } else { 0 })?;
     const NULL: u8 = 2;
     if dimensions > MAX_DIMENSIONS || (version != 1 && kind == NULL) {
         return Ok(None);
     }
-    (0..dimensions).map(|_| bytes.u64()).collect::<io::Result<Vec<_>>>().map(Some)
+    let mut all = || (0..dimensions).map(|_| bytes.u64()).collect::<io::Result<Vec<_>>>();
+    let lengths = all()?;
+    let largest = if flags & 1 == 0 { lengths.clone() } else { all()? };
+    Ok(Some((lengths, largest)))
 }
 
 /// Reads a type up to its end; returns the reason where it is no number, reference or compound type.
@@ -404,32 +409,43 @@ fn compound(
 fn layout(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
     let (version, class) = (bytes.u8()?, bytes.u8()?);
     Ok(match (version, class) {
-        (3 | 4, 0) => {
+        (3..=5, 0) => {
             let length = bytes.u16()?;
             Ok(Layout::Compact(bytes.take(length.into())?.to_vec()))
         }
-        (3 | 4, 1) => Ok(Layout::Contiguous { address: bytes.u64()? }),
+        (3..=5, 1) => Ok(Layout::Contiguous { address: bytes.u64()? }),
         (3, 2) => {
             let dimensions = bytes.u8()?.saturating_sub(1).min(MAX_DIMENSIONS);
             let address = bytes.u64()?;
             let chunk = (0..dimensions).map(|_| bytes.u32().map(u64::from)).collect::<io::Result<_>>()?;
-            Ok(Layout::Chunked { address, chunk })
+            Ok(Layout::Chunked(Chunking { index: ChunkIndex::Tree, address, lengths: chunk, has_plain_edges: false }))
         }
-        (4.., 2) => {
-            let (_flags, dimensions, width) = (bytes.u8()?, bytes.u8()?, bytes.u8()?);
-            bytes.take(u64::from(dimensions) * u64::from(width))?;
-            let index = match bytes.u8()? {
-                1 => "single chunk",
-                2 => "implicit",
-                3 => "fixed array",
-                4 => "extensible array",
-                5 => "B-tree of version 2",
-                _ => "unknown",
-            };
-            Err(format!("a chunk index of layout version {version} ({index}, written with libver=\"latest\")"))
-        }
+        (4 | 5, 2) => return chunks(bytes),
         (version, class) => Err(format!("a data layout of version {version} and class {class}")),
     })
+}
+
+/// Returns the chunks of a data layout of version 4 or 5, or the reason for which they cannot be read.
+fn chunks(mut bytes: Bytes<'_>) -> io::Result<Result<Layout, String>> {
+    const PLAIN_EDGES: u8 = 1;
+    const FILTERED: u8 = 2;
+    let (flags, dimensions, width) = (bytes.u8()?, bytes.u8()?, u64::from(bytes.u8()?));
+    let dimensions = dimensions.saturating_sub(1).min(MAX_DIMENSIONS);
+    let lengths = (0..dimensions).map(|_| bytes.little(width)).collect::<io::Result<_>>()?;
+    // The size of an element.
+    bytes.take(width)?;
+    let (index, parameters) = match bytes.u8()? {
+        1 if flags & FILTERED != 0 => (ChunkIndex::Single(Some((bytes.u64()?, bytes.u32()?))), 0),
+        1 => (ChunkIndex::Single(None), 0),
+        2 => (ChunkIndex::Implicit, 0),
+        3 => (ChunkIndex::FixedArray, 1),
+        4 => (ChunkIndex::ExtensibleArray, 5),
+        5 => (ChunkIndex::SecondTree, 6),
+        kind => return Ok(Err(format!("a chunk index of kind {kind}"))),
+    };
+    bytes.take(parameters)?;
+    let (address, has_plain_edges) = (bytes.u64()?, flags & PLAIN_EDGES != 0);
+    Ok(Ok(Layout::Chunked(Chunking { index, address, lengths, has_plain_edges })))
 }
 
 /// Returns the filters in the order of writing, or the reason for which they cannot be reversed.

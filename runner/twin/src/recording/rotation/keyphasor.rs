@@ -95,11 +95,14 @@ enum Detector {
     Pulses(PulseDetection, Option<Edges>),
     /// By their count.
     Count(Counter),
+    /// By their instants, this number of pulses apart: a reading is the number of samples since the last instant, where that comes after the
+    /// sample before.
+    Instants(u64),
 }
 
 impl Detector {
     const fn is_ready(&self) -> bool {
-        matches!(self, Self::Pulses(_, Some(_)) | Self::Count(_))
+        matches!(self, Self::Pulses(_, Some(_)) | Self::Count(_) | Self::Instants(_))
     }
 }
 
@@ -114,6 +117,9 @@ impl Keyphasor {
         let detector = match signal {
             KeyphasorSignal::Pulses(given) => Detector::Pulses(*given, None),
             KeyphasorSignal::Count => Detector::Count(Counter::new(pulses_per_turn)),
+            KeyphasorSignal::Instants { .. } => {
+                Detector::Instants(KeyphasorSignal::instant_spacing(pulses_per_turn, missing).into())
+            }
         };
         Self {
             column: column.into(),
@@ -151,15 +157,20 @@ impl Keyphasor {
     pub(super) fn threshold(&self) -> Option<UsedThreshold> {
         match &self.detector {
             Detector::Pulses(given, edges) => edges.as_ref().map(|edges| edges.used(given)),
-            Detector::Count(_) => None,
+            Detector::Count(_) | Detector::Instants(_) => None,
         }
+    }
+
+    /// Returns true for instants in place of a signal.
+    pub(super) const fn has_instants(&self) -> bool {
+        matches!(self.detector, Detector::Instants(_))
     }
 
     /// Returns the width in bits at which a count was found to wrap.
     pub(super) const fn count_bits(&self) -> Option<u32> {
         match &self.detector {
             Detector::Count(counter) => counter.bits(),
-            Detector::Pulses(..) => None,
+            Detector::Pulses(..) | Detector::Instants(_) => None,
         }
     }
 
@@ -290,6 +301,15 @@ impl Keyphasor {
                     self.take_counted(start, steps, at);
                 }
             }
+            Detector::Instants(spacing) if reading >= 0.0 => {
+                let (start, steps) = (Instant { index: at.index, fraction: -reading }, *spacing);
+                if steps == 1 {
+                    self.find(start, at, output)?;
+                } else {
+                    self.take_counted(start, steps, at);
+                }
+            }
+            Detector::Instants(_) => {}
         }
         // Two pulses alone may be less than a turn apart.
         if self.pulses.len() > 2 && self.quiet as f64 > self.patience * period {
@@ -485,6 +505,7 @@ impl Keyphasor {
     const fn spacing(&self) -> f64 {
         match &self.detector {
             Detector::Count(counter) => counter.spacing() as f64,
+            Detector::Instants(spacing) => *spacing as f64,
             Detector::Pulses(..) => 1.0,
         }
     }
@@ -556,6 +577,7 @@ impl Keyphasor {
         let (column, samples) = (self.column.clone(), self.waiting.len());
         match &self.detector {
             Detector::Count(_) => RotationError::NoCount { column, samples, low },
+            Detector::Instants(_) => RotationError::NoInstant { column, samples },
             Detector::Pulses(PulseDetection { threshold: Some(threshold), .. }, _) => {
                 RotationError::NoCrossing { column, samples, low, high, threshold: *threshold }
             }

@@ -47,7 +47,7 @@ fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
         let time = i as f64 * period - settle;
         let drive = ShaftMotion { angle: Phase::from_revolutions(turns(time)), speed, acceleration: 0.0 };
         if time >= 0.0 {
-            let sample = ResponseSample { time, turned: turns(time), drive, held: 0, twin: &*twin, plant: &plant };
+            let sample = ResponseSample { time, turned: turns(time), drive, twin: &*twin, plant: &plant };
             instruments.read(&sample, &mut cells);
             let mut separator = '\n';
             for cell in &cells {

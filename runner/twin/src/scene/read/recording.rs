@@ -350,6 +350,14 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
     }
 }
 
+/// `kind` of a keyphasor.
+#[derive(Clone, Copy)]
+enum Kind {
+    Pulses,
+    Count,
+    Instants,
+}
+
 fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     if !node.is_table() {
         return node.choice(&[("synchronous", ())]).map(|()| RotationSource::Synchronous);
@@ -362,17 +370,22 @@ fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     let pulses = table.required("pulses_per_turn", expected)?;
     let pulses_per_turn =
         u32::try_from(pulses.integer(1, u32::MAX.into(), expected)?).map_err(|_| pulses.refuse(expected))?;
-    let is_count = table.read("kind", |n| n.choice(&[("pulses", false), ("count", true)]))?.unwrap_or(false);
-    if is_count {
-        for key in ["missing", "unit", "threshold", "hysteresis", "slope"] {
-            if let Some(node) = table.optional(key) {
-                return Err(node.misplaced("only with kind = \"pulses\"; remove it"));
-            }
-        }
-        return Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing: 0, signal: KeyphasorSignal::Count });
+    let kinds = [("pulses", Kind::Pulses), ("count", Kind::Count), ("instants", Kind::Instants)];
+    let kind = table.read("kind", |n| n.choice(&kinds))?.unwrap_or(Kind::Pulses);
+    let misplaced: &[&str] = match kind {
+        Kind::Pulses => &[],
+        Kind::Count => &["missing", "unit", "threshold", "hysteresis", "slope"],
+        Kind::Instants => &["threshold", "hysteresis", "slope"],
+    };
+    if let Some(node) = misplaced.iter().find_map(|key| table.optional(key)) {
+        return Err(node.misplaced("only with kind = \"pulses\"; remove it"));
     }
     let missing = table.read("missing", |n| missing_teeth(n, pulses_per_turn))?.unwrap_or(0);
-    let signal = KeyphasorSignal::Pulses(pulse_detection(&table)?);
+    let signal = match kind {
+        Kind::Pulses => KeyphasorSignal::Pulses(pulse_detection(&table)?),
+        Kind::Count => KeyphasorSignal::Count,
+        Kind::Instants => KeyphasorSignal::Instants { seconds: unit(&table, units::time_column, units::TIME_UNITS)? },
+    };
     Ok(RotationSource::Keyphasor { column, pulses_per_turn, missing, signal })
 }
 

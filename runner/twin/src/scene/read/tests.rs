@@ -510,6 +510,15 @@ fn keys_of_a_keyphasor() {
     };
     assert_eq!((missing, found), (2, wanted));
     assert!(matches!(read("kind = \"count\""), RotationSource::Keyphasor { signal: KeyphasorSignal::Count, .. }));
+    let instants = read("kind = \"instants\", unit = \"ms\"");
+    assert!(
+        matches!(instants, RotationSource::Keyphasor { signal: KeyphasorSignal::Instants { seconds: 1e-3 }, .. }),
+        "{instants:?}"
+    );
+    assert_eq!((instants.unit(), instants.factor()), (Some("ms"), None));
+    refused("kind = \"instants\"", &["keyphasor.unit: missing key, expected the unit of the column: s, ms"]);
+    refused("kind = \"instants\", unit = \"V\"", &["keyphasor.unit", "a unit of time"]);
+    refused("kind = \"instants\", unit = \"s\", threshold = 1", &["keyphasor.threshold: misplaced key", "kind = \"pulses\""]);
 }
 
 /// Displacement of a reading by the factor and the offset of the probe.
