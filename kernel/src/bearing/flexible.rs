@@ -137,7 +137,7 @@ impl<E: Elements> FlexibleRing<E::Scalar> for E {
             let (contact, k) = self.contact_and_stiffness(motion);
             sum.add(position, &contact);
             stiffness.add(position, &k);
-            point.radial_stiffness = point.radial_stiffness + scale * k.radial;
+            point.radial_stiffness += scale * k.radial;
             contact
         });
         let ring = self.ring();
