@@ -43,8 +43,9 @@ use feed::{CAPACITY, FeedItem, FeedReceiver, SourceCounters};
 use out::{Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
 use service::Service;
-use source::{Encoding, ReaderHandle, Resume, lock};
+use source::{AckReceiver, Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
+use std::collections::VecDeque;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -53,6 +54,8 @@ use view::{MonitorState, SharedView};
 
 /// Time without samples after which a source is silent.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
+/// Time after which a source has an acknowledgement, or its connection has ended.
+const TRANSIT_TIME: Duration = Duration::from_secs(20);
 /// Time limit for the end of the reader thread, which may be blocked by standard input.
 const READER_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest time for which the twin processes queued samples after a signal.
@@ -109,8 +112,9 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
     let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
     let (sender, mut receiver) = feed::feed(CAPACITY);
-    if state.is_some() {
-        receiver.counters.acknowledged.store(resume.index, Ordering::Relaxed);
+    if let Some(file) = &mut state {
+        let acknowledged = *file.state.acknowledged.get_or_insert(resume.index);
+        receiver.counters.acknowledged.store(acknowledged, Ordering::Relaxed);
     }
     let reader = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
@@ -161,6 +165,7 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         seconds_index: previous.seconds_index,
         seconds_time: start_time,
         acknowledged: None,
+        in_transit: VecDeque::new(),
         first_time: None,
         time: start_time,
         last_arrival: Instant::now(),
@@ -285,6 +290,8 @@ struct Monitor<'a, 'o> {
     seconds_time: f64,
     /// Last acknowledged sequence number.
     acknowledged: Option<u32>,
+    /// Acknowledgements that may be in transit: time, and number of the first sample after it.
+    in_transit: VecDeque<(Instant, u64)>,
     /// Time of the first row, s.
     first_time: Option<f64>,
     /// Time of the latest row, s.
@@ -523,19 +530,31 @@ impl Monitor<'_, '_> {
 
     /// Sends the source the sequence number up to which it may discard frames.
     fn acknowledge(&mut self) {
-        let Some(file) = &self.state else { return };
+        let Some(file) = &mut self.state else { return };
         let Some(last) = file.state.resume.sequence.map(|sequence| sequence.wrapping_sub(1)) else { return };
-        if self.acknowledged == Some(last) || file.state.resume.index == 0 {
+        let index = file.state.resume.index;
+        if self.acknowledged == Some(last) || index == 0 {
             return;
         }
-        self.receiver.counters.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
-        let mut channel = lock(self.ack_channel);
-        if let Some(stream) = channel.as_mut() {
-            self.acknowledged = Some(last);
+        let mut receiver = lock(self.ack_channel);
+        match &mut *receiver {
+            AckReceiver::Absent => return,
+            AckReceiver::Unread => {}
             // A source that leaves acknowledgements unread until its buffer is full gets no more of them.
-            if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
-                *channel = None;
+            AckReceiver::Source(stream) => {
+                if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
+                    *receiver = AckReceiver::Unread;
+                }
             }
+        }
+        self.acknowledged = Some(last);
+        // The source may not have the latest ones: a kill or the end of the connection may come first.
+        let transit_time = if matches!(&*receiver, AckReceiver::Unread) { Duration::ZERO } else { TRANSIT_TIME };
+        self.in_transit.push_back((Instant::now(), index));
+        while let Some((_, received)) = self.in_transit.front().filter(|(sent, _)| sent.elapsed() >= transit_time) {
+            file.state.acknowledged = Some(*received);
+            self.receiver.counters.acknowledged.store(*received, Ordering::Relaxed);
+            self.in_transit.pop_front();
         }
     }
 
