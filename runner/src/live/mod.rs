@@ -107,9 +107,14 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
     let network = Network::bind(options.outputs, &options.http.hosts)?;
     let shared = options.view.clone().or_else(|| options.http.address.map(|_| SharedView::default()));
+    let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
+    // The first state that the page shows has the alarms from before a restart.
+    let mut display = Display::new(shared.clone());
+    display.view.alarms = previous.alarms.clone();
+    display.view.set_state(MonitorState::Waiting);
+    display.publish();
     let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
-    let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
     let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
     let (sender, mut receiver) = feed::feed(CAPACITY);
     if let Some(file) = &mut state {
@@ -120,9 +125,6 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
     let mut service = Service::ready();
-    let mut display = Display::new(shared);
-    display.view.alarms = previous.alarms.clone();
-    display.view.set_state(MonitorState::Waiting);
     let damages = state.as_mut().and_then(|file| file.damage.take()).into_iter().chain(outputs.take_damage());
     for sentence in damages {
         let event = EventRecord::new(EventMessage { kind: "file-damaged", sentence }, start_time);
