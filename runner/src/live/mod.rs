@@ -60,6 +60,12 @@ const TRANSIT_TIME: Duration = Duration::from_secs(20);
 const READER_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest time for which the twin processes queued samples after a signal.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// Longest time in the recording of the samples of one block, s: many times the real-time rate, but outputs and view
+/// stay up to date.
+const BLOCK_SPAN: f64 = 0.25;
+/// Number of samples that a block may have in any case: those of a slow machine cover minutes, and are processed in some
+/// milliseconds.
+const MIN_BLOCK: usize = 1000;
 /// Longest time for which the twin processes samples in one block.
 const WORK_LIMIT: Duration = Duration::from_millis(50);
 
@@ -393,9 +399,9 @@ impl Monitor<'_, '_> {
         let has_started = self.replay.has_started();
         let end = self.first_time.map_or(f64::INFINITY, |first| first + block_time.as_secs_f64());
         let is_due = |row: &Row| !is_recording || !has_started || row.time < end;
-        let mut processed = 0_u64;
-        // A quarter of a second of samples per block: many times the real-time rate, but outputs and view stay up to date.
-        let max_items = if self.first_time.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
+        let mut processed = 0;
+        let max_items =
+            if self.first_time.is_none() { 1 } else { ((self.rate * BLOCK_SPAN) as usize + 1).max(MIN_BLOCK) };
         // A recording is paused while the twin starts.
         while processed < max_items
             && !(is_recording && self.replay.is_searching())
@@ -470,13 +476,17 @@ impl Monitor<'_, '_> {
             self.outputs.add_second(second, next_index)?;
         }
         // While the twin catches up, its seconds are older than the preliminary ones, which have readings only.
+        let mut latest = None;
         for second in update.preliminary.iter().chain(&update.seconds) {
             self.display.view.add_second(second);
             if second.time_s >= self.published_time {
                 self.published_time = second.time_s;
-                let limits = self.replay.limit_status();
-                self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
+                latest = Some(second);
             }
+        }
+        if let Some(second) = latest {
+            let limits = self.replay.limit_status();
+            self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
         }
         if std::mem::take(&mut self.is_state_changed) || self.outputs.is_retry_due() {
             self.save();
