@@ -147,7 +147,7 @@ fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
     // A restart keeps the acknowledgement and does not report the fault again.
     let desk = site.kill();
     let site = Site::start(desk, &[&["--source", "demonstration"], &options[..]].concat());
-    assert_eq!(site.wait("the state before", is_acknowledged), at);
+    assert_eq!(is_acknowledged(&site.state()), Some(at.clone()), "the first state after the restart");
     site.wait("a diagnosis", |state| {
         let events = state["events"].as_array().unwrap();
         events.iter().any(|event| event["kind"] == "fault-size").then_some(())

@@ -46,7 +46,7 @@ pub struct SourceCounters {
     pub sequence_offset: AtomicU64,
     /// Number of the first sample to which `sequence_offset` applies.
     pub offset_since: AtomicU64,
-    /// Number of the first sample that is not acknowledged; [`u64::MAX`] for a monitor without a state.
+    /// Number of the first sample whose acknowledgement the source may not have; [`u64::MAX`] for a monitor without a state.
     pub acknowledged: AtomicU64,
 }
 

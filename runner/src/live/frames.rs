@@ -15,6 +15,8 @@ const REPEAT_WINDOW: f64 = 2.0;
 const MAX_LEAD: f64 = 1.0;
 /// Minimum time of consecutive repeated frames for a measurement of their rate, s.
 const RATE_WINDOW: f64 = 0.25;
+/// Minimum number of them: fewer that pause on their way for a moment would have the rate of new samples of a slow machine.
+const MIN_REPEATS: u32 = 64;
 /// Ratio of arrival time to recorded time from which on repeated sequence numbers are new samples.
 const REAL_TIME_RATIO: f64 = 0.8;
 
@@ -152,7 +154,8 @@ impl SequenceTracker {
         };
         self.repeats = Some((start, count, number.wrapping_add(1)));
         let elapsed = now.saturating_duration_since(start).as_secs_f64() * self.rate;
-        if f64::from(count) < RATE_WINDOW * self.rate || elapsed < REAL_TIME_RATIO * f64::from(count) {
+        let is_measured = count >= MIN_REPEATS && f64::from(count) >= RATE_WINDOW * self.rate;
+        if !is_measured || elapsed < REAL_TIME_RATIO * f64::from(count) {
             return FramePosition::Repeated;
         }
         self.restarted_at = self.next_index;
@@ -300,6 +303,18 @@ mod tests {
             let count = (0..1000).take_while(|i| locate(*i) == FramePosition::Repeated).count();
             assert_eq!(count, repeated);
         }
+    }
+
+    /// A source at 8 Hz repeats what was not acknowledged; its second frame comes a moment later.
+    #[test]
+    fn a_pause_between_repeated_frames_of_a_slow_machine_is_no_restart() {
+        let (mut tracker, start) = (SequenceTracker::new(8.0, None, 0), Instant::now());
+        (0..1000).for_each(|number| assert_eq!(tracker.locate(number, start, None), sample(u64::from(number), 0)));
+        for number in 900..1000 {
+            let now = start + Duration::from_millis(if number > 900 { 400 } else { 0 });
+            assert_eq!(tracker.locate(number, now, Some(900)), FramePosition::Repeated, "{number}");
+        }
+        assert_eq!(tracker.locate(1000, start, Some(900)), sample(1000, 0));
     }
 
     #[test]

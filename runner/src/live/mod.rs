@@ -44,10 +44,11 @@ use feed::{CAPACITY, FeedItem, FeedReceiver, SourceCounters};
 use out::{Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
 use service::Service;
-use source::{Encoding, ReaderHandle, Resume, lock};
+use source::{AckReceiver, Encoding, ReaderHandle, Resume, lock};
 use state::{State, StateFile};
 use state_lines::StateLines;
 use status::Status;
+use std::collections::VecDeque;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,10 +57,18 @@ use view::{MonitorState, SharedView};
 
 /// Time without samples after which a source is silent.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(1);
+/// Time after which a source has an acknowledgement, or its connection has ended.
+const TRANSIT_TIME: Duration = Duration::from_secs(20);
 /// Time limit for the end of the reader thread, which may be blocked by standard input.
 const READER_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest time for which the twin processes queued samples after a signal.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// Longest time in the recording of the samples of one block, s: many times the real-time rate, but outputs and view
+/// stay up to date.
+const BLOCK_SPAN: f64 = 0.25;
+/// Number of samples that a block may have in any case: those of a slow machine cover minutes, and are processed in some
+/// milliseconds.
+const MIN_BLOCK: usize = 1000;
 /// Longest time for which the twin processes samples in one block.
 const WORK_LIMIT: Duration = Duration::from_millis(50);
 
@@ -107,21 +116,24 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let mut state = options.state.map(|folder| StateFile::open(folder, &scene.name)).transpose()?;
     let network = Network::bind(options.outputs, &options.http.hosts)?;
     let shared = options.view.clone().or_else(|| options.http.address.map(|_| SharedView::default()));
+    let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
+    // The first state that the page shows has the alarms from before a restart.
+    let mut display = Display::new(shared.clone());
+    display.view.alarms = previous.alarms.clone();
+    display.view.set_state(MonitorState::Waiting);
+    display.publish();
     let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
-    let previous = state.as_ref().map_or_else(State::default, |file| file.state.clone());
     let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
     let (sender, mut receiver) = feed::feed(CAPACITY);
-    if state.is_some() {
-        receiver.counters.acknowledged.store(resume.index, Ordering::Relaxed);
+    if let Some(file) = &mut state {
+        let acknowledged = *file.state.acknowledged.get_or_insert(resume.index);
+        receiver.counters.acknowledged.store(acknowledged, Ordering::Relaxed);
     }
     let reader = source::start(&options.source, options.encoding, scene, recording, resume, sender)?;
     let mut outputs = Outputs::open(options.outputs, network, state.as_ref().map(|file| &file.state))?;
     state.as_mut().map_or(Ok(()), StateFile::begin)?;
     let mut service = Service::ready();
-    let mut display = Display::new(shared);
-    display.view.alarms = previous.alarms.clone();
-    display.view.set_state(MonitorState::Waiting);
     let damages = state.as_mut().and_then(|file| file.damage.take()).into_iter().chain(outputs.take_damage());
     for sentence in damages {
         let event = EventRecord::new(EventMessage { kind: "file-damaged", sentence }, start_time);
@@ -164,6 +176,7 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         seconds_index: previous.seconds_index,
         seconds_time: start_time,
         acknowledged: None,
+        in_transit: VecDeque::new(),
         first_time: None,
         time: start_time,
         last_arrival: Instant::now(),
@@ -289,6 +302,8 @@ struct Monitor<'a, 'o> {
     seconds_time: f64,
     /// Last acknowledged sequence number.
     acknowledged: Option<u32>,
+    /// Acknowledgements that may be in transit: time, and number of the first sample after it.
+    in_transit: VecDeque<(Instant, u64)>,
     /// Time of the first row, s.
     first_time: Option<f64>,
     /// Time of the latest row, s.
@@ -389,9 +404,9 @@ impl Monitor<'_, '_> {
         let has_started = self.replay.has_started();
         let end = self.first_time.map_or(f64::INFINITY, |first| first + block_time.as_secs_f64());
         let is_due = |row: &Row| !is_recording || !has_started || row.time < end;
-        let mut processed = 0_u64;
-        // A quarter of a second of samples per block: many times the real-time rate, but outputs and view stay up to date.
-        let max_items = if self.first_time.is_none() { 1 } else { (self.rate * 0.25) as u64 + 1 };
+        let mut processed = 0;
+        let max_items =
+            if self.first_time.is_none() { 1 } else { ((self.rate * BLOCK_SPAN) as usize + 1).max(MIN_BLOCK) };
         // A recording is paused while the twin starts.
         while processed < max_items
             && !(is_recording && self.replay.is_searching())
@@ -466,13 +481,17 @@ impl Monitor<'_, '_> {
             self.outputs.add_second(second, next_index)?;
         }
         // While the twin catches up, its seconds are older than the preliminary ones, which have readings only.
+        let mut latest = None;
         for second in update.preliminary.iter().chain(&update.seconds) {
             self.display.view.add_second(second);
             if second.time_s >= self.published_time {
                 self.published_time = second.time_s;
-                let limits = self.replay.limit_status();
-                self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
+                latest = Some(second);
             }
+        }
+        if let Some(second) = latest {
+            let limits = self.replay.limit_status();
+            self.outputs.publish(second, &limits, &self.receiver.counters, self.schedule.misses());
         }
         if std::mem::take(&mut self.is_state_changed) || self.outputs.is_retry_due() {
             self.save();
@@ -528,19 +547,31 @@ impl Monitor<'_, '_> {
 
     /// Sends the source the sequence number up to which it may discard frames.
     fn acknowledge(&mut self) {
-        let Some(file) = &self.state else { return };
+        let Some(file) = &mut self.state else { return };
         let Some(last) = file.state.resume.sequence.map(|sequence| sequence.wrapping_sub(1)) else { return };
-        if self.acknowledged == Some(last) || file.state.resume.index == 0 {
+        let index = file.state.resume.index;
+        if self.acknowledged == Some(last) || index == 0 {
             return;
         }
-        self.receiver.counters.acknowledged.store(file.state.resume.index, Ordering::Relaxed);
-        let mut channel = lock(self.ack_channel);
-        if let Some(stream) = channel.as_mut() {
-            self.acknowledged = Some(last);
+        let mut receiver = lock(self.ack_channel);
+        match &mut *receiver {
+            AckReceiver::Absent => return,
+            AckReceiver::Unread => {}
             // A source that leaves acknowledgements unread until its buffer is full gets no more of them.
-            if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
-                *channel = None;
+            AckReceiver::Source(stream) => {
+                if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
+                    *receiver = AckReceiver::Unread;
+                }
             }
+        }
+        self.acknowledged = Some(last);
+        // The source may not have the latest ones: a kill or the end of the connection may come first.
+        let transit_time = if matches!(&*receiver, AckReceiver::Unread) { Duration::ZERO } else { TRANSIT_TIME };
+        self.in_transit.push_back((Instant::now(), index));
+        while let Some((_, received)) = self.in_transit.front().filter(|(sent, _)| sent.elapsed() >= transit_time) {
+            file.state.acknowledged = Some(*received);
+            self.receiver.counters.acknowledged.store(*received, Ordering::Relaxed);
+            self.in_transit.pop_front();
         }
     }
 

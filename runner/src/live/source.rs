@@ -66,8 +66,18 @@ pub struct ReaderHandle {
     pub ack_channel: AckChannel,
 }
 
-/// TCP connection of the current source, if any.
-pub type AckChannel = Arc<Mutex<Option<TcpStream>>>;
+/// Receiver of the acknowledgements, which changes with the connections.
+pub type AckChannel = Arc<Mutex<AckReceiver>>;
+
+/// Receiver of acknowledgements.
+pub enum AckReceiver {
+    /// The source on this TCP connection.
+    Source(TcpStream),
+    /// No source is connected.
+    Absent,
+    /// The source reads none: files, datagrams, and a source whose buffer is full.
+    Unread,
+}
 
 /// Starts the reader thread of `address`.
 ///
@@ -82,7 +92,8 @@ pub fn start(
     sender: FeedSender,
 ) -> Result<ReaderHandle> {
     let (rate_sender, rate) = mpsc::channel();
-    let ack_channel = AckChannel::default();
+    let receiver = if matches!(address, Address::Tcp(_)) { AckReceiver::Absent } else { AckReceiver::Unread };
+    let ack_channel = AckChannel::new(Mutex::new(receiver));
     let listener = match address {
         Address::Tcp(local) => Some(TcpListener::bind(local).with_context(|| cannot_listen(address))?),
         _ => None,
@@ -423,7 +434,7 @@ impl SourceReader {
         let rows = self.sender.counters.rows.load(Ordering::Relaxed);
         add(&self.sender.counters.connections, 1);
         self.sender.push_event("source-connected", format!("Source {peer} connected."));
-        *lock(&self.ack_channel) = stream.try_clone().ok();
+        *lock(&self.ack_channel) = stream.try_clone().map_or(AckReceiver::Unread, AckReceiver::Source);
         let is_replaced = Arc::new(AtomicBool::new(false));
         let source = SourceStream {
             stream,
@@ -434,7 +445,7 @@ impl SourceReader {
             is_silent: false,
         };
         let result = self.read_stream(Box::new(source), &format!("tcp {peer}"));
-        *lock(&self.ack_channel) = None;
+        *lock(&self.ack_channel) = AckReceiver::Absent;
         let (kind, reason) = if is_replaced.load(Ordering::Relaxed) {
             ("source-replaced", "is silent and is replaced by the next connection")
         } else {

@@ -38,6 +38,8 @@ pub struct State {
     pub id: String,
     /// First sample that a restart reads.
     pub resume: Resume,
+    /// First sample whose acknowledgement the source may not have; `None` in a state of an earlier program.
+    pub acknowledged: Option<u64>,
     /// First sample after the seconds whose indicators are on disk.
     pub seconds_index: u64,
     /// End of these seconds in the time of the recording, s.

@@ -141,7 +141,8 @@ impl View {
     /// Adds the indicators of a second; replaces an entry of the same time.
     pub fn add_second(&mut self, second: &Second) {
         let second = Arc::new(second.clone());
-        if let Some(entry) = self.seconds.iter_mut().rev().find(|other| other.time_s == second.time_s) {
+        let mut later = self.seconds.iter_mut().rev().take_while(|other| other.time_s >= second.time_s);
+        if let Some(entry) = later.find(|other| other.time_s == second.time_s) {
             *entry = second;
             return;
         }

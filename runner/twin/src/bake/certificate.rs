@@ -317,7 +317,6 @@ fn referenced_files(scene: &Scene) -> Vec<ReferencedFile> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::{Field, parsed, rounded_up};
 
