@@ -3,7 +3,7 @@
 use std::io;
 
 use super::group::Node;
-use super::object::Dataset;
+use super::object::{ChunkIndex, Chunking, Dataset};
 use super::{Source, UNDEFINED, little, refuse};
 
 /// Largest number of chunks of a dataset.
@@ -16,33 +16,6 @@ const LARGEST_PAGE: u8 = 32;
 const DEEPEST: u16 = 16;
 /// Largest number of bytes of an index that are read, over the size of the file: every block is read once or twice.
 const MOST_READ: u64 = 4;
-
-/// Index of the chunks of a dataset with its address.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ChunkIndex {
-    /// B-tree of version 1.
-    Tree,
-    /// One chunk without an index; with filters its length and the mask of filters that are left out.
-    Single(Option<(u64, u32)>),
-    /// All chunks one after the other.
-    Implicit,
-    FixedArray,
-    ExtensibleArray,
-    /// B-tree of version 2.
-    SecondTree,
-}
-
-/// Chunks of a dataset.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Chunking {
-    pub(super) index: ChunkIndex,
-    /// Address of the index, or of the first chunk.
-    pub(super) address: u64,
-    /// Lengths of a chunk.
-    pub(super) lengths: Vec<u64>,
-    /// Chunks beyond the end of a dimension have no filters.
-    pub(super) has_plain_edges: bool,
-}
 
 /// A chunk in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
 
-use super::chunk_index::{self, Chunking};
-use super::object::{Dataset, Filter, Layout};
+use super::chunk_index;
+use super::object::{Chunking, Dataset, Filter, Layout};
 use super::{LARGEST, Source, TIGHTEST, UNDEFINED, Vector, refuse};
 
 /// Bytes of a contiguous dataset that are read at once.

@@ -2,7 +2,6 @@
 
 use std::io;
 
-use super::chunk_index::{ChunkIndex, Chunking};
 use super::{Source, UNDEFINED, little, refuse};
 use crate::recording::bytes::Bytes;
 use crate::recording::numbers::{Kind, Number};
@@ -54,6 +53,33 @@ pub(super) enum Filter {
     Shuffle,
     /// Checksum of four bytes at the end.
     Fletcher32,
+}
+
+/// Index of the chunks of a dataset with its address.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ChunkIndex {
+    /// B-tree of version 1.
+    Tree,
+    /// One chunk without an index; with filters its length and the mask of filters that are left out.
+    Single(Option<(u64, u32)>),
+    /// All chunks one after the other.
+    Implicit,
+    FixedArray,
+    ExtensibleArray,
+    /// B-tree of version 2.
+    SecondTree,
+}
+
+/// Chunks of a dataset.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Chunking {
+    pub(super) index: ChunkIndex,
+    /// Address of the index, or of the first chunk.
+    pub(super) address: u64,
+    /// Lengths of a chunk.
+    pub(super) lengths: Vec<u64>,
+    /// Chunks beyond the end of a dimension have no filters.
+    pub(super) has_plain_edges: bool,
 }
 
 /// Place of the numbers of a dataset.
