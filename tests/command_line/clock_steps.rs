@@ -1,18 +1,20 @@
 //! The clock of the computer is set forward and back while a monitor runs.
 
 use crate::frames_source::{RATE, Rig, connected, plateau, port, signal};
-use crate::support::number;
+use crate::support::{Desk, number};
 use serde_json::Value;
 use std::io::{Read, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The library that gives a program a clock of its own.
-fn clock_library() -> Option<PathBuf> {
+pub fn clock_library() -> Option<PathBuf> {
     let folders = std::fs::read_dir("/usr/lib").ok()?.map_while(Result::ok);
     folders.map(|folder| folder.path().join("faketime/libfaketime.so.1")).find(|path| path.exists())
 }
 
-fn get(port: u16, path: &str) -> Value {
+/// The JSON that a live page answers.
+pub fn get(port: u16, path: &str) -> Value {
     let mut stream = connected(port);
     write!(stream, "GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
     let mut answer = String::new();
@@ -20,6 +22,16 @@ fn get(port: u16, path: &str) -> Value {
     let (head, body) = answer.split_once("\r\n\r\n").unwrap();
     assert!(head.starts_with("HTTP/1.1 200"), "{head}");
     serde_json::from_str(body).unwrap()
+}
+
+/// Gives a program the clock of the file `clock` on the desk, such as `+1h`.
+pub fn set_clock(command: &mut Command, desk: &Desk, library: &Path) {
+    command.env("LD_PRELOAD", library).env("FAKETIME_TIMESTAMP_FILE", desk.path("clock"));
+    // The monotonic clock and the times of files stay those of the computer.
+    command.envs(
+        ["FAKETIME_NO_CACHE", "FAKETIME_DONT_FAKE_MONOTONIC", "DONT_FAKE_MONOTONIC", "NO_FAKE_STAT"]
+            .map(|name| (name, "1")),
+    );
 }
 
 /// An hour forward and three hours back: no second and no event is lost or written twice, their times follow the samples, and page
@@ -37,12 +49,7 @@ fn a_clock_that_is_set_loses_nothing() {
     let rig = Rig::new(&[&FILES[..], &["--http", &address]].concat());
     rig.desk.put("clock", "+0");
     let mut command = rig.command();
-    command.env("LD_PRELOAD", library).env("FAKETIME_TIMESTAMP_FILE", rig.desk.path("clock"));
-    // The monotonic clock and the times of files stay those of the computer.
-    command.envs(
-        ["FAKETIME_NO_CACHE", "FAKETIME_DONT_FAKE_MONOTONIC", "DONT_FAKE_MONOTONIC", "NO_FAKE_STAT"]
-            .map(|name| (name, "1")),
-    );
+    set_clock(&mut command, &rig.desk, &library);
     let child = command.spawn().unwrap();
     let mut steps = [(4, "+1h"), (8, "-2h")].into_iter().peekable();
     rig.feed(u64::MAX, |rig| {

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::io::{Read, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use serde_json::Value;
@@ -25,7 +25,7 @@ exit $code
 "#;
 
 /// True where this machine lets a user mount a disk in a namespace; prints a note where it does not.
-fn can_mount() -> bool {
+pub fn can_mount() -> bool {
     let desk = Desk::empty();
     fs::create_dir(desk.path("disk")).unwrap();
     let mount = "mount -t tmpfs -o size=64k none disk";
@@ -36,6 +36,29 @@ fn can_mount() -> bool {
         println!("skipped: no user namespace with a tmpfs on this machine (unshare -rm: {status:?})");
     }
     can
+}
+
+/// Fills the disk of an event log with the file `filler`, until neither a further page nor a further byte of the log's
+/// last page is left.
+pub fn fill(log: &Path, filler: &Path) {
+    let length = fs::metadata(log).unwrap().len() as usize;
+    let blanks = " ".repeat(PAGE - 1 - length % PAGE) + "\n";
+    fs::OpenOptions::new().append(true).open(log).unwrap().write_all(blanks.as_bytes()).unwrap();
+    let mut file = fs::File::create(filler).unwrap();
+    let since = std::time::Instant::now();
+    while file.write_all(&[0; 512]).is_ok() {
+        assert!(since.elapsed().as_secs() < 10, "the disk is not small");
+    }
+}
+
+/// A number that the metrics of a monitor show.
+pub fn metric(port: u16, name: &str) -> f64 {
+    let mut scrape = connected(port);
+    scrape.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+    let mut page = String::new();
+    scrape.read_to_string(&mut page).unwrap();
+    let line = page.lines().find_map(|line| line.strip_prefix(name)?.trim().parse().ok());
+    line.unwrap_or(0.0)
 }
 
 /// A monitor that writes to a small disk.
@@ -67,34 +90,11 @@ impl SmallDisk {
         PathBuf::from(format!("/proc/{}/root{}/{name}", pid.trim(), desk.display()))
     }
 
-    /// Fills the disk until neither a further page nor a further byte of the event log's last page is left.
-    fn fill(&self) {
-        let log = self.path("events.jsonl");
-        let length = fs::metadata(&log).unwrap().len() as usize;
-        let blanks = " ".repeat(PAGE - 1 - length % PAGE) + "\n";
-        fs::OpenOptions::new().append(true).open(log).unwrap().write_all(blanks.as_bytes()).unwrap();
-        let mut file = fs::File::create(self.path("filler")).unwrap();
-        let since = std::time::Instant::now();
-        while file.write_all(&[0; 512]).is_ok() {
-            assert!(since.elapsed().as_secs() < 10, "the disk is not small");
-        }
-    }
-
-    /// A number that the monitor's metrics show.
-    fn metric(&self, name: &str) -> f64 {
-        let mut scrape = connected(self.metrics);
-        scrape.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
-        let mut page = String::new();
-        scrape.read_to_string(&mut page).unwrap();
-        let line = page.lines().find_map(|line| line.strip_prefix(name)?.trim().parse().ok());
-        line.unwrap_or(0.0)
-    }
-
     /// Feeds the monitor until it acknowledges seconds, fills the disk, and feeds it until it lacks seconds on disk.
     fn until_full(&self) {
         self.rig.feed(u64::MAX, |rig| rig.acknowledged() >= 3 * RATE);
-        self.fill();
-        self.rig.feed(u64::MAX, |_| self.metric("ballrace_seconds_not_written") >= 2.0);
+        fill(&self.path("events.jsonl"), &self.path("filler"));
+        self.rig.feed(u64::MAX, |_| metric(self.metrics, "ballrace_seconds_not_written") >= 2.0);
     }
 
     /// Ends the monitor and returns its outcome; its files are in `copy` then.

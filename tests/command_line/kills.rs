@@ -1,24 +1,33 @@
 //! A monitor killed at any moment and started again: no second and no event is lost or written twice.
 
-use crate::frames_source::{RATE, Rig, plateau, signal, spike};
+use crate::frames_source::{RATE, Rig, connected, plateau, signal, spike, wait_until};
+use std::io::Write;
 use std::process::Child;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// A sequence of pseudo-random numbers from 0 to 1 (Knuth's linear congruential generator).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-fn kill(mut child: Child) {
+pub fn kill(mut child: Child) {
     child.kill().unwrap();
     child.wait().unwrap();
 }
+
+/// What a power failure or a bad disk does to a state.
+pub const DAMAGES: [fn(Vec<u8>) -> Vec<u8>; 4] = [
+    |bytes| bytes[..bytes.len() / 2].to_vec(),
+    |_| vec![],
+    |bytes| vec![0; bytes.len()],
+    |bytes| String::from_utf8(bytes).unwrap().replacen("\"seconds_index\": ", "\"seconds_index\": 9", 1).into(),
+];
 
 /// Kills the monitor `kills` times at random moments, then checks everything up to the sample `end`.
 fn assert_nothing_lost_or_doubled(kills: u32, seed: u64) {
@@ -133,7 +142,7 @@ fn a_crossing_of_an_acknowledged_second_is_reported_after_a_kill() {
     assert_eq!(events(true), uninterrupted);
 }
 
-/// A power failure or a bad disk leaves a part of the state, nothing or zeros: the monitor goes on with the copy.
+/// The monitor goes on with the copy of a damaged state.
 #[test]
 fn a_damaged_state_loses_and_doubles_nothing() {
     let rig = Rig::new(&["--state", "state", "--events", "events.jsonl", "--indicators", "trend"]);
@@ -144,13 +153,7 @@ fn a_damaged_state_loses_and_doubles_nothing() {
         kill(child);
     };
     run(3);
-    let damages: [fn(Vec<u8>) -> Vec<u8>; 4] = [
-        |bytes| bytes[..bytes.len() / 2].to_vec(),
-        |_| vec![],
-        |bytes| vec![0; bytes.len()],
-        |bytes| String::from_utf8(bytes).unwrap().replacen("\"seconds_index\": ", "\"seconds_index\": 9", 1).into(),
-    ];
-    for damage in damages {
+    for damage in DAMAGES {
         let state = std::fs::read(rig.desk.path("state/state.json")).unwrap();
         rig.desk.put("state/state.json", damage(state));
         run(2);
@@ -205,4 +208,40 @@ fn seconds_on_disk_that_the_state_lacks_are_not_written_twice() {
     let whole: Vec<f64> = (1..=times.len()).map(|i| i as f64).collect();
     assert_eq!(times, whole, "a second is missing or written twice");
     assert!(times.len() >= 9, "{times:?}");
+}
+
+/// A source that does not know of its acknowledgements sends its frames again: to the same monitor, and to one that was
+/// killed.
+#[test]
+fn frames_whose_acknowledgement_did_not_arrive_are_not_doubled() {
+    let rig = Rig::new(&["--state", "state", "--events", "events.jsonl", "--indicators", "trend"]);
+    let mut child = rig.start();
+    let written = |rig: &Rig| {
+        let text = std::fs::read_to_string(rig.desk.path("state/state.json")).unwrap_or_default();
+        serde_json::from_str::<serde_json::Value>(&text).ok()?["seconds_index"].as_u64()
+    };
+    let since = Instant::now();
+    for end in [8 * RATE, 16 * RATE, 24 * RATE] {
+        // The source reads its acknowledgements, and then has forgotten them.
+        let mut stream = connected(rig.port);
+        // An acknowledgement of 20 s ago is not forgotten.
+        let first = if since.elapsed().as_secs() < 15 { 0 } else { written(&rig).unwrap_or(0) };
+        (first..end).for_each(|index| stream.write_all(&rig.frame(index)).unwrap());
+        // A source that closed with unread bytes would reset the connection, with what the monitor has not read yet.
+        stream.shutdown(std::net::Shutdown::Write).unwrap();
+        std::io::copy(&mut stream, &mut std::io::sink()).unwrap();
+        wait_until("the seconds on disk", || written(&rig).is_some_and(|index| index + 2 * RATE >= end));
+        if end == 16 * RATE {
+            kill(child);
+            child = rig.start();
+        }
+    }
+    signal(&child, "TERM");
+    let output = child.wait_with_output().unwrap();
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&output.stderr));
+    let log = rig.desk.read("events.jsonl");
+    assert!(!log.contains("source-counts-anew"), "{log}");
+    let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
+    assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
+    assert!((22..=24).contains(&times.len()), "{times:?}");
 }

@@ -117,7 +117,7 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
     let mut index = 0;
     // For longer than a vanished source stays connected, at ten times real time.
     while since.elapsed() < Duration::from_secs(45) {
-        let sent = (index..index + RATE / 10).try_for_each(|sample| stream.write_all(&rig.frames.bytes(sample)));
+        let sent = (index..index + RATE / 10).try_for_each(|sample| stream.write_all(&rig.frame(sample)));
         if let Err(error) = sent {
             let (after, events) = (since.elapsed(), rig.desk.read("events.jsonl"));
             terminate(child.id());

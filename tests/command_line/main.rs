@@ -41,6 +41,8 @@ mod live_sources;
 mod live_start;
 mod long;
 mod modules;
+#[cfg(target_os = "linux")]
+mod month;
 mod new_scene;
 mod observer;
 mod outliers;
