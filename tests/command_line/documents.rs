@@ -280,6 +280,14 @@ fn tables_of_a_scene() -> Vec<(&'static str, &'static str, String)> {
         ("## system", "unbalance", format!("{BEARING}{system}unbalance = [{{ unknown = 1 }}]\n")),
         ("## bearing", "", format!("{BEARING}unknown = 1\n")),
         ("## bearing", "axial", format!("{SPRINGS}axial = {{ unknown = 1 }}\n")),
+        ("## bearing", "outer_ring", format!("{SPRINGS}outer_ring = {{ unknown = 1 }}\n")),
+        (
+            "## bearing",
+            "inlet_heating",
+            format!(
+                "{BALLS}lubricant = {{ viscosity = 1, pressure_viscosity = 1, inlet_heating = {{ unknown = 1 }} }}\n"
+            ),
+        ),
         ("## bearing", "two_spring", BEARING.replace("stiffness_matrix", "two_spring = { unknown = 1 }\n#")),
         ("## integration", "", format!("{BEARING}[integration]\nunknown = 1\n")),
         ("## recording", "", format!("{BEARING}{recording}unknown = 1\n")),
