@@ -57,7 +57,8 @@ pub fn outcome(child: Child) -> Value {
     let output = crate::live_start::ended(child);
     let err = String::from_utf8_lossy(&output.stderr);
     assert!(matches!(output.status.code(), Some(0 | 3)), "{:?} {err}", output.status);
-    assert_eq!(err, "");
+    // Without a display the monitor states how it is.
+    assert!(err.lines().all(|line| line.starts_with("State at ")), "{err}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 

@@ -12,7 +12,7 @@ pub use force_model::{AnyForceModel, ForceModel};
 pub use housing::HousingShape;
 pub use lumped::Housing;
 use lumped::{Elements, Lumped};
-pub use outer_ring::BendingRing;
+pub use outer_ring::{BendingRing, OuterRing};
 
 use crate::simd::Dispatched;
 use ballrace::bearing::flexible::FlexibleRing;

@@ -118,9 +118,9 @@ impl FreeRotor {
 /// Stations at which forces of bearings act on a rotor, m.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ForceStations<'a> {
-    /// Of radial forces and moments.
+    /// Stations of radial forces and moments.
     pub radial: &'a [f64],
-    /// Of axial forces whose flexibility counts.
+    /// Stations of axial forces whose flexibility counts.
     pub axial: &'a [f64],
 }
 

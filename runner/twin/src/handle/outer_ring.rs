@@ -5,7 +5,6 @@
 //! Engineering). The order 1 is a displacement of the whole ring, which belongs to the housing. The ring has no inertia: its shape is
 //! that in which it is in equilibrium with the elements, found anew for every displacement of the inner ring.
 
-use crate::scene::OuterRing;
 use ballrace::bearing::Reaction;
 use ballrace::bearing::flexible::HousingPoint;
 use ballrace::{Phase, Scalar, Stiffness};
@@ -20,6 +19,21 @@ const PARTS: usize = 40;
 const OVERSHOOT: f64 = 0.5;
 /// Unbalanced force over load, in units of the precision, at which a shape is in equilibrium.
 const BALANCED: f64 = 8.0;
+
+/// `outer_ring = { radius, width, thickness, youngs_modulus, orders }`: a thin ring that bends
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OuterRing {
+    /// m, of the neutral line, above 0
+    pub radius: f64,
+    /// m, above 0
+    pub width: f64,
+    /// m, radial, above 0
+    pub thickness: f64,
+    /// Pa, above 0
+    pub youngs_modulus: f64,
+    /// Highest order of the shape, 2 or more.
+    pub orders: usize,
+}
 
 /// A ring with the elements on it.
 #[derive(Debug, Clone)]

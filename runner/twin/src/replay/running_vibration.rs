@@ -40,7 +40,7 @@ pub(super) struct RunningVibration {
     /// Rate of the recording, Hz.
     rate: f64,
     schedule: BackgroundSchedule,
-    /// Of the last row.
+    /// Index of the last row.
     index: u64,
     seconds: StatisticsOfSensors,
     work: Work,

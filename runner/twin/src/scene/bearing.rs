@@ -2,6 +2,7 @@
 
 use super::{Coordinates, Mounting};
 use crate::catalogue::Listed;
+use crate::handle::OuterRing;
 use ballrace::bearing::quasi_static::film;
 
 /// One `[[bearing]]`.
@@ -101,21 +102,6 @@ impl Bearing {
         let play = self.law.and_then(|law| law.radial_play).map(|play| 2.0 * play);
         play.or_else(|| self.geometry.map(|geometry| geometry.clearance()))
     }
-}
-
-/// `outer_ring = { radius, width, thickness, youngs_modulus, orders }`: a thin ring that bends
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OuterRing {
-    /// m, of the neutral line, above 0
-    pub radius: f64,
-    /// m, above 0
-    pub width: f64,
-    /// m, radial, above 0
-    pub thickness: f64,
-    /// Pa, above 0
-    pub youngs_modulus: f64,
-    /// Highest order of the shape, 2 or more.
-    pub orders: usize,
 }
 
 /// Values of the catalogue in a scene.

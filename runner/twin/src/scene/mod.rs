@@ -14,10 +14,11 @@ mod table;
 pub mod units;
 
 pub use crate::flexible_rotor::{Disk, FlexibleRotor, Section};
+pub use crate::handle::OuterRing;
 pub use bearing::{
     Axial, Bearing, CageRunout, Defect, DefectShape, Effects, Facing, FreeAngle, FrictionSharing, FromCatalogue,
-    Geometry, InletHeating, Law, Linear, Lubricant, Model, OuterRing, Preload, PreloadAmount, PreloadState,
-    RaceControl, Support, Surface, TableRange, Wave,
+    Geometry, InletHeating, Law, Linear, Lubricant, Model, Preload, PreloadAmount, PreloadState, RaceControl, Support,
+    Surface, TableRange, Wave,
 };
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
