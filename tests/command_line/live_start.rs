@@ -10,7 +10,7 @@ use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
 /// Longest time that a test waits for a condition.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Time within which a monitor ends that does not compute on: a busy machine takes seconds.
 pub const PROMPT: Duration = Duration::from_secs(15);

@@ -3,7 +3,7 @@
 //!
 //! Its energy is `pi E A c_0^2/R + sum over n of pi E I (n^2 - 1)^2 (c_n^2 + s_n^2)/(2 R^3)` (Timoshenko, Vibration Problems in
 //! Engineering). The order 1 is a displacement of the whole ring, which belongs to the housing. The ring has no inertia: its shape is
-//! that in which it is in equilibrium with the elements, found anew for every displacement of the inner ring.
+//! that in which it is in equilibrium with the elements, found for every displacement of the inner ring.
 
 use ballrace::bearing::Reaction;
 use ballrace::bearing::flexible::HousingPoint;
