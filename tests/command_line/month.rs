@@ -551,6 +551,10 @@ impl Month {
         signal(life.child.as_ref().unwrap(), "TERM");
         let output = ended(life.child.take().unwrap());
         let err = String::from_utf8_lossy(&output.stderr);
+        // It had no sample since its start.
+        if output.status.code() == Some(1) && err.contains("no sample") {
+            return;
+        }
         assert!(matches!(output.status.code(), Some(0 | 3)), "{:?} {err}", output.status);
         let outcome: Value = serde_json::from_slice(&output.stdout).unwrap();
         for count in ["seconds_not_written", "events_not_written"] {
