@@ -226,7 +226,7 @@ fn an_absent_cost_has_a_reason_and_an_empty_column_is_left_out() {
         "radial_play = \"2 um\"\nwaviness = [{ surface = \"outer\", order = 9, amplitude = \"0.1 um\" }]\n",
     );
     let wavy = text(&wavy);
-    let reason = "bearings with waviness, defects or a displaced housing are not counted.";
+    let reason = "bearings with waviness, defects, a displaced housing or a bending outer ring are not counted.";
     assert!(!wavy.contains("instr.") && wavy.contains(reason), "{wavy}");
 }
 

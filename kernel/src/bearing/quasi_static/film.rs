@@ -158,7 +158,7 @@ pub fn central_film(oil: Lubricant, modulus: f64, along: f64, ellipticity: f64, 
 ///
 /// ```
 /// use ballrace::bearing::quasi_static::film::{InletHeating, thermal_reduction};
-/// // 0.1 Pa s at 20 m/s, 1 GPa between steel bodies: a third of the isothermal film.
+/// // 0.1 Pa s at 20 m/s, 1 GPa between steel bodies: less than half of the isothermal film is left.
 /// let oil = InletHeating { temperature_coefficient: 0.04, conductivity: 0.14 };
 /// let left = thermal_reduction(0.1, oil, 20.0, 1e9 / 226e9);
 /// assert!(left > 0.4 && left < 0.5);

@@ -79,7 +79,7 @@ impl BendingRing {
 
     /// Returns the ring in equilibrium with the elements. `evaluate` computes the force on the inner ring and adds reaction and radial
     /// stiffness to every point. The energy of ring and contacts is convex: there is one such shape, and damped Newton steps reach it.
-    /// Cost: one evaluation of all elements and one factorisation per step, of which there are usually 3 to 8.
+    /// Cost: one evaluation of all elements and one factorisation per step.
     pub fn loaded<T: Scalar>(
         &self,
         cage: Phase,

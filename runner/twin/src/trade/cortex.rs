@@ -58,7 +58,7 @@ impl Cost {
 pub enum NotCounted {
     /// The model is not counted in this precision with these math functions.
     Arithmetic,
-    /// The surfaces of the bearing deviate: waviness, a defect, a displaced housing.
+    /// The surfaces of the bearing deviate: waviness, a defect, a displaced housing, a bending outer ring.
     Surface,
     /// The load law along the axis is not counted with that of the radius.
     Law,
@@ -72,7 +72,9 @@ impl NotCounted {
     pub const fn reason(self) -> &'static str {
         match self {
             Self::Arithmetic => "the model is not counted in this arithmetic",
-            Self::Surface => "bearings with waviness, defects or a displaced housing are not counted",
+            Self::Surface => {
+                "bearings with waviness, defects, a displaced housing or a bending outer ring are not counted"
+            }
             Self::Law => "the axial load law is counted together with a radial one of power 3/2 alone",
             Self::Effects => "these effects are not counted together",
         }
