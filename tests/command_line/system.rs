@@ -181,7 +181,7 @@ fn a_matlab_file_has_sparse_matrices() {
     let desk = desk();
     desk.done(&args);
     let (_, full) = numbers(&desk.read("m.csv"));
-    desk.put("rotor.mat", include_bytes!("../../runner/twin/src/recording/mat/sparse-packed.mat"));
+    desk.put("rotor.mat", include_bytes!("../../runner/recording/src/mat/sparse-packed.mat"));
     let text = ["M.mtx", "B.npy", "G.mtx", "K.mtx", "f.npy"]
         .iter()
         .fold(desk.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));

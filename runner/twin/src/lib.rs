@@ -73,20 +73,19 @@
 //!
 //! # Layers
 //!
-//! Each layer uses modules of its own and of the layers above it only.
+//! This crate is the front of those below, each of which uses only crates above it in the table; it re-exports their modules.
 //!
-//! | layer | modules | content |
+//! | crate | modules here | content |
 //! | --- | --- | --- |
-//! | basis | [`printable`], [`output`], [`folder_lock`], [`parquet_table`], [`parallel`], [`least_squares`], [`eigenvalues`] | safe text, complete or absent files, tables; work on all processors; numerical methods |
-//! | kernel | [`simd`], [`handle`], [`flexible_rotor`] | bearings of the kernel chosen at run time; a rotor that bends in a few coordinates |
-//! | input | [`catalogue`], [`scene`], [`recording`], [`draft`] | bearings by designation; a scene file with units, checked; recordings in several formats, row by row, with counted flaws; the draft of a scene |
-//! | outcome | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
-//! | model | [`plant`], [`probes`], [`spectrum`], [`error`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; amplitudes of lines |
-//! | studies | [`campbell`], [`effect_significance`], [`equilibrium`], [`force`], [`motion`], [`sweep`], [`trade`] | one question about a scene each |
-//! | estimation | [`observer`], [`plausibility`] | displacement and unmodelled force from noisy probes; whether a recording can be one of the scene's machine |
-//! | evaluation | [`vibration`], [`diagnosis`], [`replay`] | measured against computed motion, forces, indicators, limits, diagnosis: an [`Outcome`](outcome::Outcome) |
-//! | inverse problems | [`fit`], [`bake`] | parameters from a recording; constants for firmware |
-//! | use | [`check`], [`fleet`], [`record`] | check of a scene with its recording; a table of machines; events and seconds of a running monitor |
+//! | `ballrace-base` | [`printable`], [`output`], [`parallel`], [`least_squares`], [`eigenvalues`], ... | safe text, complete or absent files; work on all processors; numerical methods |
+//! | `ballrace-scene` | [`scene`], [`catalogue`], [`flexible_rotor`] | a scene file with units, checked; bearings by designation; a rotor that bends in a few coordinates |
+//! | `ballrace-recording` | [`recording`], [`parquet_table`] | recordings in several formats, row by row, with counted flaws |
+//! | `ballrace-models` | [`scene::build`], [`handle`], [`simd`] | bearings of the kernel, built from a scene and chosen at run time |
+//! | `ballrace-outcome` | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
+//! | `ballrace-plant` | [`plant`], [`probes`], [`spectrum`], [`error`], [`observer`], [`motion`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; displacement and unmodelled force from noisy probes |
+//! | `ballrace-diagnosis` | [`diagnosis`], [`vibration`], [`plausibility`] | kind, place and size of faults; whether a recording can be one of the scene's machine |
+//! | `ballrace-studies` | [`campbell`], [`effect_significance`], [`equilibrium`], [`force`], [`sweep`], [`trade`], [`fit`], [`bake`] | one question about a scene each; parameters from a recording, constants for firmware |
+//! | `ballrace-replay` | [`replay`], [`check`], [`draft`], [`fleet`], [`record`] | measured against computed motion: an [`Outcome`](outcome::Outcome); check and draft of a scene; a table of machines; records of a monitor |
 //!
 //! Data flows one way: scene and recording, displacement at each bearing, force, twin, residual, outcome.
 //!
@@ -106,47 +105,19 @@
 //! - No life or maintenance decision: the outcome reports diagnoses with their evidence.
 #![forbid(unsafe_code)]
 
-pub mod bake;
-pub mod campbell;
-pub mod catalogue;
-mod caught;
-pub mod check;
-pub mod diagnosis;
-pub mod draft;
-pub mod effect_significance;
-pub mod eigenvalues;
-pub mod equilibrium;
-pub mod error;
-pub mod fit;
-pub mod fleet;
-pub mod flexible_rotor;
-pub mod folder_lock;
-pub mod force;
-pub mod handle;
-pub mod least_squares;
-mod moments;
-pub mod motion;
-mod npy_header;
-pub mod observer;
-pub mod options;
-pub mod outcome;
-pub mod output;
-pub mod parallel;
-pub mod parquet_table;
-pub mod plant;
-pub mod plausibility;
-pub mod printable;
-mod priority;
-pub mod probes;
-pub mod record;
-pub mod recording;
-pub mod replay;
-pub mod scene;
-mod sha256;
-pub mod simd;
-pub mod spectrum;
-mod statistics;
-pub mod sweep;
-pub mod trade;
-pub mod verdict;
-pub mod vibration;
+pub use ballrace_base::{eigenvalues, folder_lock, least_squares, output, parallel, printable};
+pub use ballrace_diagnosis::{self as diagnosis, plausibility, vibration};
+pub use ballrace_models::{handle, simd};
+pub use ballrace_outcome::{self as outcome, options, verdict};
+pub use ballrace_plant::{self as plant, error, motion, observer, probes, spectrum};
+pub use ballrace_recording::{self as recording, parquet_table};
+pub use ballrace_replay::{self as replay, check, draft, fleet, record};
+pub use ballrace_scene::{catalogue, flexible_rotor};
+pub use ballrace_studies::{bake, campbell, effect_significance, equilibrium, fit, force, sweep, trade};
+
+/// Scenes: the description of a machine (TOML with units), and the kernel's parameters from it.
+pub mod scene {
+    pub use ballrace_base::bounded;
+    pub use ballrace_models::build;
+    pub use ballrace_scene::*;
+}

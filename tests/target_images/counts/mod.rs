@@ -126,7 +126,8 @@ fn figures_do_not_depend_on_the_input_and_match_the_documented_tables() {
         let section = table::section(&compiler(), &rows, &yardstick::rows(), &fast::errors());
         std::fs::write(chapter(), format!("{before}{section}{after}")).expect(CHAPTER);
         let known: String = rows.iter().map(Row::known).collect();
-        std::fs::write(super::root().join("runner/twin/src/trade/cortex-m4f.csv"), known).expect("the runner takes it");
+        std::fs::write(super::root().join("runner/studies/src/trade/cortex-m4f.csv"), known)
+            .expect("the runner takes it");
         return;
     }
     if !stated.contains(&format!("Compiled by {},", compiler())) {

@@ -1,0 +1,355 @@
+//! Calibration: parameters of a scene fitted to a recording of the healthy machine.
+
+use super::candidates::SLIPS;
+use super::fit::{Fitted, MODEL_ERROR, Prior, changed, fit_whole};
+use super::machine::{Machine, Unknown};
+use super::residual::Evidence;
+use super::{Prepared, Result, cage};
+use ballrace_base::statistics::{largest_chi_square, quantile};
+use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
+use ballrace_scene::Scene;
+use nalgebra::{DMatrix, DVector};
+use std::time::{Duration, Instant};
+
+/// Clearances that are tried where a bearing carries no load, over that of the scene.
+const SMALLER_CLEARANCES: [f64; 12] = [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4];
+/// Largest number of rounds of fit, weighting and search of the cages.
+pub const MAX_ROUNDS: usize = 16;
+/// Precision of the prior until the last fit, over that of the scene: on the way to the minimum the damping may be far from both.
+const LOOSE: f64 = 0.25;
+/// Relative standard deviation of a damping from which it keeps its earlier value.
+const VAGUE: f64 = 0.1;
+/// Iterations of a fit: while the cages are false, a fit that converges adapts the other parameters to them.
+const ITERATIONS: usize = 8;
+/// Fall of chi-squared in a round, over its excess and its standard deviation by noise, below which Young's modulus is fitted as well: far
+/// from the recording, the other parameters explain it nearly as well, and with a false cage it leaves for a minimum from which the cage is
+/// not found.
+const SETTLED: f64 = 0.1;
+/// The same, below which the calibration ends.
+const DONE: f64 = 0.01;
+
+/// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
+const UNLIKELY: f64 = 1e-3;
+/// Share of machines of which an interval does not contain the true parameter, all parameters together.
+const MISSED: f64 = 0.05;
+
+/// A calibration with the number of values of its residual.
+#[derive(Debug)]
+pub struct Calibrated {
+    /// The calibration.
+    pub calibration: Calibration,
+    /// Number of values of the residual.
+    pub values: usize,
+    /// Number of rounds.
+    pub rounds: usize,
+    /// Reason why the search does not converge; none where it does.
+    pub not_converged: Option<String>,
+}
+
+/// Bounds and progress of a calibration.
+pub struct CalibrationPlan<'a> {
+    /// Receives the number of each round before it, from 1; at most [`MAX_ROUNDS`].
+    pub begin: &'a dyn Fn(usize),
+    /// Time after which the calibration is given up; none without a limit.
+    pub time_limit: Option<Duration>,
+}
+
+/// Returns the name in a table, the unit there, and its size in SI.
+const fn printed_name(name: ParameterName) -> (&'static str, &'static str, f64) {
+    match name {
+        ParameterName::DiametralClearance => ("diametral_clearance", "um", 1e-6),
+        ParameterName::YoungsModulus => ("youngs_modulus", "GPa", 1e9),
+        ParameterName::TranslationDamping => ("damping of translations", "N s/m", 1.0),
+        ParameterName::RotationDamping => ("damping of tilt", "N m s/rad", 1.0),
+        ParameterName::UnbalanceX => ("unbalance along X", "g mm", 1e-6),
+        ParameterName::UnbalanceY => ("unbalance along Y", "g mm", 1e-6),
+        ParameterName::CoupleX => ("unbalance couple along X", "g mm^2", 1e-9),
+        ParameterName::CoupleY => ("unbalance couple along Y", "g mm^2", 1e-9),
+    }
+}
+
+/// Parameters of the rotor.
+const OF_ROTOR: [(ParameterName, Unknown); 6] = [
+    (ParameterName::TranslationDamping, Unknown::Damping(0)),
+    (ParameterName::RotationDamping, Unknown::Damping(1)),
+    (ParameterName::UnbalanceX, Unknown::Unbalance(0)),
+    (ParameterName::UnbalanceY, Unknown::Unbalance(1)),
+    (ParameterName::CoupleX, Unknown::Unbalance(2)),
+    (ParameterName::CoupleY, Unknown::Unbalance(3)),
+];
+
+/// Returns the relative standard deviation of a scene's value; `None` where the scene's value has no relation to the machine.
+///
+/// Young's modulus of bearing steels differs by 2 %, with catalogue dimensions the stiffness by 5 %; a clearance class spans a
+/// factor of two; damping is seldom measured; rotors are rebalanced.
+fn scene_deviation(name: ParameterName) -> Option<f64> {
+    match name {
+        ParameterName::YoungsModulus => Some(0.05),
+        ParameterName::DiametralClearance => Some(0.3),
+        ParameterName::TranslationDamping | ParameterName::RotationDamping => Some(0.5),
+        ParameterName::UnbalanceX | ParameterName::UnbalanceY | ParameterName::CoupleX | ParameterName::CoupleY => None,
+    }
+}
+
+/// Returns the parameters of bearing `b`.
+fn of_bearing(b: usize) -> [(ParameterName, Unknown); 2] {
+    [(ParameterName::DiametralClearance, Unknown::Clearance(b)), (ParameterName::YoungsModulus, Unknown::Modulus(b))]
+}
+
+/// Returns all parameters of a machine, with the bearing of each.
+fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)> {
+    let of_bearings =
+        machine.bearings.iter().enumerate().filter(|(_, b)| b.scene.geometry.is_some()).flat_map(|(b, _)| {
+            of_bearing(b).into_iter().map(move |(parameter, unknown)| (parameter, Some(b), unknown))
+        });
+    let of_rotor = OF_ROTOR.into_iter().map(|(parameter, unknown)| (parameter, None, unknown));
+    // Damping that the scene does not have stays 0.
+    let exists = |unknown: &Unknown| !matches!(unknown, Unknown::Damping(_)) || unknown.get(machine) > 0.0;
+    of_bearings.chain(of_rotor).filter(|(.., unknown)| exists(unknown)).collect()
+}
+
+impl Calibrated {
+    /// Returns the calibration compared with its scene, and with the noise of the probes by its residual.
+    #[must_use]
+    pub fn learning(&self, scene: &Scene) -> Learning {
+        let learning = learning(&self.calibration, scene, self.values);
+        let (taken, stored) =
+            (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
+        Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
+    }
+}
+
+/// Returns the scene with the parameters of a calibration.
+#[must_use]
+pub fn calibrated_scene(calibration: &Calibration, scene: &Scene) -> Scene {
+    let Some(mut machine) = Machine::new(scene) else { return scene.clone() };
+    apply(calibration, &mut machine);
+    machine.scene(scene)
+}
+
+/// Returns the calibration compared with its scene, and with the noise of the probes by its residual of `values` values.
+fn learning(calibration: &Calibration, scene: &Scene, values: usize) -> Learning {
+    let largest = largest_chi_square(values.max(1) as f64) + MODEL_ERROR;
+    let found = calibration.chi_square_per_value;
+    let mut learning = Learning {
+        parameters: vec![],
+        rounds: 0,
+        not_converged: None,
+        chi_square_per_value: found,
+        largest_chi_square_per_value: largest,
+        // NaN is no chi-squared of a machine.
+        taken: found <= largest,
+        stored: found <= largest,
+        chi_square_with_faults: None,
+    };
+    let Some(machine) = Machine::new(scene) else { return learning };
+    let present = present(calibration, &machine);
+    let each = present.len().max(1) as f64;
+    let (unlikely, reach) = (quantile(0.5 * UNLIKELY / each), quantile(0.5 * MISSED / each));
+    for (i, unknown) in present {
+        let CalibratedParameter { name, bearing, value, deviation } = &calibration.parameters[i];
+        let (printed, unit, size) = printed_name(*name);
+        let given = unknown.get(&machine);
+        let known = scene_deviation(*name).map(|share| share * given.abs()).filter(|known| *known > 0.0);
+        let deviations = known.map(|known| (value - given) / known.hypot(*deviation));
+        let least = if scene_deviation(*name).is_some() { 0.0 } else { f64::NEG_INFINITY };
+        learning.parameters.push(LearnedParameter {
+            name: bearing.as_ref().map_or_else(|| printed.to_owned(), |bearing| format!("{bearing}: {printed}")),
+            unit,
+            scene: given / size,
+            value: value / size,
+            low: (value - reach * deviation).max(least) / size,
+            high: (value + reach * deviation) / size,
+            deviations,
+            unlikely: deviations.is_some_and(|deviations| deviations.abs() > unlikely),
+        });
+    }
+    learning
+}
+
+/// Returns the parameters that a machine has, with their indices in the calibration.
+fn present(calibration: &Calibration, machine: &Machine) -> Vec<(usize, Unknown)> {
+    let place = |(parameter, b, unknown): (ParameterName, Option<usize>, Unknown)| {
+        let name = b.map(|b| machine.bearings[b].scene.name.as_str());
+        let at = calibration.parameters.iter().position(|p| p.name == parameter && p.bearing.as_deref() == name)?;
+        Some((at, unknown))
+    };
+    parameters(machine).into_iter().filter_map(place).collect()
+}
+
+/// Returns the calibrated unknowns with their covariance.
+pub(super) fn covariance(calibration: &Calibration, machine: &Machine) -> (Vec<Unknown>, DMatrix<f64>) {
+    let present = present(calibration, machine);
+    let of = |i: usize, j: usize| {
+        let (i, j) = (present[i].0, present[j].0);
+        let correlation = calibration.correlation.get(i).and_then(|row| row.get(j)).copied();
+        let correlation = if i == j { 1.0 } else { correlation.unwrap_or(0.0) };
+        correlation * calibration.parameters[i].deviation * calibration.parameters[j].deviation
+    };
+    let covariance = DMatrix::from_fn(present.len(), present.len(), of);
+    (present.into_iter().map(|(_, unknown)| unknown).collect(), covariance)
+}
+
+fn prior(calibration: &Calibration, machine: &Machine) -> Prior {
+    let (unknowns, covariance) = covariance(calibration, machine);
+    let n = unknowns.len();
+    // Inverted with a unit diagonal: the units of the parameters differ by 20 orders of magnitude.
+    let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
+    let inverse = scaled.try_inverse().unwrap_or_else(|| DMatrix::identity(n, n));
+    let mut known = machine.clone();
+    apply(calibration, &mut known);
+    let mean = DVector::from_iterator(unknowns.len(), unknowns.iter().map(|u| u.get(&known)));
+    let precision = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]));
+    Prior { unknowns, mean, precision }
+}
+
+fn apply(calibration: &Calibration, machine: &mut Machine) {
+    for (at, unknown) in present(calibration, machine) {
+        unknown.set(machine, calibration.parameters[at].value);
+    }
+}
+
+/// Returns the prior of the parameters of a machine from its scene.
+fn of_scene(machine: &Machine) -> Prior {
+    let known = parameters(machine).into_iter().filter_map(|(parameter, _, unknown)| {
+        let mean = unknown.get(machine);
+        let deviation = scene_deviation(parameter)? * mean.abs();
+        (deviation > 0.0).then_some((unknown, mean, deviation))
+    });
+    let known: Vec<(Unknown, f64, f64)> = known.collect();
+    Prior {
+        unknowns: known.iter().map(|k| k.0).collect(),
+        mean: DVector::from_iterator(known.len(), known.iter().map(|k| k.1)),
+        precision: DMatrix::from_diagonal(&DVector::from_iterator(known.len(), known.iter().map(|k| k.2.powi(-2)))),
+    }
+}
+
+/// Returns a machine whose bearings carry load: where no element touches its race, a fit has no slope.
+///
+/// The clearance of a bearing without load becomes the one that leaves the least.
+fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
+    let mut now = start.clone();
+    let with_clearance = parameters(&start.machine).into_iter().filter_map(|(.., unknown)| match unknown {
+        Unknown::Clearance(b) => Some(b),
+        _ => None,
+    });
+    for b in with_clearance {
+        let forces = e.evaluated(&now.machine, b)?.forces(&e.motion);
+        let loaded = forces.iter().filter(|force| force.iter().any(|f| *f != 0.0)).count();
+        if loaded * 2 > forces.len() {
+            continue;
+        }
+        let given = Unknown::Clearance(b).get(&start.machine);
+        for share in SMALLER_CLEARANCES {
+            let mut machine = now.machine.clone();
+            Unknown::Clearance(b).set(&mut machine, share * given);
+            let tried = changed(e, &now, &machine)?;
+            if tried.chi_square < now.chi_square {
+                now = tried;
+            }
+        }
+    }
+    Ok(now.machine)
+}
+
+/// Returns the fit with a damping that the recording hardly determines as it was known before: where the motion is not far above the noise,
+/// damping is estimated too high.
+fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<Instant>) -> Result<Fitted> {
+    let is_vague = |(i, unknown): (usize, &Unknown)| {
+        let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
+        matches!(unknown, Unknown::Damping(_))
+            && prior.unknowns.contains(unknown)
+            && deviation > VAGUE * unknown.get(&fitted.machine)
+    };
+    let vague: Vec<Unknown> =
+        fitted.unknowns.iter().enumerate().filter(|of| is_vague(*of)).map(|(_, unknown)| *unknown).collect();
+    if vague.is_empty() {
+        return Ok(fitted);
+    }
+    let mut machine = fitted.machine.clone();
+    for unknown in &vague {
+        unknown.set(&mut machine, prior.mean_of(*unknown));
+    }
+    let unknowns: Vec<Unknown> = fitted.unknowns.iter().filter(|unknown| !vague.contains(unknown)).copied().collect();
+    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, (2 * ITERATIONS, end))
+}
+
+/// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
+pub(super) fn calibrate(
+    of: &mut Prepared,
+    earlier: Option<&Calibration>,
+    plan: &CalibrationPlan<'_>,
+) -> Result<Calibrated> {
+    let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+    let is_over = || end.is_some_and(|end| Instant::now() > end);
+    let own = parameters(&of.healthy.machine);
+    let prior = match earlier {
+        Some(calibration) => prior(calibration, &of.healthy.machine),
+        None => of_scene(&of.healthy.machine),
+    };
+    let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
+    let mut now = of.healthy.clone();
+    let loaded = with_load(&of.evidence, &now)?;
+    if loaded != now.machine {
+        of.evidence.weight_for(&loaded)?;
+        (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &loaded, SLIPS)?;
+    }
+    let loose = prior.times(LOOSE);
+    let mut has_modulus = false;
+    let (mut rounds, mut still_falls) = (0, None);
+    while rounds < MAX_ROUNDS && !is_over() {
+        rounds += 1;
+        (plan.begin)(rounds);
+        let before = now.chi_square;
+        let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
+        unknowns.retain(|unknown| has_modulus || !matches!(unknown, Unknown::Modulus(_)));
+        now = fit_whole(&of.evidence, &now, &unknowns, &loose, (ITERATIONS, end))?;
+        of.evidence.weight_for(&now.machine)?;
+        (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
+        let values = now.residual.len() as f64;
+        let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
+        let fall = before - now.chi_square;
+        if has_modulus && fall < DONE * excess {
+            still_falls = None;
+            break;
+        }
+        still_falls = Some(fall / before);
+        has_modulus |= fall < SETTLED * excess;
+    }
+    let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
+    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, (2 * ITERATIONS, end))?;
+    let now = with_known_damping(&of.evidence, fitted, &prior, end)?;
+    let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
+        (Some(limit), _) => Some(format!(
+            "the search does not converge because its time has ended: {} s, in round {rounds} of at most {MAX_ROUNDS}, expected more time \
+             (--time-limit) or a recording that the model describes",
+            limit.as_secs_f64()
+        )),
+        (None, Some(still_falls)) => Some(format!(
+            "the search does not converge: after {MAX_ROUNDS} rounds chi-squared still falls by {:.1e} % a round",
+            100.0 * still_falls
+        )),
+        (None, None) => None,
+    };
+    let chi_square_per_value = now.chi_square / now.residual.len().max(1) as f64;
+    let inflation = chi_square_per_value.max(1.0).sqrt();
+    let place = |unknown: &Unknown| now.unknowns.iter().position(|fitted| fitted == unknown);
+    let deviation = |i: usize| now.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+    let correlation = |a: &Unknown, b: &Unknown| match (place(a), place(b)) {
+        (Some(i), Some(j)) => now.covariance[(i, j)] / (deviation(i) * deviation(j)),
+        _ => f64::from(u8::from(a == b)),
+    };
+    let parameters = own
+        .iter()
+        .map(|(name, b, unknown)| CalibratedParameter {
+            name: *name,
+            bearing: b.map(|b| now.machine.bearings[b].scene.name.clone()),
+            value: unknown.get(&now.machine),
+            deviation: place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i)),
+        })
+        .collect();
+    let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
+    let calibration = Calibration { parameters, correlation, chi_square_per_value };
+    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged })
+}

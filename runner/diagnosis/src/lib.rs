@@ -1,0 +1,205 @@
+//! Diagnosis of kind, bearing, position and size of faults from the measured displacement of the shaft (`docs/src/diagnosis.md`).
+//!
+//! The displacement determines the force that the rotor's motion requires; the bearing models, evaluated at the same
+//! displacement, give the force of the machine under a hypothesis. Their difference is noise alone if the hypothesis is true.
+//! The difference is computed at the probes, in units of their noise, over the lines of a windowed Fourier transform, so that its
+//! sum of squares is a chi-squared. No equation of motion is integrated: a diagnosis is also valid for a chaotic motion.
+//!
+//! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
+//! `machine` a hypothesis, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
+//! the cages, `surface` spalls and waves from their lines, `candidates` the faults of each `cause` that the machine may have,
+//! `hypothesis` the choice among them, `result` the reported result with the data of its figures in `fault_figures` and
+//! `force_rose`, `calibration` the fit of the healthy machine.
+#![forbid(unsafe_code)]
+
+pub mod block;
+mod cage;
+mod calibration;
+mod candidates;
+mod cause;
+mod dynamics;
+mod fault_figures;
+mod filter;
+mod fit;
+mod force_rose;
+mod hypothesis;
+mod machine;
+mod motion;
+pub mod plausibility;
+mod residual;
+mod result;
+mod surface;
+mod unexplained;
+pub mod vibration;
+
+pub use calibration::{Calibrated, CalibrationPlan, MAX_ROUNDS, calibrated_scene};
+pub use result::{CageEstimate, DiagnosisResult};
+
+use ballrace_models::build::BuildError;
+use ballrace_outcome::Calibration;
+use ballrace_plant::Plant;
+use ballrace_plant::probes::PoseSolver;
+use ballrace_recording::Sample;
+use ballrace_scene::{Direction, Probe, Scene};
+use fit::Fitted;
+use machine::Machine;
+use motion::Motion;
+use residual::{Evidence, Weighting};
+use std::f64::consts::TAU;
+use surface::Baseband;
+
+/// Result of a diagnosis step.
+type Result<T> = std::result::Result<T, BuildError>;
+
+/// Smallest number of shaft revolutions in a block.
+pub const MIN_REVOLUTIONS: f64 = 16.0;
+/// Highest line over the highest natural frequency: above it the rotor's inertia leaves less of a force than noise.
+const HIGHEST_OVER_NATURAL: f64 = 3.0;
+/// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
+const HIGHEST_OVER_RATE: f64 = 0.16;
+/// Band about a carrier, in orders of the shaft.
+const BAND_ORDERS: f64 = 3.5;
+
+/// Scene, plant and samples of a diagnosis.
+#[derive(Clone, Copy)]
+pub struct DiagnosisInput<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its plant.
+    pub plant: &'a Plant,
+    /// Its probes.
+    pub probes: &'a [Probe],
+    /// Consecutive samples with a reading of every probe.
+    pub samples: &'a [Sample],
+    /// Sample period, s.
+    pub period: f64,
+    /// Calibration from which the scene has its parameters.
+    pub calibration: Option<&'a Calibration>,
+}
+
+/// Prepared recording, with the healthy machine fitted to it.
+struct Prepared<'a> {
+    evidence: Evidence<'a>,
+    band: Baseband,
+    healthy: Fitted,
+    observable: Vec<bool>,
+}
+
+/// Returns the reason why a scene cannot be diagnosed; `None` if it can.
+#[must_use]
+pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
+    if scene.system.is_some() {
+        return Some(
+            "a [system] has no stations, and a diagnosis of unbalance, misalignment and bearings requires them"
+                .to_owned(),
+        );
+    }
+    if scene.rotor.is_none() || scene.bearings.iter().any(|b| !b.element_azimuths.is_empty()) {
+        return Some("the scene has no rotor on evenly filled bearings".to_owned());
+    }
+    let is_elastic = scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some())
+        || scene.bearings.iter().any(|b| b.support.is_some());
+    if is_elastic && scene.bearings.len() != 2 {
+        return Some("a rotor that bends or has supports is diagnosed on two bearings only".to_owned());
+    }
+    if scene.shaft.outer_speed != 0.0 {
+        return Some("the outer rings turn".to_owned());
+    }
+    let revolutions = match samples {
+        [first, .., last] => (last.total_revolutions() - first.total_revolutions()).abs(),
+        _ => 0.0,
+    };
+    (revolutions < MIN_REVOLUTIONS).then(|| {
+        format!(
+            "{revolutions:.1} revolutions in a row have a reading of every probe, expected {MIN_REVOLUTIONS:.0} or more"
+        )
+    })
+}
+
+impl<'a> Prepared<'a> {
+    fn new(of: &DiagnosisInput<'a>, machine: &Machine) -> Result<Option<Self>> {
+        let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
+        let Ok(solver) = PoseSolver::try_new(of.probes, &stations) else { return Ok(None) };
+        let noise: Vec<f64> = of
+            .probes
+            .iter()
+            .enumerate()
+            .map(|(p, probe)| ballrace_plant::observer::noise(of.samples, p, probe.noise))
+            .collect();
+        let axial = of.plant.pose(&of.plant.rest).w;
+        let motion = Motion::new(of.samples, of.period, &solver, axial);
+        let rate = TAU / of.period;
+        let highest = (HIGHEST_OVER_NATURAL * of.plant.highest_frequency()).min(HIGHEST_OVER_RATE * rate);
+        let weighting = Weighting {
+            probes: of.probes.to_vec(),
+            noise,
+            solver,
+            has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
+        };
+        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting)? else {
+            return Ok(None);
+        };
+        if let Some(calibration) = of.calibration {
+            evidence.set_uncertain(calibration::covariance(calibration, machine));
+        }
+        evidence.weight_for(machine)?;
+        let band = Baseband::new(&evidence, BAND_ORDERS);
+        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, candidates::SLIPS)?;
+        if evidence.follows_axially() {
+            // The cages move the rotor axially.
+            evidence.weight_for(&healthy.machine)?;
+            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, candidates::SLIPS)?;
+        }
+        Ok(Some(Self { evidence, band, healthy, observable }))
+    }
+}
+
+/// Diagnoses a recording; `None` if the rotor or its probes do not allow it.
+///
+/// `progress` receives the completed share of the work.
+///
+/// # Errors
+/// Returns an error if a bearing cannot be built.
+pub fn diagnose(
+    of: &DiagnosisInput,
+    progress: &dyn Fn(f64),
+) -> std::result::Result<Option<DiagnosisResult>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    progress(0.1);
+    let faults = hypothesis::diagnose(&mut prepared, progress)?;
+    Ok(Some(result::diagnosis(of, &prepared, &faults)?))
+}
+
+/// Estimates angle and slip of every cage, without a search for faults; `None` if the rotor or its probes do not allow it.
+///
+/// # Errors
+/// Returns an error if a bearing cannot be built.
+pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let Some(prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    Ok(Some(result::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
+}
+
+/// Sets the observable cages of a scene to their estimates at `turns`, the total revolutions of a sample.
+pub fn set_cages(scene: &mut Scene, cages: &[CageEstimate], turns: f64) {
+    for (bearing, cage) in scene.bearings.iter_mut().zip(cages).filter(|(_, cage)| cage.observable) {
+        let (ratio, azimuth) = cage.tangent(turns);
+        bearing.cage_ratio = Some(ratio);
+        bearing.first_element_azimuth = azimuth.rem_euclid(TAU / bearing.elements as f64);
+    }
+}
+
+/// Calibrates the scene with the recording of a healthy machine; `None` if the rotor or its probes do not allow it.
+///
+/// # Errors
+/// Returns an error if a bearing cannot be built.
+pub fn calibrate(
+    of: &DiagnosisInput,
+    plan: &CalibrationPlan<'_>,
+) -> std::result::Result<Option<Calibrated>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let alone = DiagnosisInput { calibration: None, ..*of };
+    let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
+    Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan)?))
+}

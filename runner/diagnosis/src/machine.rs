@@ -1,0 +1,598 @@
+//! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
+
+use super::Result;
+use super::dynamics::Tangent;
+use super::motion::{D, Motion, PARTS};
+use ballrace::bearing::Bearing as _;
+use ballrace::{BearingKinematicState, Displacement, Phase};
+use ballrace_base::parallel;
+use ballrace_models::build::{self, AnyBearing};
+use ballrace_plant::{Plant, unbalance_planes};
+use ballrace_scene::{
+    Bearing as BearingScene, Defect, DefectShape, FreeAngle, Linear, Model, Scene, Surface, Unbalance, Wave,
+};
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Angle and speed of a cage, and of the balls about their own axes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cage {
+    /// Angle at total revolution 0, revolutions, beyond the scene's.
+    pub phase: f64,
+    /// Cage speed below pure rolling, as a share of it, in the middle of the record.
+    pub slip: f64,
+    /// Change of the cage speed, revolutions per square of a shaft revolution.
+    pub drift: f64,
+    /// Spin angle of the balls at total revolution 0, revolutions.
+    pub spin_phase: f64,
+    /// Ball spin below pure rolling, as a share of it.
+    pub spin_slip: f64,
+}
+
+impl Cage {
+    /// Returns the revolutions of the cage at a total revolution of the shaft; `rolling` is its speed over the shaft speed by the scene.
+    pub fn revolutions(&self, rolling: f64, turns: f64, motion: &Motion) -> f64 {
+        let from_middle = turns - motion.middle;
+        self.phase + rolling * (1.0 - self.slip) * turns + 0.5 * self.drift * from_middle * from_middle
+    }
+}
+
+/// One bearing of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineBearing {
+    pub scene: BearingScene,
+    pub cage: Cage,
+    /// Tilt of the outer ring about X and Y, rad.
+    pub tilt: [f64; 2],
+}
+
+/// A machine under a hypothesis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    pub bearings: Vec<MachineBearing>,
+    /// Load on the rotor, N and N m, without weight.
+    pub load: [f64; D],
+    /// Rotor damping, N s/m and N m s/rad.
+    pub damping: [f64; D],
+    /// Static unbalance (kg m) and couple (kg m^2), each along X and Y at shaft angle 0.
+    pub unbalance: [f64; 4],
+}
+
+impl Machine {
+    /// Returns the machine of the scene.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let rotor = scene.rotor.as_ref()?;
+        let mut unbalance = [0.0; 4];
+        for one in &rotor.unbalance {
+            let (s, c) = one.angle.sin_cos();
+            for (sum, part) in unbalance.iter_mut().zip([c, s, one.station * c, one.station * s]) {
+                *sum += one.moment * part;
+            }
+        }
+        let bearings = scene
+            .bearings
+            .iter()
+            .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2] })
+            .collect();
+        // The damping of a flexible or supported rotor is part of its equations of motion.
+        let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
+        Some(Self { bearings, load: rotor.load, damping, unbalance })
+    }
+}
+
+impl Machine {
+    /// Returns the scene with this machine's bearings, damping and unbalance.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        /// Planes that carry the unbalance of a rigid rotor, m.
+        const PLANES: [f64; 2] = [0.05, -0.05];
+        let is_rigid = is_rigid(scene);
+        let mut scene = scene.clone();
+        for (to, from) in scene.bearings.iter_mut().zip(&self.bearings) {
+            to.geometry = from.scene.geometry;
+        }
+        if let Some(rotor) = &mut scene.rotor {
+            let [a, b] = match self.bearings.as_slice() {
+                [first, second] if !is_rigid => unbalance_planes(rotor, [first.scene.station, second.scene.station]),
+                _ => PLANES,
+            };
+            if is_rigid {
+                rotor.damping = self.damping;
+            }
+            let [ex, ey, cx, cy] = self.unbalance;
+            let plane = |station: f64, other: f64| {
+                let span = station - other;
+                let (x, y) = ((cx - other * ex) / span, (cy - other * ey) / span);
+                Unbalance { moment: x.hypot(y), angle: y.atan2(x), station }
+            };
+            rotor.unbalance = vec![plane(a, b), plane(b, a)];
+        }
+        scene
+    }
+}
+
+/// Returns true for a rigid rotor on fixed bearings.
+fn is_rigid(scene: &Scene) -> bool {
+    scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_none())
+        && scene.bearings.iter().all(|b| b.support.is_none())
+}
+
+/// Least ratio of the squared radial resultant of the loads to their squared sum at which the contact angle is computed from the radial
+/// force; below it, the axial force is used.
+const MIN_RADIAL: f64 = 0.01;
+
+/// A bearing ready to be evaluated along a motion.
+pub struct Evaluated {
+    /// The bearing without its spalls.
+    bearing: AnyBearing<f64>,
+    /// Its balls with and without the spalls.
+    passing: Vec<PassingBalls>,
+    spalls: Vec<Defect>,
+    /// Azimuth of each element with the cage at angle 0, rad.
+    azimuths: Vec<f64>,
+    /// Displacement of the rotor at the bearing, sample by sample.
+    displaced: Arc<Vec<Displacement<f64>>>,
+    /// Displacement by preload.
+    offset: Displacement<f64>,
+    tilt: [f64; 2],
+    cage: Cage,
+    /// Cage speed over shaft speed by the scene.
+    cage_ratio: f64,
+    ball_ratio: f64,
+}
+
+/// Balls whose force is evaluated while one of them is on a spall: the force of the other balls is the same with and without it.
+struct PassingBalls {
+    balls: Range<usize>,
+    sound: AnyBearing<f64>,
+    damaged: AnyBearing<f64>,
+}
+
+/// Returns a bearing with ball `j` alone and the spalls that it can pass; `None` if there are none.
+fn alone(of: &BearingScene, j: usize) -> Option<BearingScene> {
+    let on_ball = |spall: &Defect| match spall.surface {
+        Surface::Ball(other) => (other == j).then_some(Defect { surface: Surface::Ball(0), ..*spall }),
+        Surface::Inner | Surface::Outer => Some(*spall),
+    };
+    let defect: Vec<Defect> = of.defect.iter().filter_map(on_ball).collect();
+    let azimuth = build::element_azimuth(of, j).radians() - of.first_element_azimuth;
+    (!defect.is_empty()).then(|| BearingScene {
+        elements: 1,
+        element_azimuths: vec![azimuth],
+        cage_runout: None,
+        defect,
+        ..of.clone()
+    })
+}
+
+impl PassingBalls {
+    /// Returns the balls of a bearing with spalls, each alone. The points of a displaced housing belong to all balls, and a table is
+    /// expensive: such a bearing is evaluated as a whole.
+    fn of(
+        bearing: &BearingScene,
+        model: Model,
+        built: impl Fn(&BearingScene) -> Result<AnyBearing<f64>>,
+    ) -> Result<Vec<Self>> {
+        let pair = |balls: Range<usize>, with: &BearingScene| {
+            let sound = built(&BearingScene { defect: vec![], ..with.clone() })?;
+            Ok(Self { balls, sound, damaged: built(with)? })
+        };
+        if bearing.defect.is_empty() {
+            return Ok(vec![]);
+        }
+        if model == Model::Tabulated || !bearing.has_rigid_outer_ring() {
+            return Ok(vec![pair(0..bearing.elements, bearing)?]);
+        }
+        let single = |j: usize| Some(pair(j..j + 1, &alone(bearing, j)?));
+        (0..bearing.elements).filter_map(single).collect()
+    }
+}
+
+/// Returns the model by which a bearing is evaluated: that of the scene; for a linearised bearing, the model that is linearised.
+fn model(of: &BearingScene) -> Model {
+    match (of.model, &of.linear) {
+        (Model::Linear, Some(Linear::Of(source))) => *source,
+        (model, _) => model,
+    }
+}
+
+impl Evaluated {
+    /// Creates the bearing with the displacement of the rotor there, sample by sample.
+    pub fn new(
+        scene: &Scene,
+        plant: &Plant,
+        i: usize,
+        of: &MachineBearing,
+        displaced: Arc<Vec<Displacement<f64>>>,
+    ) -> Result<Self> {
+        let built = |of: &BearingScene| build::bearing(scene, of, model(of));
+        let sound = BearingScene { defect: vec![], ..of.scene.clone() };
+        let kinematics = &plant.bearings[i].kinematics;
+        Ok(Self {
+            bearing: built(&sound)?,
+            passing: PassingBalls::of(&of.scene, model(&of.scene), built)?,
+            spalls: of.scene.defect.clone(),
+            azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
+            offset: plant.bearings[i].offset,
+            tilt: of.tilt,
+            displaced,
+            cage: of.cage,
+            cage_ratio: kinematics.cage_ratio,
+            ball_ratio: kinematics.ball_ratio() * (1.0 - of.cage.spin_slip),
+        })
+    }
+
+    /// Returns the kinematic state at sample `t`.
+    pub fn state(&self, motion: &Motion, t: usize) -> BearingKinematicState<f64> {
+        self.state_at(motion, motion.turns[t], motion.speed[t])
+    }
+
+    fn state_at(&self, motion: &Motion, turns: f64, speed: f64) -> BearingKinematicState<f64> {
+        BearingKinematicState {
+            cage: Phase::from_revolutions(self.cage.revolutions(self.cage_ratio, turns, motion)),
+            inner: Phase::from_revolutions(turns),
+            outer: Phase::ZERO,
+            ball: Phase::from_revolutions(self.cage.spin_phase + self.ball_ratio * turns),
+            inner_speed: speed,
+            outer_speed: 0.0,
+        }
+    }
+
+    /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
+    fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
+        let u = *of_rotor + self.offset;
+        Displacement { thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
+    }
+
+    /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
+    pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
+        parallel::of_indices(motion.len(), |t| self.force(motion, t))
+    }
+
+    /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; `None` without a spall.
+    ///
+    /// A ball passes a spall within a few samples: at the sampling rate, the pulse would be aliased.
+    pub fn pulses(&self, motion: &Motion) -> Option<Vec<[f64; D]>> {
+        if self.passing.is_empty() {
+            return None;
+        }
+        let mut all = vec![[0.0; D]; motion.len() * PARTS];
+        for (t, pulse) in all.as_chunks_mut::<PARTS>().0.iter_mut().enumerate().take(motion.len() - 1) {
+            let (from, to) = (motion.turns[t], motion.turns[t + 1]);
+            let (q0, q1) = (self.displaced[t].to_array(), self.displaced[t + 1].to_array());
+            for one in self.passing.iter().filter(|one| self.passes(&one.balls, motion, from, to)) {
+                for (part, change) in pulse.iter_mut().enumerate() {
+                    let share = part as f64 / PARTS as f64;
+                    let turns = from + share * (to - from);
+                    let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
+                    let state = self.state_at(motion, turns, motion.speed[t]);
+                    change.iter_mut().zip(self.change(one, &q, &state)).for_each(|(sum, x)| *sum += x);
+                }
+            }
+        }
+        Some(all)
+    }
+
+    /// Returns the change of the force of some balls by the spalls.
+    fn change(&self, of: &PassingBalls, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
+        let [with, without] = [&of.damaged, &of.sound].map(|of| self.wrench(of, at, state));
+        std::array::from_fn(|i| with[i] - without[i])
+    }
+
+    /// Returns true where one of `balls` is on a spall between two positions of the shaft.
+    fn passes(&self, balls: &Range<usize>, motion: &Motion, from: f64, to: f64) -> bool {
+        let middle = 0.5 * (from + to);
+        let cage = TAU * self.cage.revolutions(self.cage_ratio, middle, motion);
+        let ball = TAU * (self.cage.spin_phase + self.ball_ratio * middle);
+        let near = |angle: f64, reach: f64| (angle - TAU * (angle / TAU).round()).abs() < reach;
+        let azimuths = &self.azimuths[balls.clone()];
+        self.spalls.iter().any(|spall| {
+            let moved = |ratio: f64| 0.5 * (TAU * ratio * (to - from)).abs() + spall.half_width;
+            let cage_ratio = self.cage_ratio * (1.0 - self.cage.slip);
+            match spall.surface {
+                Surface::Outer => azimuths.iter().any(|a| near(cage + a - spall.azimuth, moved(cage_ratio))),
+                Surface::Inner => {
+                    let inner = TAU * middle + spall.azimuth;
+                    azimuths.iter().any(|a| near(cage + a - inner, moved(1.0 - cage_ratio)))
+                }
+                Surface::Ball(j) => {
+                    let reach = moved(self.ball_ratio);
+                    balls.contains(&j)
+                        && (near(ball - spall.azimuth, reach) || near(ball + 0.5 * TAU - spall.azimuth, reach))
+                }
+            }
+        })
+    }
+
+    /// Returns the force at sample `t` with an error of the displacement of the rotor.
+    pub fn force_with(&self, motion: &Motion, t: usize, error: &Displacement<f64>) -> [f64; D] {
+        self.wrench(&self.bearing, &(self.displaced[t] + *error), &self.state(motion, t))
+    }
+
+    /// Returns the force at sample `t`.
+    pub fn force(&self, motion: &Motion, t: usize) -> [f64; D] {
+        self.force_in(t, &self.state(motion, t))
+    }
+
+    /// Returns the change of the force by the spalls at sample `t` with the cage at another angle, at which only the first ball is on
+    /// a spall.
+    pub fn change_at_first_ball(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+        let state = BearingKinematicState { cage, ..self.state(motion, t) };
+        self.passing.first().map_or([0.0; D], |one| self.change(one, &self.displaced[t], &state))
+    }
+
+    /// Returns the force at sample `t` with the cage at another angle.
+    pub fn force_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+        self.force_in(t, &BearingKinematicState { cage, ..self.state(motion, t) })
+    }
+
+    fn force_in(&self, t: usize, state: &BearingKinematicState<f64>) -> [f64; D] {
+        self.wrench(&self.bearing, &self.displaced[t], state)
+    }
+
+    fn wrench(&self, of: &AnyBearing<f64>, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
+        of.reaction(&self.displacement(at), state).wrench.to_array()
+    }
+
+    /// Returns the cosine of the contact angle, weighted by the loads along the motion: the component of a radial deviation of a groove
+    /// normal to its surface.
+    pub fn contact_cosine(&self, motion: &Motion) -> f64 {
+        let (mut radial, mut axial, mut projected, mut total) = (0.0, 0.0, 0.0, 0.0);
+        let mut loads = vec![0.0; self.azimuths.len()];
+        for t in (0..motion.len()).step_by((motion.len() / 500).max(1)) {
+            let (u, state) = (self.displacement(&self.displaced[t]), self.state(motion, t));
+            self.bearing.element_loads(&u, &state, &mut loads);
+            let force = self.bearing.reaction(&u, &state).wrench;
+            let (mut x, mut y) = (0.0, 0.0);
+            for (load, azimuth) in loads.iter().zip(&self.azimuths) {
+                let (s, c) = (azimuth + state.cage.radians()).sin_cos();
+                (x, y) = (x + load * c, y + load * s);
+                total += load;
+            }
+            // The radial force is the sum of the loads by their azimuth, times the cosine.
+            projected -= force.fx * x + force.fy * y;
+            radial += x * x + y * y;
+            axial += force.fz;
+        }
+        if radial > MIN_RADIAL * total * total / 500.0 {
+            (projected / radial).clamp(0.0, 1.0)
+        } else {
+            (1.0 - (axial / total.max(f64::MIN_POSITIVE)).powi(2)).max(0.0).sqrt()
+        }
+    }
+
+    /// Returns the tangent stiffness at sample `t`, at the bearing's own station.
+    pub fn tangent(&self, motion: &Motion, t: usize) -> Tangent {
+        let u = self.displacement(&self.displaced[t]);
+        let (_, k) = self.bearing.reaction_and_stiffness(&u, &self.state(motion, t));
+        Tangent::from_fn(|i, j| k[(i, j)])
+    }
+}
+
+/// Least value of a positive parameter after a step, over the one before: no step makes a stiffness or a damping negative.
+const LEAST_OF_BEFORE: f64 = 1e-3;
+
+/// A parameter that a hypothesis varies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unknown {
+    CagePhase(usize),
+    CageSlip(usize),
+    CageDrift(usize),
+    Clearance(usize),
+    Modulus(usize),
+    Tilt(usize, usize),
+    Load(usize),
+    /// Factor of the damping of the translations (0) or rotations (1).
+    Damping(usize),
+    Unbalance(usize),
+    /// Parameter of defect `.1` of bearing `.0`.
+    SpallAzimuth(usize, usize),
+    SpallWidth(usize, usize),
+    SpallDepth(usize, usize),
+    SpinSlip(usize),
+    /// In-phase and quadrature amplitude of the pair of waves at index `.1` and `.1 + 1`.
+    Wave(usize, usize),
+}
+
+/// Returns `first` with those of `others` that it has not.
+pub fn union(mut first: Vec<Unknown>, others: &[Unknown]) -> Vec<Unknown> {
+    for unknown in others {
+        if !first.contains(unknown) {
+            first.push(*unknown);
+        }
+    }
+    first
+}
+
+/// Part of the machine whose force a parameter changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ForceSource {
+    Bearing(usize),
+    Rotor,
+}
+
+impl Unknown {
+    pub fn part(self) -> ForceSource {
+        match self {
+            Self::CagePhase(b)
+            | Self::CageSlip(b)
+            | Self::CageDrift(b)
+            | Self::Clearance(b)
+            | Self::Modulus(b)
+            | Self::Tilt(b, _)
+            | Self::SpallAzimuth(b, _)
+            | Self::SpallWidth(b, _)
+            | Self::SpallDepth(b, _)
+            | Self::SpinSlip(b)
+            | Self::Wave(b, _) => ForceSource::Bearing(b),
+            Self::Load(_) | Self::Damping(_) | Self::Unbalance(_) => ForceSource::Rotor,
+        }
+    }
+
+    /// Returns the step of a difference quotient, in the unit of the parameter.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::CagePhase(_) => 1e-6,
+            Self::CageSlip(_) | Self::SpinSlip(_) => 1e-8,
+            Self::CageDrift(_) => 1e-10,
+            Self::Clearance(_) => 1e-10,
+            Self::Modulus(_) => 1e6,
+            Self::Tilt(..) => 1e-8,
+            Self::Load(i) => {
+                if i < 3 {
+                    0.1
+                } else {
+                    0.01
+                }
+            }
+            Self::Damping(_) => 0.01,
+            Self::Unbalance(i) => {
+                if i < 2 {
+                    1e-7
+                } else {
+                    1e-9
+                }
+            }
+            Self::SpallAzimuth(..) | Self::SpallWidth(..) => 1e-5,
+            Self::SpallDepth(..) => 1e-10,
+            Self::Wave(..) => 1e-10,
+        }
+    }
+
+    pub fn get(self, machine: &Machine) -> f64 {
+        let bearing = |b: usize| &machine.bearings[b];
+        match self {
+            Self::CagePhase(b) => bearing(b).cage.phase,
+            Self::CageSlip(b) => bearing(b).cage.slip,
+            Self::CageDrift(b) => bearing(b).cage.drift,
+            Self::SpinSlip(b) => bearing(b).cage.spin_slip,
+            Self::Clearance(b) => clearance(&bearing(b).scene),
+            Self::Modulus(b) => bearing(b).scene.geometry.map_or(0.0, |g| g.youngs_modulus),
+            Self::Tilt(b, axis) => bearing(b).tilt[axis],
+            Self::Load(i) => machine.load[i],
+            Self::Damping(i) => machine.damping[3 * i],
+            Self::Unbalance(i) => machine.unbalance[i],
+            Self::SpallAzimuth(b, d) => bearing(b).scene.defect[d].azimuth,
+            Self::SpallWidth(b, d) => bearing(b).scene.defect[d].half_width,
+            Self::SpallDepth(b, d) => bearing(b).scene.defect[d].depth,
+            Self::Wave(b, w) => bearing(b).scene.waviness[w].amplitude,
+        }
+    }
+
+    pub fn set(self, machine: &mut Machine, x: f64) {
+        if let Self::Load(i) = self {
+            machine.load[i] = x;
+            return;
+        }
+        if let Self::Unbalance(i) = self {
+            machine.unbalance[i] = x;
+            return;
+        }
+        if let Self::Damping(i) = self {
+            let range = if i == 0 { 0..3 } else { 3..5 };
+            let before = machine.damping[3 * i];
+            let factor = x.max(LEAST_OF_BEFORE * before) / before;
+            machine.damping[range].iter_mut().for_each(|c| *c *= factor);
+            return;
+        }
+        let ForceSource::Bearing(b) = self.part() else { return };
+        let bearing = &mut machine.bearings[b];
+        match self {
+            Self::CagePhase(_) => bearing.cage.phase = x - x.round(),
+            Self::CageSlip(_) => bearing.cage.slip = x.clamp(-0.02, 0.08),
+            Self::CageDrift(_) => bearing.cage.drift = x,
+            Self::SpinSlip(_) => bearing.cage.spin_slip = x.clamp(-0.05, 0.05),
+            Self::Clearance(_) => {
+                if let Some(g) = &mut bearing.scene.geometry {
+                    g.fit = FreeAngle::DiametralClearance(x.max(0.0));
+                }
+            }
+            Self::Modulus(_) => {
+                if let Some(g) = &mut bearing.scene.geometry {
+                    g.youngs_modulus = x.max(LEAST_OF_BEFORE * g.youngs_modulus);
+                }
+            }
+            Self::Tilt(_, axis) => bearing.tilt[axis] = x,
+            Self::SpallAzimuth(_, d) => {
+                let spall = &mut bearing.scene.defect[d];
+                let moved = x - spall.azimuth;
+                spall.azimuth = x;
+                // The cage turns with the only spall on a race, so that the balls pass the spall at the same times.
+                if bearing.scene.defect.len() == 1 && !matches!(bearing.scene.defect[0].surface, Surface::Ball(_)) {
+                    bearing.cage.phase += moved / TAU;
+                }
+            }
+            Self::SpallWidth(_, d) => bearing.scene.defect[d].half_width = x.clamp(0.004, 1.0),
+            Self::SpallDepth(_, d) => bearing.scene.defect[d].depth = x.max(1e-9),
+            Self::Wave(_, w) => bearing.scene.waviness[w].amplitude = x,
+            _ => {}
+        }
+    }
+}
+
+/// Returns the diametral clearance of a bearing, m.
+pub fn clearance(of: &BearingScene) -> f64 {
+    let Some(g) = &of.geometry else { return 0.0 };
+    match g.fit {
+        FreeAngle::DiametralClearance(s) => s,
+        FreeAngle::ContactAngle(a) => {
+            2.0 * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter * (1.0 - a.cos())
+        }
+    }
+}
+
+/// Returns a spall with a half-sine profile.
+pub fn spall(surface: Surface, azimuth: f64, half_width: f64, depth: f64) -> Defect {
+    Defect { surface, azimuth, half_width, depth, shape: DefectShape::HalfSine }
+}
+
+/// Returns the cosine and the sine wave of an order.
+pub fn waves(surface: Surface, axial: bool, order: u32, amplitudes: [f64; 2]) -> [Wave; 2] {
+    let wave = |amplitude: f64, phase: f64| Wave { surface, axial, order, amplitude, phase };
+    [wave(amplitudes[0], 0.0), wave(amplitudes[1], -0.5 * std::f64::consts::PI)]
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use ballrace_scene::read::read_str;
+    use std::path::Path;
+
+    const SCENE: &str = r#"
+        [shaft]
+        speed = "3000 rpm"
+        [rotor]
+        mass = "6 kg"
+        diametral_inertia = 0.030
+        polar_inertia = 0.006
+        damping = [400, 400, 400, 0.4, 0.4]
+        unbalance = [{ moment = "120 g mm", angle = "17 deg", station = "20 mm" }]
+        [[bearing]]
+        name = "DE"
+        station = "-100 mm"
+        facing = "both"
+        model = "angular"
+        elements = 9
+        ball_diameter = "7.94 mm"
+        pitch_diameter = "39.04 mm"
+        inner_conformity = 0.52
+        outer_conformity = 0.52
+        diametral_clearance = "10 um"
+    "#;
+
+    #[test]
+    fn unbalance_and_clearance_of_a_machine_make_a_scene() {
+        let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+        let mut machine = Machine::new(&scene).unwrap();
+        Unknown::Clearance(0).set(&mut machine, 14e-6);
+        Unknown::Unbalance(1).set(&mut machine, 2e-4);
+        Unknown::Damping(0).set(&mut machine, 300.0);
+        let again = Machine::new(&machine.scene(&scene)).unwrap();
+        assert!((clearance(&again.bearings[0].scene) - 14e-6).abs() < 1e-15);
+        for (a, b) in machine.unbalance.iter().zip(again.unbalance) {
+            assert!((a - b).abs() < 1e-15, "{a} {b}");
+        }
+        assert_eq!(again.damping, [300.0, 300.0, 300.0, 0.4, 0.4]);
+    }
+}

@@ -1,0 +1,288 @@
+//! Noise of a residual: the weights by which forces become displacements at the probes in units of their noise.
+
+use super::super::Result;
+use super::super::dynamics::{Square, Tangent};
+use super::super::machine::{Evaluated, Machine, Unknown};
+use super::super::motion::{C, D};
+use super::dot;
+use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
+use ballrace::Displacement;
+use ballrace_plant::probes;
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::sync::Arc;
+
+/// Lines on each side over which the noise is estimated.
+const NEIGHBOURS: usize = 6;
+/// Number of sets of simulated noise from which the noise of the residual is estimated.
+const DRAWS: usize = 3;
+/// Square of the change of the residual, in units of the noise, below which the uncertainty of a parameter is neglected.
+const MIN_TOLERANCE: f64 = 1e-3;
+
+impl Evidence<'_> {
+    /// Weights residuals by the noise that they have with this machine.
+    pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
+        if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
+            self.displace(machine)?;
+        }
+        if self.follows_axially() {
+            self.follow_axially(machine)?;
+        }
+        self.reference = self.mean_stiffness(machine)?;
+        self.whitening = self.whitening_of(&self.reference);
+        self.whiten_bearings();
+        self.rows = self.whitening.first().map_or(0, Vec::len);
+        self.noise_scale = vec![vec![1.0; self.rows]; self.whitening.len()];
+        self.tolerance.clear();
+        self.scale_noise(machine)?;
+        self.whiten_bearings();
+        self.tolerate(machine)
+    }
+    /// Converts the weights of forces about the centre of mass to forces at each bearing.
+    fn whiten_bearings(&mut self) {
+        let of = |b: usize| {
+            let line = |(k, rows): (usize, &Vec<[C; D]>)| {
+                let from = self.shaft.dynamics.to_centre(b, k);
+                let row = |row: &[C; D]| std::array::from_fn(|j| (0..D).map(|i| row[i] * from[(i, j)]).sum());
+                rows.iter().map(row).collect()
+            };
+            self.whitening.iter().enumerate().map(line).collect()
+        };
+        self.whitening_of_bearing = (0..self.plant.bearings.len()).map(of).collect();
+    }
+
+    /// Sets the parameters that are known with a covariance, so that their errors are not diagnosed as faults. The next call must be
+    /// [`Evidence::weight_for`].
+    pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
+        let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
+        let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
+            covariance[(i, j)] / (deviations[i] * deviations[j])
+        });
+        let root = correlation.cholesky().map_or_else(|| DMatrix::identity(unknowns.len(), unknowns.len()), |c| c.l());
+        let root = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| deviations[i] * root[(i, j)]);
+        self.uncertain = Some((unknowns, root));
+    }
+
+    /// Finds the directions of the residual along which the uncertain parameters move it.
+    ///
+    /// With `U = S L` the changes by one deviation of each independent parameter (S the slopes, `L L^T` the covariance) the
+    /// covariance of the residual is `1 + U U^T`. From the eigenvalues `d^2` of `U^T U` its inverse root is
+    /// `1 - sum q q^T (1 - 1 / sqrt(1 + d^2))`, q the unit vectors `U v / d`.
+    fn tolerate(&mut self, machine: &Machine) -> Result<()> {
+        let none = (vec![], DMatrix::zeros(0, 0));
+        let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
+        let spectra = self.spectra(machine)?;
+        let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
+        let of_uncertain = slopes.clone();
+        slopes.extend(self.elasticity_slope(&spectra, machine)?);
+        let n = slopes.len();
+        if n == 0 {
+            return Ok(());
+        }
+        // The elasticity is independent of the rest, its slope that of one deviation.
+        let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
+        let root = &root;
+        let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
+        let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
+        let eigen = (root.transpose() * products * root).symmetric_eigen();
+        let direction = |j: usize| {
+            let square = eigen.eigenvalues[j];
+            let vector = root * eigen.eigenvectors.column(j);
+            let mut unit = vec![0.0; self.rows * self.whitening.len() * 2];
+            for (slope, weight) in slopes.iter().zip(vector.iter()) {
+                unit.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight / square.sqrt() * x);
+            }
+            Direction { unit, share: 1.0 - 1.0 / (1.0 + square).sqrt() }
+        };
+        self.tolerance = (0..n).filter(|&j| eigen.eigenvalues[j] > MIN_TOLERANCE).map(direction).collect();
+        self.uncertain_slopes = Arc::new(of_uncertain);
+        Ok(())
+    }
+
+    /// Returns the change of the residual by a shaft that is stiffer by one deviation; `None` for a rigid rotor.
+    fn elasticity_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
+        let Some(stiffer) = &self.stiffer else { return Ok(None) };
+        let mut other = Self { shaft: stiffer.clone(), ..self.clone() };
+        other.displace(machine)?;
+        let changed = other.residual(&other.spectra(machine)?);
+        Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
+    }
+    pub(super) fn own_whitening(&self, own: &MeanStiffness) -> Vec<Vec<[C; D]>> {
+        let mut whitening = self.whitening_of(own);
+        for (rows, scales) in whitening.iter_mut().zip(&self.noise_scale) {
+            for (row, scale) in rows.iter_mut().zip(scales) {
+                row.iter_mut().for_each(|a| *a /= scale);
+            }
+        }
+        whitening
+    }
+
+    /// Computes the mean tangent stiffness along the motion.
+    pub(super) fn mean_stiffness(&self, machine: &Machine) -> Result<MeanStiffness> {
+        let stride = (self.motion.len() / 500).max(1);
+        let count = self.motion.len().div_ceil(stride) as f64;
+        let tangents = (0..machine.bearings.len())
+            .map(|b| {
+                let evaluated = self.evaluated(machine, b)?;
+                let all = (0..self.motion.len()).step_by(stride).map(|t| evaluated.tangent(&self.motion, t));
+                Ok(all.fold(Tangent::zeros(), |sum, tangent| sum + tangent) / count)
+            })
+            .collect::<Result<_>>()?;
+        Ok(MeanStiffness { tangents, damping: machine.damping })
+    }
+
+    /// Returns the force that a displacement at line `k`, the angular frequency `w` (rad/s), requires, by the mean stiffness.
+    pub(super) fn dynamic_stiffness(&self, of: &MeanStiffness, k: usize, w: f64) -> Square {
+        self.shaft.dynamics.stiffness(k, w, &of.damping, &of.tangents)
+    }
+
+    /// Returns the weights that convert a force to the displacement that it causes at the mean stiffness, divided by its noise.
+    fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
+        let unit = (0.5 * self.transform.power).sqrt();
+        // Information on the displacement, and its square root: rows that all have the noise 1.
+        let mut information = SMatrix::<f64, D, D>::zeros();
+        for (probe, noise) in self.weighting.probes.iter().zip(&self.weighting.noise) {
+            let row = SVector::<f64, D>::from_row_slice(&probes::row(probe));
+            information += row * row.transpose() / (noise * noise);
+        }
+        let measured: Vec<usize> = (0..D).filter(|&i| i != 2 || self.weighting.has_axial_probe).collect();
+        if !self.weighting.has_axial_probe {
+            information[(2, 2)] = 1.0;
+        }
+        // Lengths of the unit of translations and tilts differ: the square root is taken with a unit diagonal.
+        let scale: Vec<f64> = (0..D).map(|i| information[(i, i)].max(1e-300).sqrt()).collect();
+        let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
+        let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
+        let whitening = |(k, w): (usize, &f64)| {
+            let inverse = self.held(self.dynamic_stiffness(of, k, *w)).try_inverse().unwrap_or_else(Square::zeros);
+            let row = |&i: &usize| {
+                std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
+            };
+            measured.iter().map(row).collect()
+        };
+        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
+        // The offset of a probe is not known better than its noise, however long the record, and the line of a shaft that bends under its
+        // weight no better than its elasticity.
+        let least = self.weighting.noise.iter().copied().fold(f64::INFINITY, f64::min);
+        let offset = (ELASTICITY_ERROR * self.shaft.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
+        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt();
+        for rows in all.iter_mut().take(MEAN_LINES) {
+            rows.iter_mut().flatten().for_each(|a| *a *= mean);
+        }
+        all
+    }
+
+    /// Holds the axial coordinate where nothing determines it.
+    pub(super) fn held(&self, mut stiffness: Square) -> Square {
+        if !self.weighting.has_axial_probe && !self.is_axially_free {
+            (0..D).for_each(|i| (stiffness[(2, i)], stiffness[(i, 2)]) = (C::new(0.0, 0.0), C::new(0.0, 0.0)));
+            stiffness[(2, 2)] = C::new(1e30, 0.0);
+        }
+        stiffness
+    }
+
+    /// Scales the noise of each probe, line by line, to that of the residual of a true machine: the noise of the probes also
+    /// enters the displacement at which the bearing forces are evaluated, and resonances amplify it there.
+    ///
+    /// The residual of several sets of simulated noise is averaged over neighbouring lines.
+    fn scale_noise(&mut self, machine: &Machine) -> Result<()> {
+        let Weighting { noise, solver, .. } = &*self.weighting;
+        let lines = self.whitening.len();
+        let mut square = vec![vec![0.0; self.rows]; lines];
+        let evaluated: Vec<Evaluated> =
+            (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<_>>()?;
+        let tangents: Vec<Vec<Tangent>> = evaluated
+            .iter()
+            .map(|one| (0..self.motion.len()).map(|t| one.tangent(&self.motion, t)).collect())
+            .collect();
+        // Force of a bearing by a small displacement.
+        let linear = |b: usize, t: usize, x: &Displacement<f64>| -> [f64; D] {
+            let force = tangents[b][t] * SVector::from(x.to_array());
+            std::array::from_fn(|i| -force[i])
+        };
+        let inertia = |series: &[[f64; D]]| {
+            let spectra = std::array::from_fn(|order| self.transform.five(order, |t| series[t]));
+            self.shaft.dynamics.required(&self.transform.lines, &machine.damping, &spectra)
+        };
+        let add = |sum: &mut [Vec<C>; D], b: usize, of: &dyn Fn(usize) -> [f64; D]| {
+            self.shaft.dynamics.add(b, &self.transform.five(0, of), sum);
+        };
+        let mut correction = inertia(&self.rest);
+        for (b, rest) in self.shaft.dynamics.displacements(&self.rest).iter().enumerate() {
+            add(&mut correction, b, &|t| linear(b, t, &rest[t]));
+        }
+        let exact: Vec<Vec<[f64; D]>> = evaluated.iter().map(|one| one.forces(&self.motion)).collect();
+        let mut normal = Normal::new();
+        for _ in 0..DRAWS {
+            let error: Vec<[f64; D]> = (0..self.motion.len())
+                .map(|_| solver.pose(&noise.iter().map(|n| n * normal.next()).collect::<Vec<_>>(), 0.0).to_array())
+                .collect();
+            let passed = self.filter.apply(&error);
+            let rest: Vec<[f64; D]> =
+                error.iter().zip(&passed).map(|(e, p)| std::array::from_fn(|i| e[i] - p[i])).collect();
+            let (passed, rest) = (self.shaft.dynamics.displacements(&passed), self.shaft.dynamics.displacements(&rest));
+            let mut force = inertia(&error);
+            for (b, one) in evaluated.iter().enumerate() {
+                // The odd part of the change is the noise of the force, the even part its bias.
+                let change = |t: usize| {
+                    let mut odd = linear(b, t, &rest[b][t]);
+                    let mut even = [0.0; D];
+                    let [with, against] = [1.0, -1.0]
+                        .map(|sign| Displacement::from_array(passed[b][t].to_array().map(|x| sign * x)))
+                        .map(|error| one.force_with(&self.motion, t, &error));
+                    let without = exact[b][t];
+                    for i in 0..D {
+                        odd[i] += with[i] - without[i];
+                        even[i] += 0.5 * (with[i] + against[i]) - without[i];
+                    }
+                    (odd, even)
+                };
+                let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
+                add(&mut force, b, &|t| changes[t].0);
+                add(&mut correction, b, &|t| changes[t].1.map(|x| -x / DRAWS as f64));
+            }
+            let residual = self.at_probes(&force);
+            for (k, squares) in square.iter_mut().enumerate() {
+                for (p, square) in squares.iter_mut().enumerate() {
+                    let at = 2 * (k * self.rows + p);
+                    *square += 0.5 * (residual[at].powi(2) + residual[at + 1].powi(2)) / DRAWS as f64;
+                }
+            }
+        }
+        for (k, rows) in self.whitening.iter_mut().enumerate().skip(MEAN_LINES) {
+            let around = &square[k.saturating_sub(NEIGHBOURS).max(MEAN_LINES)..(k + NEIGHBOURS + 1).min(lines)];
+            for (p, row) in rows.iter_mut().enumerate() {
+                // The mean of the inverse of a sum of n squares is n / (n - 2) times the inverse of its mean.
+                let values = 2.0 * (around.len() * DRAWS) as f64;
+                let mean = around.iter().map(|squares| squares[p]).sum::<f64>() / around.len() as f64 * values
+                    / (values - 2.0);
+                self.noise_scale[k][p] = mean.sqrt();
+                row.iter_mut().for_each(|a| *a /= mean.sqrt());
+            }
+        }
+        self.correction = correction;
+        Ok(())
+    }
+}
+
+/// Generator of normally distributed numbers, the same in every run (xorshift and Box-Muller).
+pub struct Normal {
+    state: u64,
+}
+
+impl Normal {
+    pub fn new() -> Self {
+        Self { state: 0x9e37_79b9_7f4a_7c15 }
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 7;
+        self.state ^= self.state << 17;
+        ((self.state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    pub fn next(&mut self) -> f64 {
+        let (a, b) = (self.uniform(), self.uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+}

@@ -1,0 +1,589 @@
+//! Lines that a surface imperfection leaves in the unexplained force, and the imperfection that fits them.
+//!
+//! A deviation `p` of a surface changes the deflection of the ball at azimuth `b` and so the force by `K(b) p`, with `K` the
+//! change of force per deflection of a ball there. With the Fourier series `K = sum K_l e^(i l b)` and `p = sum P_m e^(i m psi)`
+//! the sum over N balls leaves `l + m = k N` only:
+//!
+//! | surface | force |
+//! | --- | --- |
+//! | outer race | `N K_l P_(kN-l) e^(i k N c)` |
+//! | inner race | `N K_l P_(kN-l) e^(i k N (c - s)) e^(i l s)` |
+//! | one ball | `2 K_l P_h e^(i h b) e^(i l c)`, h even |
+//! | all balls alike | `2 N K_0 P_h e^(i h b)`, h even |
+//!
+//! with c, s, b the angles of cage, shaft and ball. `K_l` is evaluated along the measured motion, sample by sample.
+
+use super::Result;
+use super::fit::Fitted;
+use super::machine::{Machine, spall};
+use super::motion::{C, D};
+use super::residual::{Evidence, MEAN_LINES};
+use ballrace::Phase;
+use ballrace_scene::{DefectShape, Surface};
+use nalgebra::{SMatrix, SVector};
+use std::f64::consts::{PI, TAU};
+
+/// Azimuths at which the force per deflection is evaluated.
+const AZIMUTHS: usize = 8;
+/// Highest harmonic of the force per deflection around the ring.
+const L: i32 = 2;
+/// Columns of one harmonic of a family: l from -L to L.
+const WIDTH: usize = 2 * L as usize + 1;
+/// Harmonics of a family.
+const HARMONICS: usize = 10;
+/// Half widths of a spall that are tried, rad.
+const HALF_WIDTHS: [f64; 7] = [0.02, 0.03, 0.045, 0.065, 0.1, 0.15, 0.22];
+/// Number of spall positions that are tried.
+const CENTRES: usize = 48;
+/// Angles of the cage within a pitch that are tried.
+const PHASES: usize = 48;
+
+/// Component of a bearing whose surface has an imperfection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    Outer,
+    Inner,
+    Ball,
+}
+
+/// Series on a coarse grid in time, from their spectra within a band about 0.
+pub struct Coarse {
+    /// Values under the window, one per coarse sample.
+    pub values: Vec<[C; D]>,
+}
+
+/// Transforms between coarse samples and lines about a carrier.
+pub struct Baseband {
+    half_width: usize,
+    count: usize,
+    forward: std::sync::Arc<dyn rustfft::Fft<f64>>,
+    /// Total revolutions of the shaft at the coarse samples.
+    turns: Vec<f64>,
+}
+
+impl Baseband {
+    /// Creates a band of `orders` orders of the shaft on each side of a carrier.
+    pub fn new(e: &Evidence, orders: f64) -> Self {
+        let bin = e.transform.lines[1];
+        let half_width = (orders * e.motion.mean_speed().abs() / bin).ceil() as usize;
+        let count = (4 * half_width).next_power_of_two();
+        let n = e.motion.len();
+        let turns = (0..count)
+            .map(|i| {
+                let at = i as f64 * n as f64 / count as f64;
+                let k = (at as usize).min(n - 2);
+                e.motion.turns[k] + (at - k as f64) * (e.motion.turns[k + 1] - e.motion.turns[k])
+            })
+            .collect();
+        Self { half_width, count, forward: rustfft::FftPlanner::new().plan_fft_forward(count), turns }
+    }
+
+    /// Decimates a series of the full rate, multiplied by the window.
+    pub fn thin(&self, e: &Evidence, of: impl Fn(usize) -> [C; D]) -> Coarse {
+        let inverse = rustfft::FftPlanner::new().plan_fft_inverse(self.count);
+        let mut values = vec![[C::new(0.0, 0.0); D]; self.count];
+        for i in 0..D {
+            let all = e.transform.full(|t| of(t)[i]);
+            let n = all.len();
+            let mut band = vec![C::new(0.0, 0.0); self.count];
+            for b in 0..=self.half_width {
+                band[b] = all[b] / n as f64;
+                if b > 0 {
+                    band[self.count - b] = all[n - b] / n as f64;
+                }
+            }
+            inverse.process(&mut band);
+            for (v, x) in values.iter_mut().zip(&band) {
+                v[i] = *x;
+            }
+        }
+        Coarse { values }
+    }
+
+    /// Returns `e^(2 pi i order turns)` at the coarse samples.
+    fn turned(&self, order: f64) -> Vec<C> {
+        self.turns.iter().map(|turns| C::from_polar(1.0, TAU * (order * turns).fract())).collect()
+    }
+
+    /// Returns the carrier of an order in the band about the line nearest to `centre`, an order of the shaft; `None` if the band exceeds
+    /// the lines in use.
+    pub fn carrier(&self, e: &Evidence, centre: f64, order: f64) -> Option<Carrier> {
+        let nearest = (centre.abs() * e.motion.mean_speed().abs() / e.transform.lines[1]).round() as usize;
+        if nearest <= 2 * MEAN_LINES || nearest + self.half_width >= e.transform.lines.len() {
+            return None;
+        }
+        let is_backward = centre < 0.0;
+        let sign = if is_backward { -1.0 } else { 1.0 };
+        let n = e.motion.len() as f64;
+        let shift = |i: usize| {
+            let turns = sign * order * self.turns[i] - nearest as f64 * i as f64 / self.count as f64;
+            C::from_polar(n / self.count as f64, TAU * turns.fract())
+        };
+        Some(Carrier { line: nearest, is_backward, shifts: (0..self.count).map(shift).collect() })
+    }
+
+    /// Returns the residual at the probes of a force at a bearing, a series times the carrier, for the lines of the band.
+    pub fn column(&self, e: &Evidence, series: &Coarse, bearing: usize, carrier: &Carrier) -> Vec<C> {
+        let mut spectra: [Vec<C>; D] = Default::default();
+        for (i, spectrum) in spectra.iter_mut().enumerate() {
+            // A carrier of negative frequency appears conjugated at the positive one.
+            let value = |v: &[C; D]| if carrier.is_backward { v[i].conj() } else { v[i] };
+            *spectrum = series.values.iter().zip(&carrier.shifts).map(|(v, s)| value(v) * s).collect();
+            self.forward.process(spectrum);
+        }
+        let mut out = Vec::with_capacity((2 * self.half_width + 1) * e.rows);
+        for b in 0..=2 * self.half_width {
+            let at = (b + self.count - self.half_width) % self.count;
+            let line = (carrier.line + b).wrapping_sub(self.half_width);
+            if line >= e.transform.lines.len() || line < MEAN_LINES {
+                continue;
+            }
+            for row in &e.whitening_of_bearing[bearing][line] {
+                out.push(row.iter().zip(&spectra).map(|(a, s)| a * s[at]).sum());
+            }
+        }
+        out
+    }
+
+    /// Returns the part of a residual that belongs to the lines of a column about `line`.
+    pub fn part(&self, e: &Evidence, residual: &[f64], line: usize) -> Vec<C> {
+        let per = 2 * e.rows;
+        let (first, last) = (line.saturating_sub(self.half_width).max(MEAN_LINES), line + self.half_width);
+        residual[first * per..(last + 1) * per].chunks(2).map(|x| C::new(x[0], x[1])).collect()
+    }
+}
+
+/// Carrier of an order of the shaft at the coarse samples, moved by the line about which its band is.
+pub struct Carrier {
+    pub line: usize,
+    /// True for a negative frequency.
+    is_backward: bool,
+    shifts: Vec<C>,
+}
+
+impl Carrier {
+    /// Adds the order of a factor by [`Baseband::turned`].
+    fn turn(&mut self, factor: &[C]) {
+        for (shift, factor) in self.shifts.iter_mut().zip(factor) {
+            *shift *= if self.is_backward { factor.conj() } else { *factor };
+        }
+    }
+}
+
+/// Force per deflection of a ball along the motion, as harmonics around the ring.
+pub struct Compliance {
+    bearing: usize,
+    /// l from -L to L.
+    harmonics: Vec<Coarse>,
+}
+
+impl Compliance {
+    pub fn new(e: &Evidence, band: &Baseband, bearing: usize, machine: &Machine) -> Result<Self> {
+        const DEPTH: f64 = 1e-8;
+        let zero = C::new(0.0, 0.0);
+        let mut harmonics = vec![[[zero; D]; WIDTH]; e.motion.len()];
+        let mut of = machine.bearings[bearing].clone();
+        of.scene.defect.clear();
+        let first = e.plant.bearings[bearing].element_azimuths[0].revolutions();
+        for a in 0..AZIMUTHS {
+            let azimuth = TAU * a as f64 / AZIMUTHS as f64;
+            let mut damaged = of.clone();
+            let mut dent = spall(Surface::Outer, azimuth, 0.01, DEPTH);
+            dent.shape = DefectShape::Rectangular;
+            damaged.scene.defect.push(dent);
+            let damaged = e.evaluated_as(machine, bearing, &damaged)?;
+            let cage = Phase::from_revolutions(a as f64 / AZIMUTHS as f64 - first);
+            let turns: [C; WIDTH] =
+                std::array::from_fn(|l| C::from_polar(1.0 / AZIMUTHS as f64, -(l as f64 - f64::from(L)) * azimuth));
+            for (t, harmonics) in harmonics.iter_mut().enumerate() {
+                for (i, change) in damaged.change_at_first_ball(&e.motion, t, cage).into_iter().enumerate() {
+                    for (h, turn) in harmonics.iter_mut().zip(&turns) {
+                        h[i] -= turn * (change / DEPTH);
+                    }
+                }
+            }
+        }
+        let harmonics = (0..WIDTH).map(|l| band.thin(e, |t| harmonics[t][l])).collect();
+        Ok(Self { bearing, harmonics })
+    }
+}
+
+/// Normal equations of the complex amplitudes of one harmonic of a family, l from -L to L; conjugated amplitudes where the
+/// carrier turns backward.
+struct Harmonic {
+    normal: [[C; WIDTH]; WIDTH],
+    right: [C; WIDTH],
+    backward: bool,
+}
+
+/// A family of lines fitted to the unexplained force at one slip.
+pub struct Family {
+    pub component: Component,
+    pub bearing: usize,
+    /// Slip of the cage, or of the ball's spin.
+    pub slip: f64,
+    elements: f64,
+    harmonics: Vec<(usize, Harmonic)>,
+}
+
+/// Order of harmonic `k` (from 1) and side line `l` in revolutions of the shaft.
+fn order(e: &Evidence, bearing: usize, component: Component, slip: f64, cage_slip: f64, k: usize, l: i32) -> f64 {
+    let mounted = &e.plant.bearings[bearing];
+    let n = mounted.elements as f64;
+    let cage = mounted.kinematics.cage_ratio;
+    let (k, l) = (k as f64, f64::from(l));
+    match component {
+        Component::Outer => k * n * cage * (1.0 - slip),
+        Component::Inner => k * n * (cage * (1.0 - slip) - 1.0) + l,
+        Component::Ball => 2.0 * k * mounted.kinematics.ball_ratio() * (1.0 - slip) + l * cage * (1.0 - cage_slip),
+    }
+}
+
+/// Slips that a scan returns by each of its two scores.
+const PEAKS: usize = 4;
+
+/// Returns the slips at which the lines of a family stand out most: by all its harmonics, as those of a spall, and by the strongest
+/// of them, as that of a wave.
+fn scan(
+    e: &Evidence,
+    residual: &[f64],
+    bearing: usize,
+    component: Component,
+    cage_slip: Option<f64>,
+    [from, to]: [f64; 2],
+) -> Vec<f64> {
+    let lines = e.transform.lines.len();
+    let per = 2 * e.rows;
+    // Energy of each line and two neighbours on both sides, over that of noise.
+    let square: Vec<f64> = residual.chunks(per).map(|c| c.iter().map(|x| x * x).sum()).collect();
+    let around = |k: usize| {
+        let range = k.saturating_sub(1)..(k + 2).min(lines);
+        let count = range.len() as f64;
+        square[range].iter().sum::<f64>() / (count * per as f64)
+    };
+    let bin = e.transform.lines[1];
+    let speed = e.motion.mean_speed().abs();
+    let finest = 2.0 * HARMONICS as f64 * e.plant.bearings[bearing].elements as f64 * speed / bin;
+    let steps = ((to - from) * finest).ceil() as usize;
+    let mut scores: [Vec<(f64, f64)>; 2] = (0..=steps)
+        .map(|i| {
+            let slip = from + (to - from) * i as f64 / steps as f64;
+            let (mut sum, mut strongest) = (0.0, 0.0_f64);
+            for k in 1..=HARMONICS {
+                let side = if component == Component::Outer { 0..=0 } else { -1..=1 };
+                let best = side
+                    .map(|l| {
+                        (order(e, bearing, component, slip, cage_slip.unwrap_or(slip), k, l).abs() * speed / bin)
+                            .round() as usize
+                    })
+                    .filter(|&at| at > 8 && at + 2 < lines)
+                    .map(around)
+                    .fold(0.0, f64::max);
+                sum += (1.0 + best).ln();
+                strongest = strongest.max(best);
+            }
+            [(sum, slip), (strongest, slip)]
+        })
+        .fold(Default::default(), |[mut sums, mut strongest]: [Vec<_>; 2], [sum, line]| {
+            sums.push(sum);
+            strongest.push(line);
+            [sums, strongest]
+        });
+    let mut peaks: Vec<f64> = vec![];
+    let apart = 3.0 * (to - from) / steps as f64;
+    for scores in &mut scores {
+        scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = peaks.len() + PEAKS;
+        for (_, slip) in scores {
+            // Peaks that are not neighbours.
+            if peaks.iter().all(|peak| (peak - *slip).abs() > apart) {
+                peaks.push(*slip);
+            }
+            if peaks.len() == most {
+                break;
+            }
+        }
+    }
+    peaks
+}
+
+impl Family {
+    /// Fits free amplitudes at a slip.
+    pub fn new(
+        e: &Evidence,
+        band: &Baseband,
+        residual: &[f64],
+        compliance: &Compliance,
+        component: Component,
+        slip: f64,
+        cage_slip: f64,
+    ) -> Self {
+        let bearing = compliance.bearing;
+        let n = e.plant.bearings[bearing].elements as f64;
+        let weight = if component == Component::Ball { 2.0 } else { n };
+        let order = |k: usize, l: i32| order(e, bearing, component, slip, cage_slip, k, l);
+        // The side lines of every harmonic are this far apart.
+        let apart = order(1, 1) - order(1, 0);
+        let factor = band.turned(apart);
+        let mut harmonics = vec![];
+        for k in 1..=HARMONICS {
+            let centre = order(k, 0);
+            let Some(mut carrier) = band.carrier(e, centre, order(k, -L)) else { continue };
+            let mut columns = Vec::with_capacity(WIDTH);
+            for series in &compliance.harmonics {
+                columns.push(band.column(e, series, bearing, &carrier));
+                if apart != 0.0 {
+                    carrier.turn(&factor);
+                }
+            }
+            let part = band.part(e, residual, carrier.line);
+            let product = |a: &[C], b: &[C]| a.iter().zip(b).map(|(a, b)| a.conj() * b).sum::<C>() * weight;
+            let normal = std::array::from_fn(|i| std::array::from_fn(|j| product(&columns[i], &columns[j]) * weight));
+            let right = std::array::from_fn(|i| -product(&columns[i], &part));
+            harmonics.push((k, Harmonic { normal, right, backward: centre < 0.0 }));
+        }
+        Self { component, bearing, slip, elements: n, harmonics }
+    }
+
+    /// Returns the fall of chi-squared by free amplitudes.
+    pub fn gain(&self) -> f64 {
+        let of = |h: &Harmonic| {
+            let normal = SMatrix::<C, WIDTH, WIDTH>::from_fn(|i, j| h.normal[i][j]);
+            let ridge = SMatrix::<C, WIDTH, WIDTH>::identity() * C::new(1e-9 * normal.trace().re / WIDTH as f64, 0.0);
+            let right = SVector::<C, WIDTH>::from_fn(|i, _| h.right[i]);
+            (normal + ridge).lu().solve(&right).map_or(0.0, |x| x.dotc(&right).re)
+        };
+        self.harmonics.iter().map(|(_, h)| of(h)).sum()
+    }
+
+    /// Order of the profile at harmonic `k` (from 1) and l.
+    fn profile_order(&self, k: usize, l: usize) -> f64 {
+        let l = l as f64 - f64::from(L);
+        match self.component {
+            Component::Ball => 2.0 * k as f64,
+            _ => k as f64 * self.elements - l,
+        }
+    }
+
+    /// Returns spalls with their falls of chi-squared: the best of each half width tried, best first, then the best at some angles of
+    /// the cage. `known` is the angle of the cage if it is known, in pitches (for a ball: its azimuth in revolutions, except for whole
+    /// pitches).
+    pub fn spalls(&self, known: Option<f64>) -> Vec<(f64, SpallGuess)> {
+        let is_ball = self.component == Component::Ball;
+        // Balls: the two contacts make half a revolution of spin a period.
+        let whole = if is_ball { PI } else { TAU };
+        let count = match known {
+            None => PHASES,
+            Some(_) if is_ball => self.elements as usize,
+            Some(_) => 1,
+        };
+        let phases: Vec<f64> = (0..count).map(|p| known.unwrap_or(0.0) + p as f64 / count as f64).collect();
+        let larger = |best: Option<(f64, SpallGuess)>, other: Option<(f64, SpallGuess)>| match (best, other) {
+            (Some(best), Some(other)) => Some(if other.0 > best.0 { other } else { best }),
+            (best, other) => best.or(other),
+        };
+        let mut of_width = [None; HALF_WIDTHS.len()];
+        let mut of_phase = vec![None; phases.len()];
+        for (half_width, best) in HALF_WIDTHS.into_iter().zip(&mut of_width) {
+            for c in 0..CENTRES {
+                let tried = self.tried(half_width, whole * c as f64 / CENTRES as f64, &phases);
+                for (tried, of_phase) in tried.into_iter().zip(&mut of_phase) {
+                    *of_phase = larger(*of_phase, tried);
+                    *best = larger(*best, tried);
+                }
+            }
+        }
+        let sorted = |all: &[Option<(f64, SpallGuess)>]| {
+            let mut all: Vec<(f64, SpallGuess)> = all.iter().flatten().copied().collect();
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            all
+        };
+        let mut guesses = sorted(&of_width);
+        guesses.extend(sorted(&of_phase));
+        guesses
+    }
+
+    /// Returns the spalls of this width and place at each of `phases`; none where its depth would be negative.
+    fn tried(&self, half_width: f64, centre: f64, phases: &[f64]) -> Vec<Option<(f64, SpallGuess)>> {
+        let of = |phase: f64, (linear, quadratic): (f64, f64)| {
+            let depth = linear / quadratic.max(1e-300);
+            (depth > 0.0).then_some((linear * depth, SpallGuess { centre, half_width, depth, phase }))
+        };
+        let products = |phase: f64| {
+            self.harmonics.iter().map(move |(k, h)| {
+                let x = self.pattern(*k, h.backward, centre, half_width, phase);
+                let linear: C = x.iter().zip(&h.right).map(|(x, r)| x.conj() * r).sum();
+                let quadratic: f64 =
+                    (0..WIDTH).map(|i| (x[i].conj() * (0..WIDTH).map(|j| h.normal[i][j] * x[j]).sum::<C>()).re).sum();
+                (*k as f64, h.backward, linear, quadratic)
+            })
+        };
+        if self.component == Component::Ball {
+            let sums =
+                |phase: f64| products(phase).fold((0.0, 0.0), |(l, q), (_, _, linear, quad)| (l + linear.re, q + quad));
+            return phases.iter().map(|&phase| of(phase, sums(phase))).collect();
+        }
+        // A change of the cage angle shifts the phase of each harmonic as a whole.
+        let at_zero: Vec<_> = products(0.0).collect();
+        let quadratic: f64 = at_zero.iter().map(|p| p.3).sum();
+        let linear = |phase: f64| -> f64 {
+            let turned = |(k, backward, linear, _): &(f64, bool, C, f64)| {
+                let angle = TAU * k * phase;
+                (C::from_polar(1.0, if *backward { angle } else { -angle }) * linear).re
+            };
+            at_zero.iter().map(turned).sum()
+        };
+        phases.iter().map(|&phase| of(phase, (linear(phase), quadratic))).collect()
+    }
+
+    /// Amplitudes of a spall of depth 1 at harmonic `k`.
+    fn pattern(&self, k: usize, backward: bool, centre: f64, half_width: f64, phase: f64) -> [C; WIDTH] {
+        std::array::from_fn(|l| {
+            let m = self.profile_order(k, l);
+            let height = -half_sine(m, half_width);
+            let turned = match self.component {
+                Component::Ball => (l as f64 - f64::from(L)) * TAU * phase,
+                _ => k as f64 * TAU * phase,
+            };
+            let angle = turned - m * centre;
+            C::from_polar(height, if backward { -angle } else { angle })
+        })
+    }
+
+    /// Returns the wave that explains most: fall of chi-squared, order and complex amplitude. A wave of the elements is the same on all,
+    /// so that their sum has no side bands of the cage.
+    pub fn wave(&self) -> Option<(f64, u32, C)> {
+        let mut best: Option<(f64, u32, C)> = None;
+        let side_bands = if self.component == Component::Ball { L as usize..L as usize + 1 } else { 0..WIDTH };
+        for (k, h) in &self.harmonics {
+            for l in side_bands.clone() {
+                let amplitude = h.right[l] / h.normal[l][l].re.max(1e-300);
+                let gain = (amplitude.conj() * h.right[l]).re;
+                let order = self.profile_order(*k, l);
+                if order >= 1.0 && best.as_ref().is_none_or(|b| gain > b.0) {
+                    best = Some((gain, order as u32, if h.backward { amplitude.conj() } else { amplitude }));
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Initial estimate of a spall.
+#[derive(Debug, Clone, Copy)]
+pub struct SpallGuess {
+    /// Angle of the spall on its component, rad.
+    pub centre: f64,
+    pub half_width: f64,
+    pub depth: f64,
+    /// Cage angle at revolution 0 in pitches; for a ball, its azimuth in revolutions.
+    pub phase: f64,
+}
+
+/// Fourier coefficient of order `m` of `cos(pi x / 2 w)`, |x| < w.
+fn half_sine(m: f64, w: f64) -> f64 {
+    let a = 2.0 * m * w / PI;
+    let shape = if (1.0 - a * a).abs() < 1e-6 { PI / 4.0 } else { (m * w).cos() / (1.0 - a * a) };
+    2.0 * w / (PI * PI) * shape
+}
+
+/// Peaks of the scan of slips about which further slips are tried.
+const REFINED: usize = 2;
+
+/// Returns the family at the slip that explains most.
+pub fn best_family(
+    e: &Evidence,
+    band: &Baseband,
+    from: &Fitted,
+    compliance: &Compliance,
+    component: Component,
+    range: [f64; 2],
+    observable: bool,
+) -> Family {
+    let bearing = compliance.bearing;
+    let slip = from.machine.bearings[bearing].cage.slip;
+    let bin = e.transform.lines[1];
+    let step = bin / (e.motion.mean_speed().abs() * HARMONICS as f64 * e.plant.bearings[bearing].elements as f64);
+    let at = |tried: f64| {
+        // Balls that roll in a slipping cage slip with it.
+        let cage_slip = if observable { slip } else { tried };
+        let family = Family::new(e, band, &from.residual, compliance, component, tried, cage_slip);
+        (family.gain(), family)
+    };
+    let mut best: Vec<(f64, Family)> = if observable && component != Component::Ball {
+        vec![at(slip)]
+    } else {
+        let mut peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
+        if component != Component::Ball {
+            // The cage may be known from earlier samples.
+            peaks.push(slip);
+        }
+        peaks.into_iter().map(at).collect()
+    };
+    let sort = |all: &mut Vec<(f64, Family)>| all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort(&mut best);
+    // The lines of the better peaks, between the steps of the scan.
+    if best.len() > 1 {
+        let peaks: Vec<f64> = best.iter().take(REFINED).map(|(_, family)| family.slip).collect();
+        for peak in peaks {
+            best.extend([-2, -1, 1, 2].map(|i| at(peak + 0.7 * step * f64::from(i))));
+        }
+        sort(&mut best);
+    }
+    let best = best.into_iter().next();
+    best.map_or_else(
+        || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] },
+        |(_, family)| family,
+    )
+}
+
+/// Returns the machine of `from` with the spall that `family` shows. The cage of an observable bearing keeps its angle.
+pub fn with_spall(from: &Fitted, family: &Family, guess: &SpallGuess, observable: bool) -> Machine {
+    let mut machine = from.machine.clone();
+    let bearing = &mut machine.bearings[family.bearing];
+    let n = family.elements;
+    let first = bearing.scene.first_element_azimuth / TAU;
+    match family.component {
+        Component::Ball => {
+            bearing.cage.spin_slip = family.slip;
+            bearing.cage.spin_phase = 0.0;
+            if !observable {
+                bearing.cage.slip = family.slip;
+            }
+            let mut j = 0;
+            if observable {
+                j = ((guess.phase - first - bearing.cage.phase) * n).round().rem_euclid(n) as usize;
+            } else {
+                bearing.cage.phase = guess.phase - first;
+            }
+            bearing.scene.defect.push(spall(Surface::Ball(j), guess.centre, guess.half_width, guess.depth));
+        }
+        Component::Outer | Component::Inner => {
+            if !observable {
+                bearing.cage.phase = guess.phase / n - first;
+                bearing.cage.slip = family.slip;
+            }
+            let surface = if family.component == Component::Outer { Surface::Outer } else { Surface::Inner };
+            bearing.scene.defect.push(spall(surface, guess.centre, guess.half_width, guess.depth));
+        }
+    }
+    machine
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fourier coefficients by summation.
+    #[test]
+    fn profile_of_a_spall() {
+        const N: usize = 100_000;
+        for (m, w) in [(1.0, 0.05), (9.0, 0.05), (18.0, 0.1), (PI / 0.2, 0.1)] {
+            let sum: f64 = (0..N)
+                .map(|i| w * (2.0 * (i as f64 + 0.5) / N as f64 - 1.0))
+                .map(|x| (0.5 * PI * x / w).cos() * (m * x).cos() * 2.0 * w / N as f64 / TAU)
+                .sum();
+            assert!((half_sine(m, w) - sum).abs() < 1e-9, "{m} {w}: {} {sum}", half_sine(m, w));
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Impacts of known origin in noise, and signals without impacts.
+
+use super::detector::FaultDetector;
+use super::envelope::Rotation;
+use super::signals::{Evaluation, Signals};
+use super::suspect::Suspect;
+use ballrace::Phase;
+use ballrace::bearing::kinematics::{Orders, orders};
+use ballrace_outcome::{EnvelopeSpectrum, EvidenceSource, FaultKind};
+use ballrace_recording::{Row, Sample};
+use ballrace_scene::read::read_str;
+use ballrace_scene::{Recording, Sensor};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+const RATE: f64 = 20_000.0;
+const TURN_HZ: f64 = 24.7;
+const SAMPLES: usize = 60_000;
+
+/// Uniform numbers, -1 to 1.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Depth of a modulation and its order: impacts are stronger while the damage is in the load zone.
+type Modulation = (f64, f64);
+const STEADY: Modulation = (0.0, 1.0);
+
+/// Returns impacts `order` times a revolution with a resonance at `ring` (Hz) in noise, modulated with the shaft (damaged
+/// inner race) or with the cage (damaged element).
+fn blows(order: f64, ring: f64, (modulated, by): Modulation, loud: f64, seed: u64) -> Vec<f64> {
+    let mut noise = noise(seed);
+    let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
+    let mut at = 0.01;
+    while at < SAMPLES as f64 / RATE {
+        let strength = loud * (1.0 + modulated * (TAU * by * TURN_HZ * at).cos()) / (1.0 + modulated);
+        let first = (at * RATE).ceil() as usize;
+        for (i, x) in signal.iter_mut().enumerate().skip(first).take(200) {
+            let t = i as f64 / RATE - at;
+            *x += strength * (-900.0 * t).exp() * (TAU * ring * t).sin();
+        }
+        // The slip of the elements varies the interval: a jitter of 0.05 %.
+        at += (1.0 + 5e-4 * noise()) / (order * TURN_HZ);
+    }
+    signal
+}
+
+fn suspect() -> Suspect {
+    let gamma = 7.94 / 39.04;
+    Suspect { name: "DE".to_owned(), station: 0.0, orders: orders(9, gamma, gamma), elements: 9 }
+}
+
+fn judged(signal: &[f64]) -> (Vec<(FaultKind, f64)>, Vec<EnvelopeSpectrum>) {
+    let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
+    let suspects = [suspect()];
+    let rotation = Rotation { turn_hz: TURN_HZ, fastest_hz: TURN_HZ, revolutions: None };
+    let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline: None };
+    let (diagnoses, _, drawn) = detector.all(std::iter::once((&sensor, signal)));
+    (diagnoses.iter().map(|f| (f.kind, f.order)).collect(), drawn)
+}
+
+fn found(signal: &[f64]) -> Vec<(FaultKind, f64)> {
+    judged(signal).0
+}
+
+#[test]
+fn each_component_is_identified_by_its_impacts() {
+    let Orders { outer_race, inner_race, ball_spin, cage } = suspect().orders;
+    let parts = [
+        (FaultKind::OuterRace, outer_race, STEADY),
+        (FaultKind::InnerRace, inner_race, (0.8, 1.0)),
+        (FaultKind::Element, 2.0 * ball_spin, STEADY),
+        (FaultKind::Element, 2.0 * ball_spin, (0.8, cage)),
+    ];
+    for (seed, (kind, order, modulated)) in parts.into_iter().enumerate() {
+        for (ring, slip) in [(2300.0, -0.01), (4100.0, 0.0), (7700.0, 0.01)] {
+            let order = order * (1.0 + slip);
+            let all = found(&blows(order, ring, modulated, 3.0, seed as u64));
+            assert!(
+                matches!(all[..], [(k, o)] if k == kind && (o / order - 1.0).abs() < 0.01),
+                "{kind:?} {ring}: {all:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn noise_and_the_shaft_are_no_damage() {
+    for seed in 0..20 {
+        assert!(found(&blows(1.0, 3000.0, STEADY, 0.0, seed)).is_empty(), "noise {seed}");
+        assert!(found(&blows(1.0, 3000.0, STEADY, 3.0, seed)).is_empty(), "a blow a turn {seed}");
+        assert!(found(&blows(2.0, 5000.0, STEADY, 3.0, seed)).is_empty(), "two blows a turn {seed}");
+    }
+}
+
+/// The line of the damage is the highest of the drawn spectrum about it; sound signals have a picture too.
+#[test]
+fn the_band_that_is_drawn_shows_the_line() {
+    let order = suspect().orders.outer_race;
+    let (_, drawn) = judged(&blows(order, 4100.0, STEADY, 3.0, 1));
+    assert_eq!(drawn.len(), 1);
+    let envelope = &drawn[0];
+    assert_eq!(envelope.reason, "the band of the diagnosis");
+    let at = (order * TURN_HZ / envelope.bin_hz).round() as usize;
+    let peak = envelope.modulation[at - 1..=at + 1].iter().copied().fold(0.0, f64::max);
+    let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);
+    assert!(peak == around && peak > 0.25, "{peak} {around}");
+    assert!(envelope.lines.iter().any(|line| line.label == "DE outer" && (line.hz - order * TURN_HZ).abs() < 1e-9));
+    let (_, sound) = judged(&blows(1.0, 3000.0, STEADY, 0.0, 1));
+    assert!(sound.len() == 1 && sound[0].reason.starts_with("the most impulsive band"));
+}
+
+/// A scene of one bearing with two sensors.
+const SCENE: &str = "[shaft]\nspeed = \"1500 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\nfacing = \"both\"\n\
+    model = \"angular\"\nelements = 9\nball_diameter = \"7.94 mm\"\npitch_diameter = \"39.04 mm\"\ninner_conformity = 0.52\n\
+    outer_conformity = 0.52\ncontact_angle = \"0 deg\"\n[recording]\nfile = \"r.csv\"\nrate = \"20 kHz\"\n\
+    sensors = [{ column = \"a\", unit = \"g\" }, { column = \"b\", unit = \"g\" }]\n\
+    keyphasor = { column = \"k\", pulses_per_turn = 1 }\n";
+
+/// Impacts `order` times a turn in noise at a shaft angle of `turned(t)` revolutions.
+fn impacts_of(order: f64, turned: impl Fn(f64) -> f64, seed: u64) -> Vec<f64> {
+    let mut noise = noise(seed);
+    let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
+    let mut next = 0.5;
+    for first in 0..SAMPLES {
+        if order * turned(first as f64 / RATE) < next {
+            continue;
+        }
+        next += 1.0;
+        for (i, x) in signal.iter_mut().enumerate().skip(first).take(200) {
+            let t = (i - first) as f64 / RATE;
+            *x += 3.0 * (-900.0 * t).exp() * (TAU * 4100.0 * t).sin();
+        }
+    }
+    signal
+}
+
+/// Evaluates impacts at `order` at the first sensor, and noise at the second.
+fn evaluated(order: f64, average: u32, turned: impl Fn(f64) -> f64) -> Evaluation {
+    let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
+    let recording = Recording { average, ..scene.recording.clone().unwrap() };
+    let mut signals = Signals::new(&recording, RATE).unwrap();
+    let (damaged, sound) = (impacts_of(order, &turned, 3), impacts_of(1.0, |_| 0.0, 4));
+    for (index, (a, b)) in damaged.iter().zip(&sound).enumerate() {
+        assert!(signals.add(&Row { index: index as u64, sensors: vec![*a, *b], ..Row::default() }));
+    }
+    for index in 0..(SAMPLES / average as usize) as u64 {
+        let time = (index as f64 * f64::from(average) + 0.5 * f64::from(average - 1)) / RATE;
+        let revolutions = turned(time);
+        let speed = TAU * (turned(time + 5e-5) - turned(time - 5e-5)) / 1e-4;
+        signals.add_angle(&Sample {
+            row: Row { index, time, ..Row::default() },
+            angle: Phase::from_revolutions(revolutions),
+            revolution: revolutions.floor() as i64,
+            speed,
+            ..Sample::default()
+        });
+    }
+    signals.evaluate(&scene, None).unwrap()
+}
+
+#[test]
+fn orders_are_tracked_while_the_speed_rises() {
+    let order = suspect().orders.outer_race;
+    for average in [1, 8] {
+        // 22 to 31 rev/s within 3 s: the line smears over 32 Hz and its third multiple over 96 Hz.
+        let found = evaluated(order, average, |t| 22.0 * t + 1.5 * t * t);
+        assert_eq!(found.not_judged, None);
+        let [diagnosis] = &found.diagnoses[..] else { panic!("{:?}", found.diagnoses) };
+        assert_eq!((diagnosis.kind, diagnosis.bearing.as_deref()), (FaultKind::OuterRace, Some("DE")));
+        assert!((diagnosis.order / order - 1.0).abs() < 0.005, "{}", diagnosis.order);
+        assert_eq!(diagnosis.evidence, [EvidenceSource::Vibration]);
+        assert_eq!(diagnosis.vibration.as_ref().unwrap().sensor, "a");
+        assert!((found.speeds_hz[1] - 26.5).abs() < 0.01, "{:?}", found.speeds_hz);
+        assert!(found.notes.iter().any(|note| note.contains("equal steps of the shaft angle")), "{:?}", found.notes);
+        assert_eq!(found.envelopes.len(), 2);
+    }
+}
+
+#[test]
+fn a_measured_constant_speed_is_not_resampled() {
+    let found = evaluated(suspect().orders.inner_race, 1, |t| 24.7 * t);
+    assert!(matches!(&found.diagnoses[..], [f] if f.kind == FaultKind::InnerRace), "{:?}", found.diagnoses);
+    assert!(!found.notes.iter().any(|note| note.contains("equal steps")));
+}
+
+#[test]
+fn speeds_that_have_no_verdict() {
+    let order = suspect().orders.outer_race;
+    let reason = |turned: fn(f64) -> f64| evaluated(order, 1, turned).not_judged.unwrap();
+    let varying = reason(|t| 20.0 * t + 3.0 * t * t);
+    assert_eq!(varying, "the shaft speed varies from 1209 to 2275 rpm, expected a ratio of 1.5 or less");
+    assert_eq!(reason(|t| 4.0 * t), "12.0 revolutions of the shaft, expected 16 or more");
+    let fast = reason(|t| 700.0 * t);
+    assert!(fast.starts_with("the rate of 20000 Hz has no band with the lines of the bearings, expected"), "{fast}");
+}

@@ -1,0 +1,184 @@
+//! Static equilibrium of one bearing under a load, and its preload.
+
+use super::{AnyBearing, BuildError, Shared, rotation_at};
+use ballrace::bearing::{Bearing, Reaction};
+use ballrace::rotor::{
+    BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
+};
+use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
+use ballrace_scene::{Bearing as BearingScene, Facing, Model, PreloadAmount, PreloadState, Scene};
+use std::sync::Arc;
+
+/// A bearing with a constant displacement by its preload.
+struct Preloaded<T> {
+    bearing: AnyBearing<T>,
+    offset: Displacement<T>,
+}
+
+impl<T: Scalar> Preloaded<T> {
+    fn with(&self, u: &Displacement<T>) -> Displacement<T> {
+        *u + self.offset
+    }
+}
+
+impl<T: Scalar> Bearing<T> for Preloaded<T> {
+    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
+        self.bearing.reaction(&self.with(u), at)
+    }
+    fn reaction_and_stiffness(
+        &self,
+        u: &Displacement<T>,
+        at: &BearingKinematicState<T>,
+    ) -> (Reaction<T>, Stiffness<T>) {
+        self.bearing.reaction_and_stiffness(&self.with(u), at)
+    }
+    fn element_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) {
+        self.bearing.element_loads(&self.with(u), at, loads);
+    }
+    fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
+        self.bearing.reaction_and_loads(&self.with(u), at, loads)
+    }
+}
+
+/// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
+///
+/// A preload that is set before fits or temperatures act locks the rings axially: the axial distance of their groove centres stays as it
+/// was set, while the displacement counts from the first contact of the mounted, warm bearing:
+/// `w = w_set + A (sin(alpha_set) - sin(alpha))` with the free contact angles `alpha_set` before and `alpha` after.
+///
+/// # Errors
+/// A preload that the bearing does not carry, or a bearing without thrust capacity.
+pub fn preload_offset(
+    scene: &Scene,
+    bearing: &BearingScene,
+    built: &AnyBearing<f64>,
+) -> Result<Option<Displacement<f64>>, BuildError> {
+    let Some(preload) = bearing.preload else { return Ok(None) };
+    let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
+    if let Some(set) = as_set(bearing) {
+        // A table of that state would be used only here.
+        let model = if set.model == Model::Tabulated { Model::QuasiStatic } else { set.model };
+        let at_setting = super::bearing(scene, &set, model)?;
+        let axial = |of: &BearingScene| match of.facing {
+            // Without a displacement the grooves of a deep groove bearing are opposite each other.
+            Facing::Both => 0.0,
+            Facing::PlusZ | Facing::MinusZ => of.geometry.map_or(0.0, |geometry| geometry.axial_groove_distance()),
+        };
+        let shift = sign * (axial(&set) - axial(bearing));
+        let offset = preload_offset(scene, &set, &at_setting)?;
+        return Ok(offset.map(|offset| Displacement { w: offset.w + shift, ..offset }));
+    }
+    match preload.amount {
+        PreloadAmount::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
+        PreloadAmount::Force(force) => {
+            let at = rotation_at(scene, bearing, 0.0)?;
+            let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
+            let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
+            if rest.residual > 1e-6 {
+                return Err(BuildError::Preload {
+                    file: scene.path.clone(),
+                    bearing: bearing.name.clone(),
+                    found: force,
+                });
+            }
+            Ok(Some(rest.displacement()))
+        }
+    }
+}
+
+/// Returns the bearing as its preload is set, without mounting; `None` where it is set in operation or nothing changes it.
+fn as_set(bearing: &BearingScene) -> Option<BearingScene> {
+    let (preload, mounting, clearance) = (bearing.preload?, bearing.mounting?, bearing.clearance()?);
+    let reduction = |temperatures| mounting.at(temperatures).reduction();
+    let at_setting = match preload.set {
+        PreloadState::Unmounted => 0.0,
+        PreloadState::Fitted => reduction(None),
+        PreloadState::Operating => return None,
+    };
+    let mut set = bearing.clone();
+    // A fit may have changed the operating clearance.
+    set.set_clearance(clearance + reduction(mounting.temperatures) - at_setting);
+    set.mounting = None;
+    Some(set)
+}
+
+/// Returns the axial force of a bearing by its preload alone, at the scene's speed, with fits and temperatures, N; `None` without preload.
+///
+/// # Errors
+/// As [`preload_offset`].
+pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64>, BuildError> {
+    if let Some(PreloadAmount::Force(force)) = bearing.preload.map(|preload| preload.amount)
+        && bearing.has_constant_preload_force()
+    {
+        return Ok(Some(force));
+    }
+    let built = super::bearing(scene, bearing, bearing.model)?;
+    let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
+    let at = rotation_at(scene, bearing, 0.0)?;
+    let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
+    Ok(Some(built.reaction(&offset, &at).wrench.fz.abs()))
+}
+
+/// Returns the static equilibrium of the inner ring under `load` (N, N m), with the outer ring fixed.
+///
+/// # Errors
+/// None with a finite load.
+pub fn loaded(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &BearingKinematicState<f64>,
+) -> Result<Equilibrium<f64, 5>, BuildError> {
+    let params = RotorParams {
+        // The equilibrium does not depend on these.
+        mass: 1.0,
+        diametral_inertia: 1e-4,
+        polar_inertia: 0.0,
+        damping: [[0.0; 5]; 5],
+        stiffness: [0.0; 5],
+        gravity: [0.0; 3],
+        load,
+    };
+    let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
+    let mounted = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
+    let machine = RotorBearingSystem { rotor, bearings: [mounted] };
+    // From a displacement at which the bearing carries thrust, Newton's method needs a few steps; where it fails, the damped
+    // motion from zero displacement converges.
+    let start = thrust_start(bearing, load, at);
+    let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
+    let start = settled.unwrap_or_default();
+    let found = equilibrium(&machine, &[*at], start);
+    Ok(if found.residual > 1e-6 { equilibrium(&machine, &[*at], Displacement::default()) } else { found })
+}
+
+/// Largest number of Newton steps.
+const NEWTON_STEPS: usize = 12;
+/// Axial displacements for the start, m.
+const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
+
+/// Returns the first axial displacement at which the bearing carries the axial load; none where there is none.
+fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
+    let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
+    let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
+    THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
+}
+
+/// Returns one step of Newton's method; none where the stiffness is singular.
+fn newton_step(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &BearingKinematicState<f64>,
+    u: Displacement<f64>,
+) -> Option<Displacement<f64>> {
+    let (reaction, k) = bearing.reaction_and_stiffness(&u, at);
+    let mut residual = reaction.wrench.to_array();
+    for (r, f) in residual.iter_mut().zip(load) {
+        *r += f;
+    }
+    let next = u + Displacement::from_array(solve(k, residual));
+    next.is_finite().then_some(next)
+}
+
+/// Returns `bearing` with the constant displacement `offset`.
+pub fn preloaded<T: Scalar>(bearing: AnyBearing<T>, offset: Displacement<T>) -> AnyBearing<T> {
+    Shared(Arc::new(Preloaded { bearing, offset }))
+}

@@ -1,0 +1,337 @@
+//! A diagnosis: fault, component, place, size and evidence.
+
+use super::{FaultFigures, ReferenceFrame};
+use ballrace_scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// Kind of fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultKind {
+    /// Damage of an outer race.
+    OuterRace,
+    /// Damage of an inner race.
+    InnerRace,
+    /// Damage of a rolling element.
+    Element,
+    /// Cage.
+    Cage,
+    /// Mass unbalance.
+    Unbalance,
+    /// Shaft misalignment.
+    Misalignment,
+    /// Too much or too little clearance.
+    Clearance,
+    /// Constant load other than the scene's.
+    Load,
+    /// Another fault.
+    Other,
+}
+
+/// Form of a surface fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultForm {
+    /// Local damage.
+    Spall,
+    /// A wave around the whole surface.
+    Waviness,
+}
+
+/// An estimate with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Estimate {
+    /// Most likely value.
+    pub value: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+/// Place and size of a fault, as far as it has them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FaultParameters {
+    /// Form of a surface fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<FaultForm>,
+    /// Place of a spall: on the outer ring from +X towards +Y, on the inner ring from the keyphasor mark.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth_deg: Option<Estimate>,
+    /// Number of the damaged element, from 1 at the azimuth of the first element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<usize>,
+    /// Half the extent of a spall along its surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_width_deg: Option<Estimate>,
+    /// Greatest depth of a spall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_um: Option<Estimate>,
+    /// Waves around the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub waviness_order: Option<u32>,
+    /// Amplitude of the wave, zero to peak.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_um: Option<Estimate>,
+    /// Tilt of the outer ring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt_mrad: Option<Estimate>,
+    /// Axis of the tilt, from +X towards +Y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_deg: Option<Estimate>,
+    /// Diametral clearance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance_um: Option<Estimate>,
+    /// Unbalance of the whole rotor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_g_mm: Option<Estimate>,
+    /// Its angle from the keyphasor mark.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<Estimate>,
+    /// Its station along Z as drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub station_mm: Option<Estimate>,
+    /// Direction of the force of a spall, in the frame of its component: from +X, from the keyphasor mark, from element 1. It is
+    /// taken from the measured motion without the fit of the spall, 0 to 360.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_direction_deg: Option<f64>,
+    /// Largest force of the mean pass of an element over a spall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+    /// Constant load on the rotor along X, Y and Z, without its weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_n: Option<[Estimate; 3]>,
+    /// Logarithm of the likelihood ratio against the machine without this fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log_likelihood_gain: Option<f64>,
+    /// Odds against the next likely cause, at most 1e12.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odds_to_next: Option<f64>,
+    /// Part of the square of the unexplained motion, less its noise, that this fault explains at all probes together, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explained: Option<f64>,
+    /// Unexplained motion at the probe that shows the fault best.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unexplained_motion: Option<UnexplainedMotion>,
+}
+
+/// Unexplained motion at one probe over the samples of a diagnosis: displacement that the unexplained force causes, in the lines that are
+/// diagnosed. It is not the residual of the twin, which is simulated from the scene alone.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnexplainedMotion {
+    /// Column of the probe.
+    pub probe: String,
+    /// Rms without the fault.
+    pub without_um: f64,
+    /// Rms with the fault.
+    pub with_um: f64,
+    /// Rms that the noise of the probes causes.
+    pub noise_um: f64,
+    /// Part of the square of the unexplained motion, less that of its noise, that the fault explains at this probe, 0 to 1.
+    pub explained: f64,
+}
+
+impl UnexplainedMotion {
+    /// Creates the figures of a probe from its rms values without the fault, with it, and of the noise, um; `None` where the fault does not
+    /// lower the motion.
+    #[must_use]
+    pub fn new(probe: &str, [without_um, with_um, noise_um]: [f64; 3]) -> Option<Self> {
+        let fall = without_um.powi(2) - with_um.powi(2);
+        let left = (with_um.powi(2) - noise_um.powi(2)).max(0.0);
+        (fall > 0.0).then(|| Self {
+            probe: probe.to_owned(),
+            without_um,
+            with_um,
+            noise_um,
+            explained: fall / (fall + left),
+        })
+    }
+}
+
+impl FaultParameters {
+    /// Returns true if no interval of a size contains 0.
+    pub fn is_significant(&self) -> bool {
+        let sizes = [&self.depth_um, &self.amplitude_um, &self.tilt_mrad, &self.moment_g_mm];
+        sizes.into_iter().flatten().all(|size| size.low > 0.0)
+    }
+
+    /// Returns the size of the fault in the unit of its kind: depth, amplitude, tilt, clearance or moment.
+    #[must_use]
+    pub fn size(&self) -> Option<f64> {
+        let sizes = [self.depth_um, self.amplitude_um, self.tilt_mrad, self.clearance_um, self.moment_g_mm];
+        sizes.into_iter().flatten().next().map(|size| size.value)
+    }
+}
+
+/// Measurement that shows a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum EvidenceSource {
+    /// Motion of the shaft at the displacement probes.
+    ShaftMotion,
+    /// Envelope spectrum of a vibration sensor.
+    Vibration,
+}
+
+/// Line of a fault in the envelope spectrum of a vibration sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct VibrationLine {
+    /// Column of the sensor.
+    pub sensor: String,
+    /// Least and greatest frequency of the band.
+    pub band_hz: [f64; 2],
+    /// Frequency of the line at the mean speed.
+    pub line_hz: f64,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// Amplitude of the line over the band's mean square.
+    pub modulation: f64,
+    /// Line over its surroundings, or over the baseline.
+    pub level_db: f64,
+    /// Other bearings with the same lines that the sensor measures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_excluded: Vec<String>,
+}
+
+/// Sense in which a force or an orbit turns, compared with the shaft.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Precession {
+    /// In the sense of the shaft.
+    #[default]
+    Forward,
+    /// Against the sense of the shaft.
+    Backward,
+}
+
+/// Line of the unexplained radial force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct UnexplainedLine {
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// At the mean speed, Hz.
+    pub line_hz: f64,
+    /// Bearing at which the force is larger; none where the rotor has not two bearings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Sense of the larger part of the force.
+    pub precession: Precession,
+    /// Frame of reference in which the line is a harmonic of the passing of the elements, of their spin or of the shaft; else the fixed one.
+    pub frame: ReferenceFrame,
+    /// Amplitude of that part, N.
+    pub force_n: f64,
+}
+
+impl std::fmt::Display for UnexplainedLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let precession = match self.precession {
+            Precession::Forward => "forward",
+            Precession::Backward => "backward",
+        };
+        let frame = match self.frame {
+            ReferenceFrame::Fixed => "fixed frame",
+            ReferenceFrame::Shaft => "shaft frame",
+            ReferenceFrame::Cage => "cage frame",
+        };
+        write!(f, "{:.2} ({precession}", self.order)?;
+        if let Some(bearing) = &self.bearing {
+            write!(f, " at {bearing}")?;
+        }
+        write!(f, ", {frame})")
+    }
+}
+
+/// Diagnosis of a fault with its evidence.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Diagnosis {
+    /// Fault.
+    pub kind: FaultKind,
+    /// Bearing, where the fault has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<String>,
+    /// Frequency of the first line of the fault at the mean speed; 0 where the fault changes the mean position.
+    pub line_hz: f64,
+    /// Per turn of the shaft.
+    pub order: f64,
+    /// Shaft motion: fall of chi-squared by the fault over the least significant one. Vibration: the line over its
+    /// surroundings or over the baseline. dB.
+    pub level_db: f64,
+    /// 0 to 1.
+    pub confidence: f64,
+    /// Measurements that show the fault.
+    pub evidence: Vec<EvidenceSource>,
+    /// Line of the fault in the vibration, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationLine>,
+    /// Place and size.
+    #[serde(flatten)]
+    pub parameters: FaultParameters,
+    /// The diagnosis as a sentence.
+    pub sentence: String,
+    /// Strongest lines of a residual that no fault explains; empty for other kinds than `other`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<UnexplainedLine>,
+    /// Data of its figures, not part of the JSON.
+    #[serde(skip)]
+    pub figures: FaultFigures,
+}
+
+impl Diagnosis {
+    /// Adds the data of the figures, with the numbers of the force rose.
+    #[must_use]
+    pub fn with_figures(mut self, figures: FaultFigures) -> Self {
+        self.parameters.force_direction_deg = figures.rose.as_ref().map(|rose| rose.direction_deg);
+        self.parameters.force_n = figures.rose.as_ref().map(|rose| rose.peak_n);
+        self.parameters.unexplained_motion = figures.motion.as_ref().and_then(|motion| motion.unexplained.clone());
+        self.figures = figures;
+        self
+    }
+}
+
+impl Diagnosis {
+    /// Returns the diagnosis with a station from the centre of mass replaced by that of the scene's drawing. The sentence is not changed.
+    #[must_use]
+    pub fn with_station_as_drawn(mut self, scene: &Scene) -> Self {
+        let origin_mm = scene.drawn_station(0.0) * 1e3;
+        if let Some(station) = &mut self.parameters.station_mm {
+            station.value += origin_mm;
+            station.low += origin_mm;
+            station.high += origin_mm;
+        }
+        self
+    }
+
+    /// Returns true where both name the same fault, whatever its size.
+    #[must_use]
+    pub fn is_same_fault(&self, other: &Self) -> bool {
+        self.kind == other.kind && self.bearing == other.bearing && self.parameters.form == other.parameters.form
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_whose_interval_contains_zero_is_not_significant() {
+        let of = |low: f64| {
+            let size = Estimate { value: 0.4, low, high: 0.8 };
+            FaultParameters {
+                amplitude_um: Some(size),
+                clearance_um: Some(Estimate { low: -1.0, ..size }),
+                ..Default::default()
+            }
+        };
+        assert!(of(0.1).is_significant() && !of(0.0).is_significant());
+    }
+}

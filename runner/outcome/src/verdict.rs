@@ -1,0 +1,127 @@
+//! The verdict as a sentence.
+
+use crate::{ComparedTwin, Diagnosis, EvidenceSource, Implausibility, ProbeOutcome, Standing};
+
+/// Returns the root mean square of a figure over the probes; none where a probe lacks it.
+fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
+    let values: Option<Vec<f64>> = probes.iter().map(of).collect();
+    values.map(|values| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt())
+}
+
+/// Returns true where the twin is as good as any simpler model, or its residual is noise, or has no meaning.
+#[must_use]
+pub fn follows(twin: &ComparedTwin, probes: &[ProbeOutcome]) -> bool {
+    if !twin.is_comparable() {
+        return true;
+    }
+    let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
+    let at_noise = rms(probes, |p| p.noise_um).is_some_and(|noise| residual <= 1.5 * noise);
+    at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
+}
+
+/// Returns the verdict as a sentence: why there is none, else the strongest diagnosis, else whether the twin follows. `undiagnosed` is
+/// the reason why the shaft motion was not diagnosed.
+#[must_use]
+pub fn verdict(
+    diagnoses: &[Diagnosis],
+    (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
+    implausible: &[Implausibility],
+    not_judged: &[String],
+    undiagnosed: Option<&str>,
+    out_of_range: u64,
+) -> String {
+    if !implausible.is_empty() {
+        let all: Vec<String> = implausible.iter().map(|one| format!("{}: {}", one.subject, one.found)).collect();
+        return format!(
+            "The recording is not plausible for the scene: {}. Nothing is diagnosed without --force.",
+            all.join("; ")
+        );
+    }
+    if !not_judged.is_empty() {
+        if let Some(seen) = diagnoses.iter().find(|diagnosis| is_of_vibration_alone(diagnosis)) {
+            return format!("The shaft motion has no verdict: {}. {}", not_judged.join("; "), seen.sentence);
+        }
+        return format!("No verdict: {}.", not_judged.join("; "));
+    }
+    let left_out = match out_of_range {
+        0 => String::new(),
+        1 => " 1 sample with a reading out of range is omitted.".to_owned(),
+        count => format!(" {count} samples with a reading out of range are omitted."),
+    };
+    let verdict = judged(diagnoses, (twin, probes), undiagnosed);
+    format!("{verdict}{left_out}")
+}
+
+/// Returns true for a diagnosis that the shaft motion does not show.
+fn is_of_vibration_alone(diagnosis: &Diagnosis) -> bool {
+    diagnosis.evidence == [EvidenceSource::Vibration]
+}
+
+fn judged(
+    diagnoses: &[Diagnosis],
+    (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
+    undiagnosed: Option<&str>,
+) -> String {
+    if let Some(worst) = diagnoses.first() {
+        if is_of_vibration_alone(worst) {
+            return format!("The vibration shows a fault. {}", worst.sentence);
+        }
+        return format!("The machine departs from its twin. {}", worst.sentence);
+    }
+    let faults = undiagnosed.map_or_else(
+        || "no fault is found".to_owned(),
+        |reason| format!("the shaft motion is not diagnosed: {reason}"),
+    );
+    if !twin.is_comparable() {
+        return format!(
+            "The motion of this machine does not repeat, so that no twin has its phase, and without an observer none can be \
+             synchronised with the readings: the comparison has no meaning; {faults}."
+        );
+    }
+    let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));
+    let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
+    let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
+    let (better, worse) = (count(Standing::Better), count(Standing::Worse));
+    let follows = if follows(twin, probes) { "follows" } else { "does not follow" };
+    let twin = match (twin.synchronised, &twin.spread) {
+        (false, _) => "The twin",
+        (true, None) => "The synchronised twin",
+        (true, Some(_)) => "The motion of this machine does not repeat. The synchronised twin",
+    };
+    let rivals = if better == probes.len() {
+        "its residual is smaller than that of all four simpler models on every probe".to_owned()
+    } else if worse == 0 {
+        format!(
+            "no simpler model does better, and on {} of {} probes one does as well",
+            probes.len() - better,
+            probes.len()
+        )
+    } else {
+        format!("a simpler model does better on {worse} of {} probes", probes.len())
+    };
+    format!("{twin} {follows} the machine: residual {residual:.3} um rms{against}; {rivals}; {faults}.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TwinSpread;
+
+    /// A residual far above the noise has no meaning where no twin has the phase of the machine.
+    #[test]
+    fn a_free_twin_of_a_motion_that_does_not_repeat() {
+        let probes = [ProbeOutcome { residual_rms_um: 3.0, noise_um: Some(0.03), ..ProbeOutcome::default() }];
+        let spread = TwinSpread { probe: "DE".to_owned(), difference_um: 3.1, time_s: 4.0 };
+        let free = ComparedTwin { synchronised: false, spread: Some(spread.clone()) };
+        let sentence = verdict(&[], (&free, &probes), &[], &[], None, 0);
+        assert!(sentence.ends_with("the comparison has no meaning; no fault is found."), "{sentence}");
+        assert!(follows(&free, &probes));
+        let synchronised = ComparedTwin { synchronised: true, spread: Some(spread) };
+        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], None, 0);
+        assert!(
+            sentence.starts_with("The motion of this machine does not repeat. The synchronised twin"),
+            "{sentence}"
+        );
+        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], None, 0).starts_with("The twin "));
+    }
+}

@@ -1,0 +1,120 @@
+//! A bearing on the rotor.
+
+use super::plant_error::Result;
+use super::warm::{ColdAndFew, WARM_STEPS, Warm};
+use ballrace::rotor::{ComponentAngles, ShaftMotion};
+use ballrace::{BearingKinematicState, Displacement, Phase};
+pub use ballrace_models::build::Balls;
+use ballrace_models::build::{self, AnyBearing, Kinematics, Shared};
+use ballrace_scene::{Bearing as BearingScene, Linear, Model, Scene};
+use std::sync::Arc;
+
+/// A bearing on the rotor, ready to be evaluated.
+#[derive(Clone)]
+pub struct MountedBearing {
+    /// Name in the scene.
+    pub name: String,
+    /// Station along Z from the centre of mass, m.
+    pub station: f64,
+    /// Number of rolling elements.
+    pub elements: usize,
+    /// Azimuth of each element with the cage at angle 0.
+    pub element_azimuths: Vec<Phase>,
+    /// Speeds of its parts and orders.
+    pub kinematics: Kinematics,
+    /// Displacement by preload.
+    pub offset: Displacement<f64>,
+    /// The scene's model; for moving balls the lumped model, which is their limit without mass.
+    pub bearing: AnyBearing<f64>,
+    /// Description of the model.
+    pub description: String,
+    /// Balls that are coordinates of the system.
+    pub balls: Option<Balls>,
+    /// The quasi-static model for a cold start, and with the few solver steps of a warm start.
+    solved: Option<ColdAndFew>,
+}
+
+impl MountedBearing {
+    /// Creates the mounted bearing of a scene.
+    ///
+    /// # Errors
+    /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
+    pub fn new(scene: &Scene, bearing: &BearingScene) -> Result<Self> {
+        let model = match (bearing.model, &bearing.linear) {
+            // The source model is replaced by its tangent once the rotor's equilibrium is known.
+            (Model::Linear, Some(Linear::Of(source))) => *source,
+            (model, _) => model,
+        };
+        let moving = bearing.model != Model::Linear || matches!(bearing.linear, Some(Linear::Of(_)));
+        let mut kinematics = build::kinematics(scene, bearing)?;
+        if !moving {
+            kinematics.cage_ratio = 0.0;
+        }
+        let (loaded, offset) = loaded(scene, bearing, model)?;
+        Ok(Self {
+            name: bearing.name.clone(),
+            station: bearing.station,
+            elements: bearing.elements,
+            element_azimuths: (0..bearing.elements).map(|j| build::element_azimuth(bearing, j)).collect(),
+            kinematics,
+            offset,
+            bearing: loaded,
+            description: describe(bearing),
+            solved: (bearing.model == Model::QuasiStatic).then(|| solved(bearing)).transpose()?,
+            balls: (model == Model::Dynamic).then(|| build::moving_balls(scene, bearing)).transpose()?,
+        })
+    }
+
+    /// Returns the kinematic state of the bearing for component angles `parts` and shaft motion `drive`.
+    #[must_use]
+    pub fn rotation(&self, parts: ComponentAngles, drive: &ShaftMotion<f64>) -> BearingKinematicState<f64> {
+        self.kinematics.speed_ratios().kinematic_state(parts, drive)
+    }
+
+    /// Returns the azimuth of each element with the cage at `cage`.
+    pub fn azimuths(&self, cage: Phase) -> impl Iterator<Item = Phase> {
+        self.element_azimuths.iter().map(move |azimuth| cage.wrapping_add(*azimuth))
+    }
+
+    /// Replaces the bearing.
+    pub fn replace(&mut self, bearing: AnyBearing<f64>) {
+        self.bearing = bearing;
+        self.solved = None;
+    }
+
+    /// Returns the bearing without memory of earlier samples.
+    #[must_use]
+    pub fn cold(&self) -> AnyBearing<f64> {
+        self.bearing.clone()
+    }
+
+    /// Returns the bearing for one twin: the quasi-static one starts from its last ball positions.
+    #[must_use]
+    pub fn moving(&self) -> AnyBearing<f64> {
+        match &self.solved {
+            Some(solved) => Shared(Arc::new(Warm::new(solved.clone(), self.offset, self.elements))),
+            None => self.bearing.clone(),
+        }
+    }
+}
+
+fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
+    let cold = build::quasi_static(bearing)?;
+    Ok(ColdAndFew { cold, few: build::solved_in(bearing, WARM_STEPS)? })
+}
+
+/// Returns the bearing with its preload, and the offset: the given displacement, or the one at which it reacts with the given force.
+fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
+    let plain = build::bearing(scene, bearing, model)?;
+    match build::preload_offset(scene, bearing, &plain)? {
+        Some(offset) => Ok((build::preloaded(plain, offset), offset)),
+        None => Ok((plain, Displacement::default())),
+    }
+}
+
+fn describe(bearing: &BearingScene) -> String {
+    let damage = if bearing.defect.is_empty() { "" } else { ", damaged" };
+    let designation =
+        bearing.catalogue.as_ref().map_or_else(String::new, |used| format!("{}, ", used.listed.entry.designation));
+    format!("{designation}{}, {} elements{damage}", bearing.model.name(), bearing.elements)
+}

@@ -1,0 +1,44 @@
+//! `bearing = "6309"` in `[[bearing]]`: values of the catalogue for the keys that the scene does not have.
+
+use super::super::table::{Read, Table};
+use super::bearing::{self, DESIGNATION, LUMPED};
+use crate::FromCatalogue;
+use crate::catalogue::{find, scene_keys};
+use toml_edit::Value;
+
+/// Exactly one of these defines the fit of a bearing.
+const FIT: [&str; 2] = ["contact_angle", "diametral_clearance"];
+
+/// A bearing of the catalogue and the keys that it stands for.
+pub(super) struct Expansion {
+    pub used: FromCatalogue,
+    pub defaults: toml_edit::Table,
+}
+
+/// Returns the entry of each `[[bearing]]`, or none where it has no key `bearing`.
+pub(super) fn of_bearings(root: &Table<'_>) -> Read<Vec<Option<Expansion>>> {
+    let expected = "at least one table [[bearing]], in double brackets";
+    let Some(node) = root.optional(DESIGNATION) else { return Ok(vec![]) };
+    node.list(expected)?.iter().map(|node| expansion(&bearing::table(node)?)).collect()
+}
+
+fn expansion(table: &Table<'_>) -> Read<Option<Expansion>> {
+    let Some(node) = table.optional(DESIGNATION) else { return Ok(None) };
+    let designation = node.text("a designation, such as \"6309\" or \"NU205 C3\"")?;
+    let listed = find(designation).map_err(|unknown| node.refuse(unknown.expected()))?;
+    // A model, a fit or a law of the scene's own replaces the keys of the catalogue that do not go together with it.
+    let has_fit = FIT.iter().any(|key| table.has(key));
+    let is = |key: &str, name: &str| table.read(key, |node| Ok(node.text("").is_ok_and(|text| text == name)));
+    let is_lumped = is("model", "lumped")?.unwrap_or(true) || is("linearise", "lumped")? == Some(true);
+    let (mut defaults, mut estimated) = (toml_edit::Table::new(), Vec::new());
+    for key in scene_keys(&listed) {
+        let is_replaced = has_fit && FIT.contains(&key.key) || !is_lumped && LUMPED.contains(&key.key);
+        if !is_replaced && let Ok(value) = key.value.parse::<Value>() {
+            defaults.insert(key.key, value.into());
+            if key.is_estimated && !table.has(key.key) {
+                estimated.push(format!("{} = {}", key.key, key.value));
+            }
+        }
+    }
+    Ok(Some(Expansion { used: FromCatalogue { listed, estimated }, defaults }))
+}

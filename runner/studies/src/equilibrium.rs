@@ -1,0 +1,453 @@
+//! Static equilibrium of a bearing or a rotor, with the load on each element.
+
+use crate::campbell::{ModeShape, mode_shapes, modes};
+use crate::effect_significance::{self, EffectSignificance};
+use ballrace::bearing::Bearing;
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::BallState;
+use ballrace::bearing::quasi_static::film::{minimum_film, thermal_reduction};
+use ballrace::contact::hertz::Race;
+use ballrace::{BearingKinematicState, Displacement, Phase};
+use ballrace_models::build::{self, AnyBearing, ElementContact, Kinematics, rolling_speed};
+use ballrace_outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
+use ballrace_plant::error::{NoLoad, Result};
+use ballrace_plant::{LARGEST_RESIDUAL, Plant};
+use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, Model, PreloadAmount, Scene};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Result of `equilibrium`, SI units.
+#[derive(Debug, Clone, Serialize)]
+pub struct StaticEquilibrium {
+    /// Name of the scene.
+    pub scene: String,
+    /// Shaft speed, rad/s.
+    pub speed: f64,
+    /// Displacement: of the inner ring against the outer ring of a single bearing, of the centre of mass on a rotor.
+    pub displacement: [f64; 5],
+    /// Force of the bearings on the inner ring or the rotor, N and N m.
+    pub force: [f64; 5],
+    /// Tangent stiffness.
+    pub stiffness: [[f64; 5]; 5],
+    /// Elements of all bearings.
+    pub elements: Vec<Element>,
+    /// Flexible rotor; `None` for a rigid rotor or a single bearing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotor: Option<RotorOutcome>,
+    /// Drawing of the rotor, not part of the JSON; `None` for a single bearing.
+    #[serde(skip)]
+    pub drawing: Option<RotorDrawing>,
+    /// Undamped natural frequencies of the rotor at this speed; empty without a rotor.
+    pub natural_frequencies_hz: Vec<f64>,
+    /// Shapes of the lowest damped modes of a flexible rotor, not part of the JSON.
+    #[serde(skip)]
+    pub mode_shapes: Vec<ModeShape>,
+    /// Results of each bearing.
+    pub bearings: Vec<BearingEquilibrium>,
+    /// Residual of the equilibrium over the load.
+    pub residual: f64,
+    /// Time of the solution, s.
+    pub solving_seconds: f64,
+    /// Changes when one effect is switched off.
+    pub effects: Vec<EffectShare>,
+    /// Predicted change by each effect, also by neglected ones.
+    #[serde(rename = "effect_significance")]
+    pub significance: Vec<EffectSignificance>,
+}
+
+impl StaticEquilibrium {
+    /// Returns true if the residual over the load is at most [`LARGEST_RESIDUAL`].
+    #[must_use]
+    pub fn is_in_equilibrium(&self) -> bool {
+        self.residual <= LARGEST_RESIDUAL
+    }
+}
+
+/// Equilibrium of one bearing.
+#[derive(Debug, Clone, Serialize)]
+pub struct BearingEquilibrium {
+    /// Name in the scene.
+    pub name: String,
+    /// Displacement of the inner ring against the outer ring, with the preload.
+    pub displacement: [f64; 5],
+    /// Force on the inner ring, N and N m.
+    pub force: [f64; 5],
+    /// Tangent stiffness.
+    pub stiffness: [[f64; 5]; 5],
+    /// `cage_ratio` of the scene, where it has one.
+    pub cage_ratio: Option<f64>,
+    /// Contact angles; `None` without a geometry.
+    pub contact_angle: Option<ContactAngle>,
+    /// Orders of the bearing that every command uses: from the scene's `cage_ratio`, else by rolling at the free contact
+    /// angle; `None` if neither is given.
+    pub orders: Option<BearingOrders>,
+    /// Orders by rolling at the mean contact angle under this load; `None` if no contact angle is known.
+    pub orders_under_load: Option<BearingOrders>,
+    /// Permissible static contact pressure of ISO 76, Pa; `None` where the contact is not known.
+    pub pressure_limit: Option<f64>,
+    /// Operating clearance; `None` without `fit` and `temperatures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operating_clearance: Option<ClearanceOutcome>,
+}
+
+/// Contact angles of a bearing, rad, 0 or more.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ContactAngle {
+    /// Free contact angle: `contact_angle` of the scene, or `cos(free) = 1 - s/(2 A)` from the diametral clearance `s` and
+    /// the groove distance `A`. The cage speed and the orders use it.
+    pub free: f64,
+    /// Mean of the angles at the inner and outer contacts under this load, weighted by their loads.
+    pub loaded: Option<f64>,
+}
+
+/// One rolling element.
+#[derive(Debug, Clone, Serialize)]
+pub struct Element {
+    /// Name of the bearing.
+    pub bearing: String,
+    /// Number of the element, from 1.
+    pub number: usize,
+    /// Azimuth from +X towards +Y, rad.
+    pub azimuth: f64,
+    /// Load of the inner-race contact, N.
+    pub inner_load: f64,
+    /// Load of the outer-race contact, N.
+    pub outer_load: f64,
+    /// Contact angle at the inner race, rad; `None` without load or contact angle.
+    pub inner_angle: Option<f64>,
+    /// Contact angle at the outer race, rad; `None` without load or contact angle.
+    pub outer_angle: Option<f64>,
+    /// Maximum Hertzian pressure at the inner race, Pa; `None` where the contact is not known.
+    pub inner_pressure: Option<f64>,
+    /// Maximum Hertzian pressure at the outer race, Pa; `None` where the contact is not known.
+    pub outer_pressure: Option<f64>,
+    /// Central film thickness at the inner race, m.
+    pub inner_film: f64,
+    /// Central film thickness at the outer race, m.
+    pub outer_film: f64,
+    /// Smaller ratio of minimum film thickness to roughness (lambda) of both contacts; `None` without a roughness in the scene.
+    pub film_ratio: Option<f64>,
+    /// Centrifugal force, N.
+    pub centrifugal: f64,
+    /// Gyroscopic moment, N m.
+    pub gyroscopic_moment: f64,
+}
+
+/// Change of the equilibrium when one effect is switched off.
+#[derive(Debug, Clone, Serialize)]
+pub struct EffectShare {
+    /// Name of the effect: `centrifugal`, `gyroscopic` or `film`.
+    pub effect: String,
+    /// Change of displacement, m and rad.
+    pub displacement: [f64; 5],
+    /// Relative change of the diagonal of the stiffness.
+    pub stiffness: [f64; 5],
+    /// Relative change of the largest load on an element.
+    pub largest_load: f64,
+}
+
+/// Computes the static equilibrium of the scene's rotor, or of one of its bearings under a load (N, N m) on the inner ring.
+///
+/// # Errors
+/// Returns an error if there is no load or the scene lacks a value.
+pub fn static_equilibrium(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
+    let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
+    let solve =
+        |scene: &Scene| if alone { bearing_equilibrium(scene, bearing, load) } else { rotor_equilibrium(scene) };
+    let mut settled = solve(scene)?;
+    for (effect, off) in EFFECTS {
+        let mut without = scene.clone();
+        let named = without.bearings.iter_mut().fold(false, |named, b| off(&mut b.effects) | named);
+        if named {
+            settled.effects.push(share(effect, &settled, &solve(&without)?));
+        }
+    }
+    Ok(settled)
+}
+
+/// Function that switches an effect off and returns true if it was on.
+type Switch = fn(&mut Effects) -> bool;
+
+const EFFECTS: [(&str, Switch); 3] = [
+    ("centrifugal", |e| std::mem::replace(&mut e.centrifugal, false)),
+    ("gyroscopic", |e| std::mem::replace(&mut e.gyroscopic, false)),
+    ("film", |e| e.film.take().is_some()),
+];
+
+fn share(effect: &str, with: &StaticEquilibrium, without: &StaticEquilibrium) -> EffectShare {
+    let largest = |s: &StaticEquilibrium| s.elements.iter().map(|e| e.inner_load.max(e.outer_load)).fold(0.0, f64::max);
+    EffectShare {
+        effect: effect.to_owned(),
+        displacement: std::array::from_fn(|i| without.displacement[i] - with.displacement[i]),
+        stiffness: std::array::from_fn(|i| without.stiffness[i][i] / with.stiffness[i][i] - 1.0),
+        largest_load: largest(without) / largest(with) - 1.0,
+    }
+}
+
+fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
+    let of = build::pick(scene, name)?;
+    let built = build::bearing(scene, of, of.model)?;
+    let at = resting(scene, of)?;
+    let begun = Instant::now();
+    let (u, residual) = match (load, of.preload) {
+        (None, Some(_)) if !of.has_constant_preload_force() => {
+            (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0)
+        }
+        (load, preload) => {
+            let force = match preload.map(|preload| preload.amount) {
+                Some(PreloadAmount::Force(_)) => build::preload_force(scene, of)?,
+                _ => None,
+            };
+            let Some(total) = total_load(of, load, force) else {
+                return Err(NoLoad { file: scene.path.clone(), bearing: of.name.clone() }.into());
+            };
+            let rest = build::loaded(&built, total, &at)?;
+            (rest.displacement(), rest.residual)
+        }
+    };
+    let solving_seconds = begun.elapsed().as_secs_f64();
+    let elements = elements(of, &built, &u, &at)?;
+    let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
+    // The displacement contains the preload.
+    let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
+    Ok(StaticEquilibrium {
+        scene: scene.name.clone(),
+        speed: at.inner_speed,
+        displacement: one.displacement,
+        force: one.force,
+        stiffness: one.stiffness,
+        elements,
+        rotor: None,
+        drawing: None,
+        natural_frequencies_hz: vec![],
+        mode_shapes: vec![],
+        bearings: vec![one],
+        residual,
+        solving_seconds,
+        effects: vec![],
+        significance,
+    })
+}
+
+/// Returns the sum of the load and the preload force; `None` if neither is given.
+fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload_force: Option<f64>) -> Option<[f64; 5]> {
+    let sign = if of.facing == ballrace_scene::Facing::MinusZ { -1.0 } else { 1.0 };
+    match (load, preload_force) {
+        (load, Some(force)) => {
+            let mut total = load.unwrap_or_default();
+            total[2] += sign * force;
+            Some(total)
+        }
+        (load, _) => load,
+    }
+}
+
+fn resting(scene: &Scene, of: &BearingScene) -> Result<BearingKinematicState<f64>> {
+    let at = build::rotation_at(scene, of, 0.0)?;
+    Ok(BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at })
+}
+
+fn rows<S: nalgebra::RawStorage<f64, R, C>, R: nalgebra::Dim, C: nalgebra::Dim>(
+    k: &nalgebra::Matrix<f64, R, C, S>,
+) -> [[f64; 5]; 5] {
+    std::array::from_fn(|i| std::array::from_fn(|j| k.get((i, j)).copied().unwrap_or(0.0)))
+}
+
+/// Returns the equilibrium of `bearing`, which reacts to the displacement `moved`; `total` contains the preload.
+fn equilibrium_of_bearing(
+    name: &str,
+    bearing: &AnyBearing<f64>,
+    moved: &Displacement<f64>,
+    total: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+) -> BearingEquilibrium {
+    let (reaction, k) = bearing.reaction_and_stiffness(moved, at);
+    BearingEquilibrium {
+        name: name.to_owned(),
+        displacement: total.to_array(),
+        force: reaction.wrench.to_array(),
+        stiffness: rows(&k),
+        cage_ratio: None,
+        contact_angle: None,
+        orders: None,
+        orders_under_load: None,
+        pressure_limit: None,
+        operating_clearance: None,
+    }
+}
+
+impl BearingEquilibrium {
+    /// Adds contact angles, orders and the limit of pressure; `elements` are those of this bearing.
+    fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
+        let orders = |kinematics: &Kinematics| {
+            let Kinematics { orders: o, spin_known, .. } = kinematics;
+            let ball_spin = spin_known.then_some(o.ball_spin);
+            let orders = BearingOrders { cage: o.cage, outer_race: o.outer_race, inner_race: o.inner_race, ball_spin };
+            (o.cage != 0.0).then_some(orders)
+        };
+        let geometry = build::geometry(of)?;
+        let contact_angle =
+            geometry.map(|g| ContactAngle { free: g.contact_angle, loaded: mean_contact_angle(elements) });
+        let loaded = geometry.zip(contact_angle.and_then(|angle| angle.loaded));
+        let rolling = BearingScene { cage_ratio: None, ..of.clone() };
+        let under_load = |(g, contact_angle): (BallBearingGeometry, f64)| {
+            build::kinematics_of(scene, &rolling, Some(BallBearingGeometry { contact_angle, ..g }))
+        };
+        Ok(Self {
+            operating_clearance: of.mounting.map(|mounting| mounting.operating().into()),
+            cage_ratio: of.cage_ratio,
+            contact_angle,
+            pressure_limit: ElementContact::of(of)?.map(|contact| contact.limit()),
+            orders: orders(&build::kinematics(scene, of)?),
+            orders_under_load: loaded.map(under_load).transpose()?.as_ref().and_then(orders),
+            ..self
+        })
+    }
+}
+
+/// Returns the mean size of the contact angles, weighted by the loads of the contacts; `None` if no contact with an angle
+/// is loaded.
+fn mean_contact_angle(elements: &[Element]) -> Option<f64> {
+    let contacts = elements.iter().flat_map(|e| [(e.inner_load, e.inner_angle), (e.outer_load, e.outer_angle)]);
+    let (sum, load) = contacts
+        .filter_map(|(load, angle)| angle.map(|angle| (load, angle.abs())))
+        .fold((0.0, 0.0), |(sum, all), (load, angle)| (sum + load * angle, all + load));
+    (load > 0.0).then(|| sum / load)
+}
+
+fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
+    let begun = Instant::now();
+    let plant = Plant::try_new(scene)?;
+    let solving_seconds = begun.elapsed().as_secs_f64();
+    let speed = scene.shaft.speed.nominal();
+    let (mut bearings, mut all) = (Vec::new(), Vec::new());
+    let mut force = [0.0; 5];
+    for (i, (of, mounted)) in scene.bearings.iter().zip(&plant.bearings).enumerate() {
+        let at = plant.resting(mounted, Phase::ZERO);
+        let (moved, total) = displacements(&plant, i);
+        let one = equilibrium_of_bearing(&mounted.name, &mounted.bearing, &moved, &total, &at);
+        let wrench = ballrace::Wrench::from_array(one.force).from_station(mounted.station).to_array();
+        for (sum, f) in force.iter_mut().zip(wrench) {
+            *sum += f;
+        }
+        let plain = build::bearing(scene, of, model_with_elements(of))?;
+        let elements = elements(of, &plain, &total, &at)?;
+        bearings.push(one.with_kinematics(scene, of, &elements)?);
+        all.extend(elements);
+    }
+    Ok(StaticEquilibrium {
+        scene: scene.name.clone(),
+        speed,
+        displacement: plant.pose(&plant.rest).to_array(),
+        force,
+        stiffness: rows(&plant.stiffness),
+        elements: all,
+        rotor: plant.rotor_outcome(scene),
+        drawing: RotorDrawing::new(scene),
+        natural_frequencies_hz: modes(&plant, speed, false)?.iter().map(|mode| mode.frequency_hz).collect(),
+        mode_shapes: mode_shapes(scene, &plant, speed)?,
+        bearings,
+        residual: plant.residual,
+        solving_seconds,
+        effects: vec![],
+        significance: effect_significance::at_rest(scene, &plant)?,
+    })
+}
+
+/// Returns the displacement of a bearing by the rotor, without and with its preload.
+fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
+    let moved = plant.displacement(i, &plant.rest);
+    (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
+}
+
+/// Returns the model with elements: for a linearised bearing, the model that is linearised.
+fn model_with_elements(of: &BearingScene) -> Model {
+    match &of.linear {
+        Some(ballrace_scene::Linear::Of(source)) => *source,
+        _ => of.model,
+    }
+}
+
+/// Returns load, angle, pressure and film of each element for the ring displacement `u`.
+fn elements(
+    of: &BearingScene,
+    bearing: &AnyBearing<f64>,
+    u: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+) -> Result<Vec<Element>> {
+    let (geometry, contact) = (build::geometry(of)?, ElementContact::of(of)?);
+    let states = match of.model {
+        Model::QuasiStatic | Model::Tabulated | Model::Angular => {
+            let mut states = vec![BallState::default(); of.elements];
+            build::quasi_static(of)?.ball_states(u, at, &mut states);
+            Some(states)
+        }
+        _ => None,
+    };
+    let mut loads = vec![0.0; of.elements];
+    bearing.element_loads(u, at, &mut loads);
+    let element = |(j, &load): (usize, &f64)| {
+        let state = states.as_ref().and_then(|states| states.get(j));
+        let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
+        element(of, (j + 1, azimuth), load, state, (geometry.as_ref(), contact.as_ref()), at)
+    };
+    Ok(loads.iter().enumerate().map(element).collect())
+}
+
+fn element(
+    of: &BearingScene,
+    (number, azimuth): (usize, f64),
+    load: f64,
+    state: Option<&BallState<f64>>,
+    (geometry, contact): (Option<&BallBearingGeometry>, Option<&ElementContact>),
+    at: &BearingKinematicState<f64>,
+) -> Element {
+    let (inner_load, outer_load) = state.map_or((load, load), |s| (s.inner_load, s.outer_load));
+    let pressure = |race, load: f64| contact.map(|contact| contact.pressure(race, load));
+    let angle = |load: f64, [cos, sin]: [f64; 2]| (load > 0.0).then(|| sin.atan2(cos));
+    Element {
+        bearing: of.name.clone(),
+        number,
+        azimuth,
+        inner_load,
+        outer_load,
+        inner_angle: state.and_then(|s| angle(inner_load, s.inner_direction)),
+        outer_angle: state.and_then(|s| angle(outer_load, s.outer_direction)),
+        inner_pressure: pressure(Race::Inner, inner_load),
+        outer_pressure: pressure(Race::Outer, outer_load),
+        inner_film: state.map_or(0.0, |s| s.inner_film),
+        outer_film: state.map_or(0.0, |s| s.outer_film),
+        film_ratio: state.zip(geometry).zip(of.effects.film).and_then(|((s, g), oil)| film_ratio(s, g, oil, at)),
+        centrifugal: state.map_or(0.0, |s| s.centrifugal),
+        gyroscopic_moment: state.map_or(0.0, |s| s.gyroscopic_moment),
+    }
+}
+
+/// Returns the smallest ratio of film to roughness of both contacts (`docs/src/models.md#oil-film`).
+fn film_ratio(
+    s: &BallState<f64>,
+    g: &BallBearingGeometry,
+    lubricant: Lubricant,
+    at: &BearingKinematicState<f64>,
+) -> Option<f64> {
+    let roughness = lubricant.roughness?;
+    let oil = lubricant.for_film();
+    let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
+    let half = 0.5 * g.pitch_diameter;
+    // A massless ball has the speed of the ideal cage.
+    let ideal = rolling_speed(gamma, at.inner_speed, at.outer_speed);
+    let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
+    let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
+    let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
+    let least = |race, along: f64, speed, load: f64| {
+        let contact = g.contact(race);
+        let left = lubricant.inlet_heating.map_or(1.0, |heating| {
+            let pressure = contact.ellipse(load).2 / contact.effective_modulus;
+            thermal_reduction(oil.viscosity, heating.of_film(), speed, pressure)
+        });
+        (load > 0.0).then(|| left * minimum_film(oil, &contact, along, speed, load))
+    };
+    let inner = least(Race::Inner, 0.5 * g.ball_diameter * (1.0 - gamma), near, s.inner_load);
+    let outer = least(Race::Outer, 0.5 * g.ball_diameter * (1.0 + gamma), far, s.outer_load);
+    [inner, outer].into_iter().flatten().reduce(f64::min).map(|h| h / roughness)
+}

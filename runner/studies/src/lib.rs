@@ -1,0 +1,19 @@
+//! Studies of a machine: one question about a scene each, and its inverse problems.
+//!
+//! | modules | question |
+//! | --- | --- |
+//! | [`equilibrium`], [`force`] | where the rotor rests, what a displacement costs |
+//! | [`campbell`] | natural frequencies over the speed |
+//! | [`effect_significance`] | what an effect changes that the scene omits |
+//! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
+//! | [`fit`], [`bake`] | parameters from a recording; constants for firmware |
+#![forbid(unsafe_code)]
+
+pub mod bake;
+pub mod campbell;
+pub mod effect_significance;
+pub mod equilibrium;
+pub mod fit;
+pub mod force;
+pub mod sweep;
+pub mod trade;
