@@ -285,7 +285,7 @@ fn every_kind_of_event_is_documented() {
     let chapter = fs::read_to_string(repository().join("docs/src/live.md")).unwrap();
     let table: String = chapter.lines().filter(|line| line.starts_with("| `")).collect();
     let mut folders: Vec<PathBuf> =
-        ["runner/src/live", "runner/twin/src/replay", "runner/twin/src/record"].map(|f| repository().join(f)).into();
+        ["runner/src/live", "runner/replay/src"].map(|f| repository().join(f)).into();
     let mut kinds = BTreeSet::new();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).unwrap() {

@@ -4,6 +4,9 @@
 //! The groove centres have the distance vector `(A_r, A_z)` in the plane of each ball; the deflection is `delta = |(A_r,
 //! A_z)| - A`, and the load `Q = K_n delta^(3/2)` acts along that vector. Both contacts are in series, without inertia and
 //! film: the quasi-static equilibrium of a ball without rotation.
+//!
+//! Source: the displacement-coordinate model with which Wang, Han and Zhou, Mechanical Systems and Signal Processing 85 (2017),
+//! compare.
 
 use super::bearing_in_cage;
 use super::element_position::ElementLayout;

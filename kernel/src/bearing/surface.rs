@@ -1,5 +1,7 @@
 //! Deviations of raceways and balls from their ideal shape: waviness and local damage, each rotating with its surface
 //! (`docs/src/models.md#waviness-and-damage`).
+//!
+//! Source: Wardle 1988; Jang and Jeong 2003; the symbols of Wang, Han and Zhou 2017.
 
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;

@@ -3,6 +3,9 @@
 //! Two unknowns per ball, the position of its centre in its plane. Hertz contact on both races; the type parameters select
 //! [`inertia`] (centrifugal force, gyroscopic moment), [`film`] and [`super::surface`]. An effect that is not selected
 //! costs no instruction.
+//!
+//! Source: Jones 1960, Journal of Basic Engineering 82; with oil film, waviness and both race speeds after Wang, Han and Zhou,
+//! Mechanical Systems and Signal Processing 85 (2017).
 
 mod ball;
 mod bearing;
