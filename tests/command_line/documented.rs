@@ -284,8 +284,7 @@ const NO_EVENTS: [&str; 11] = [
 fn every_kind_of_event_is_documented() {
     let chapter = fs::read_to_string(repository().join("docs/src/live.md")).unwrap();
     let table: String = chapter.lines().filter(|line| line.starts_with("| `")).collect();
-    let mut folders: Vec<PathBuf> =
-        ["runner/src/live", "runner/replay/src"].map(|f| repository().join(f)).into();
+    let mut folders: Vec<PathBuf> = ["runner/src/live", "runner/replay/src"].map(|f| repository().join(f)).into();
     let mut kinds = BTreeSet::new();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).unwrap() {

@@ -2,7 +2,6 @@
 
 use super::lumped::{ElementForces, Lumped};
 use super::{AnyBearing, BearingHandle, Housing, Shared};
-use crate::simd::Dispatched;
 use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, LastValidWrench, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Scalar, Status, Wrench};
@@ -58,12 +57,6 @@ impl<T: Scalar> ForceModel<T> for MirroredForce<T> {
     }
 }
 
-impl<T: Scalar, B: CageFrame<T> + Send + Sync> ForceModel<T> for Dispatched<B> {
-    fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
-        self.force(u, at)
-    }
-}
-
 impl<T: Scalar> ForceModel<T> for Lumped<dyn ElementForces<T>> {
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.force(u, at)
@@ -77,7 +70,7 @@ impl<T: Scalar> BearingHandle<T> for AnyForceModel<T> {
         Self(Arc::new(ForceOf(bearing)))
     }
     fn dispatched(bearing: impl Bearing<T> + CageFrame<T> + 'static) -> Self {
-        Self(Arc::new(Dispatched::new(bearing)))
+        Self::new(bearing)
     }
     fn mirrored(self) -> Self {
         Self(Arc::new(MirroredForce(self)))
