@@ -102,3 +102,79 @@ fn common_dependencies_have_one_set_of_features() {
         assert_eq!(one, other, "{name}: add the features to runner/features/Cargo.toml");
     }
 }
+
+/// The repository.
+fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
+
+/// Packages of the workspace, as `cargo metadata` states them: those that would be published, and the names of the others.
+fn packages() -> (Vec<serde_json::Value>, Vec<String>) {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--locked", "--no-deps"])
+        .current_dir(root())
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let packages = metadata["packages"].as_array().expect("packages").clone();
+    // `publish = false` is an empty list of registries.
+    let (published, others): (Vec<_>, Vec<_>) = packages.into_iter().partition(|package| package["publish"].is_null());
+    (published, others.iter().filter_map(|package| package["name"].as_str()).map(str::to_owned).collect())
+}
+
+/// Packages that lack some of what a registry shows.
+const UNFINISHED: [&str; 1] = ["ballrace-twin"];
+
+#[test]
+fn published_packages_have_all_that_a_registry_shows() {
+    let (published, others) = packages();
+    assert!(published.len() >= 5, "{published:?}");
+    assert!(others.iter().any(|name| name == "ballrace-tests"), "{others:?}");
+    for package in published.iter().filter(|package| !UNFINISHED.iter().any(|name| package["name"] == *name)) {
+        let manifest = Path::new(package["manifest_path"].as_str().expect("a path"));
+        for key in ["description", "license", "readme"] {
+            assert!(package[key].is_string(), "{}: no {key}; add `{key}.workspace = true`", manifest.display());
+        }
+        for key in ["keywords", "categories"] {
+            let count = package[key].as_array().map_or(0, Vec::len);
+            assert!((1..=5).contains(&count), "{}: no {key}; add `{key}.workspace = true`", manifest.display());
+        }
+        let read = |path: &Path| std::fs::read_to_string(path).unwrap_or_default();
+        for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
+            let own = manifest.with_file_name(licence);
+            assert_eq!(read(&own), read(&root().join(licence)), "{}: a link to that of the repository", own.display());
+        }
+    }
+}
+
+/// Every package is packed, with the versions of its dependencies in this workspace; `tests/run --all` also builds it from its archive.
+#[test]
+fn published_packages_can_be_packed() {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["package", "--locked", "--quiet", "--allow-dirty", "--workspace"]).current_dir(root());
+    for name in packages().1 {
+        cargo.args(["--exclude", &name]);
+    }
+    if !ballrace_tests::runs_all() {
+        cargo.arg("--no-verify");
+    }
+    let output = cargo.output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Changelog and citation name the version of the packages; the entry of a version stays short.
+#[test]
+fn changelog_and_citation_name_this_version() {
+    let read = |path: &str| std::fs::read_to_string(root().join(path)).expect("a file of this project");
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(read("CITATION.cff").lines().any(|line| line == format!("version: {version}")), "CITATION.cff");
+    let changelog = read("CHANGELOG.md");
+    let (_, entries) = changelog.split_once("\n## ").expect("an entry");
+    let entries: Vec<&str> = entries.split("\n## ").collect();
+    let has = |start: &str| entries.iter().any(|entry| entry.starts_with(start));
+    assert!(has(&format!("[{version}]")) || has("[Unreleased]"), "CHANGELOG.md has no entry for {version}");
+    for entry in entries {
+        assert!(entry.len() <= 6_000, "CHANGELOG.md: {} bytes in {:?}", entry.len(), entry.lines().next());
+    }
+}

@@ -157,7 +157,7 @@ mod tests {
     use std::path::Path;
 
     fn scene() -> Scene {
-        read_str(include_str!("../../demo/healthy.toml"), Path::new("demo")).unwrap()
+        read_str(include_str!("../demo/healthy.toml"), Path::new("demo")).unwrap()
     }
 
     fn snapshot(scene: &Scene, samples: usize) -> Snapshot {
