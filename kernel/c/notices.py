@@ -20,4 +20,4 @@ for package in sorted(packages, key=lambda package: package["name"]):
     for path in sorted(folder.glob("LICENSE*")):
         print(f"\n--- {path.name}\n{path.read_text(encoding='utf-8').strip()}")
     print()
-print("The libraries also contain parts of the core library and of compiler_builtins of Rust: MIT OR Apache-2.0.")
+print("The compiled code also contains parts of the standard library of Rust: MIT OR Apache-2.0.")
