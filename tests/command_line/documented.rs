@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Command lines that are not run here, by their beginning, and why.
-const EXCEPTIONS: [(&str, &str); 14] = [
+const EXCEPTIONS: [(&str, &str); 17] = [
     ("ballrace new --bearing", "a transcript that new_scene.rs runs in its order"),
     ("ballrace fit pump.toml", "as above"),
     ("ballrace replay pump-fitted.toml", "as above"),
@@ -15,6 +15,9 @@ const EXCEPTIONS: [(&str, &str); 14] = [
     ("cargo deny", "needs a program and a database of others"),
     ("cargo doc", "a part of tests/run"),
     ("cargo install", "installs a program"),
+    ("cargo fmt", "formats the source; tests/run checks the format"),
+    ("cargo clippy", "a part of tests/run"),
+    ("cargo publish", "uploads packages; a test packs them"),
     ("tests/run", "runs this test"),
     ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
     ("cargo test", "a part of tests/run"),

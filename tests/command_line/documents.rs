@@ -32,8 +32,9 @@ fn chapters() -> Vec<String> {
 
 /// README, contributing guides and chapters, from the root of the repository.
 pub fn documents() -> Vec<String> {
-    let mut all: Vec<String> =
-        ["README.md", "CONTRIBUTING.md", "benches/README.md", "kernel/README.md"].map(str::to_owned).into();
+    let mut all: Vec<String> = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "benches/README.md", "kernel/README.md"]
+        .map(str::to_owned)
+        .into();
     all.extend(chapters().into_iter().map(|name| format!("docs/src/{name}")));
     all
 }

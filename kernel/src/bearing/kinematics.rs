@@ -14,6 +14,17 @@ pub struct Orders {
 }
 
 /// Computes the orders from `gamma = D cos(alpha)/d_m` and `gamma_prime = D/d_m`.
+///
+/// ```
+/// use ballrace::bearing::kinematics::orders;
+///
+/// // 6205 with 9 balls of 7.94 mm on 39.04 mm: the Bearing Data Center of Case Western Reserve University prints 3.5848
+/// // and 5.4152.
+/// let gamma = 7.94 / 39.04;
+/// let orders = orders(9, gamma, gamma);
+/// assert!((orders.outer_race - 3.5848).abs() < 5e-5);
+/// assert!((orders.inner_race - 5.4152).abs() < 5e-5);
+/// ```
 #[must_use]
 pub fn orders(elements: usize, gamma: f64, gamma_prime: f64) -> Orders {
     let n = elements as f64;
