@@ -14,10 +14,10 @@ pub use lumped::Housing;
 use lumped::{Elements, Lumped};
 pub use outer_ring::BendingRing;
 
-use crate::simd::Dispatched;
+use crate::simd::{Dispatched, OnWideRegisters};
 use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, Mirrored, Reaction};
-use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Math, Scalar, Stiffness};
 use std::sync::Arc;
 
 /// A bearing behind a shared pointer.
@@ -55,6 +55,8 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
 pub trait BearingHandle<T: Scalar>: Sized {
     /// Elements of one kind, radial or axial, that may be on a flexible ring.
     type Elements;
+    /// A math backend as the solver of quasi-static balls uses it here.
+    type Registers<M: Math<T>>: Math<T>;
 
     /// Returns the handle of any bearing.
     fn new(bearing: impl Bearing<T> + 'static) -> Self;
@@ -70,6 +72,7 @@ pub trait BearingHandle<T: Scalar>: Sized {
 
 impl<T: Scalar> BearingHandle<T> for AnyBearing<T> {
     type Elements = Box<dyn Elements<T>>;
+    type Registers<M: Math<T>> = OnWideRegisters<M>;
 
     fn new(bearing: impl Bearing<T> + 'static) -> Self {
         Self(Arc::new(bearing))

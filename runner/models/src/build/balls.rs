@@ -129,14 +129,14 @@ pub fn quasi_static(scene: &BearingScene) -> Result<Arc<dyn Solved<f64>>, BuildE
 /// # Errors
 /// As [`quasi_static`].
 pub fn solved_in(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<f64>>, BuildError> {
-    let built: Arc<dyn Solved<f64>> = Arc::new(unmirrored::<f64, Exact>(scene, steps)?);
+    let built: Arc<dyn Solved<f64>> = Arc::new(unmirrored::<f64, OnWideRegisters<Exact>>(scene, steps)?);
     Ok(if scene.facing == Facing::MinusZ { Arc::new(Mirrored(Shared(built))) } else { built })
 }
 
 pub(super) fn quasi_static_bearing<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
     scene: &BearingScene,
 ) -> Result<H, BuildError> {
-    Ok(facing(scene, H::new(unmirrored::<T, M>(scene, steps(scene))?)))
+    Ok(facing(scene, H::new(unmirrored::<T, H::Registers<M>>(scene, steps(scene))?)))
 }
 
 fn steps(scene: &BearingScene) -> u8 {
@@ -146,7 +146,7 @@ fn steps(scene: &BearingScene) -> u8 {
 /// Returns the quasi-static model, facing +Z.
 fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<impl Solved<T> + 'static, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "quasi-static")?;
-    let built = QuasiStatic::<T, OnWideRegisters<M>, _>::try_new(geometry, places(scene), zero)
+    let built = QuasiStatic::<T, M, _>::try_new(geometry, places(scene), zero)
         .and_then(|b| b.with_selected_inertia(&inertia_params(scene)))
         .and_then(|b| b.with_selected_film(lubricant(scene)))
         .map_err(|e| named(scene, e))?;

@@ -4,7 +4,7 @@ use super::lumped::{ElementForces, Lumped};
 use super::{AnyBearing, BearingHandle, Housing, Shared};
 use ballrace::bearing::flexible::FlexibleRing;
 use ballrace::bearing::{Bearing, CageFrame, LastValidWrench, Reaction};
-use ballrace::{BearingKinematicState, Displacement, Scalar, Status, Wrench};
+use ballrace::{BearingKinematicState, Displacement, Math, Scalar, Status, Wrench};
 use std::sync::Arc;
 
 /// Force of a bearing model on the inner ring.
@@ -65,6 +65,8 @@ impl<T: Scalar> ForceModel<T> for Lumped<dyn ElementForces<T>> {
 
 impl<T: Scalar> BearingHandle<T> for AnyForceModel<T> {
     type Elements = Box<dyn ElementForces<T>>;
+    // The fixed number of steps of a microcontroller.
+    type Registers<M: Math<T>> = M;
 
     fn new(bearing: impl Bearing<T> + 'static) -> Self {
         Self(Arc::new(ForceOf(bearing)))
