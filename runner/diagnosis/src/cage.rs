@@ -2,14 +2,17 @@
 
 use super::Result;
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, changed, evaluate, fit};
-use super::machine::{Cage, Machine, Unknown};
+use super::machine::{Cage, Machine};
 use super::motion::{C, D};
+use super::parameter::{CAGE_DRIFT, CAGE_PHASE, CAGE_SLIP, Unknown};
 use super::residual::{Evidence, Spectra};
 use super::surface::Baseband;
 use ballrace::Phase;
 use ballrace_base::parallel;
 use std::f64::consts::TAU;
 
+/// Range of slips searched.
+pub const SLIPS: [f64; 2] = [-0.01, 0.06];
 /// Cage angles over one pitch at which the force is evaluated.
 const PHASES: usize = 8;
 
@@ -97,8 +100,8 @@ const ROUNDS: usize = 3;
 /// Returns the unknowns of the observable cages; the change of the speed is one of them if it is not 0.
 pub fn unknowns(observable: &[bool], machine: &Machine) -> Vec<Unknown> {
     let of = |b: usize| {
-        let drift = (machine.bearings[b].cage.drift != 0.0).then_some(Unknown::CageDrift(b));
-        [Unknown::CagePhase(b), Unknown::CageSlip(b)].into_iter().chain(drift)
+        let drift = (machine.bearings[b].cage.drift != 0.0).then_some(CAGE_DRIFT.of_bearing(b));
+        [CAGE_PHASE.of_bearing(b), CAGE_SLIP.of_bearing(b)].into_iter().chain(drift)
     };
     observable.iter().enumerate().filter(|(_, o)| **o).flat_map(|(b, _)| of(b)).collect()
 }
@@ -107,7 +110,7 @@ pub fn unknowns(observable: &[bool], machine: &Machine) -> Vec<Unknown> {
 fn with_drift(e: &Evidence, settled: Fitted, observable: &[bool]) -> Result<Fitted> {
     let mut now = settled;
     for (b, _) in observable.iter().enumerate().filter(|(_, o)| **o) {
-        let unknowns = [Unknown::CagePhase(b), Unknown::CageSlip(b), Unknown::CageDrift(b)];
+        let unknowns = [CAGE_PHASE.of_bearing(b), CAGE_SLIP.of_bearing(b), CAGE_DRIFT.of_bearing(b)];
         let tried = fit(e, &now, &unknowns, 3)?;
         if now.chi_square - tried.chi_square > threshold(&now) {
             now = tried;
@@ -211,7 +214,7 @@ pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 
                 }
             }
             now = best;
-            now = fit(e, &now, &[Unknown::CagePhase(bearing), Unknown::CageSlip(bearing)], 6)?;
+            now = fit(e, &now, &[CAGE_PHASE.of_bearing(bearing), CAGE_SLIP.of_bearing(bearing)], 6)?;
         }
         now = fit(e, &now, &unknowns(&observable, &now.machine), 8)?;
         // The cages of the other bearings may mask one in the first round; a second round is useless if the first finds nothing.

@@ -1,8 +1,10 @@
 //! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
-use super::candidates::SLIPS;
+use super::cage::SLIPS;
+use super::faults::{CLEARANCE, COUPLE, UNBALANCE};
 use super::fit::{Fitted, MODEL_ERROR, Prior, changed, fit_whole};
-use super::machine::{Machine, Unknown};
+use super::machine::Machine;
+use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
@@ -70,12 +72,12 @@ const fn printed_name(name: ParameterName) -> (&'static str, &'static str, f64) 
 
 /// Parameters of the rotor.
 const OF_ROTOR: [(ParameterName, Unknown); 6] = [
-    (ParameterName::TranslationDamping, Unknown::Damping(0)),
-    (ParameterName::RotationDamping, Unknown::Damping(1)),
-    (ParameterName::UnbalanceX, Unknown::Unbalance(0)),
-    (ParameterName::UnbalanceY, Unknown::Unbalance(1)),
-    (ParameterName::CoupleX, Unknown::Unbalance(2)),
-    (ParameterName::CoupleY, Unknown::Unbalance(3)),
+    (ParameterName::TranslationDamping, DAMPING.of_rotor(0)),
+    (ParameterName::RotationDamping, DAMPING.of_rotor(1)),
+    (ParameterName::UnbalanceX, UNBALANCE.of_rotor(0)),
+    (ParameterName::UnbalanceY, UNBALANCE.of_rotor(1)),
+    (ParameterName::CoupleX, COUPLE.of_rotor(0)),
+    (ParameterName::CoupleY, COUPLE.of_rotor(1)),
 ];
 
 /// Returns the relative standard deviation of a scene's value; `None` where the scene's value has no relation to the machine.
@@ -93,7 +95,10 @@ fn scene_deviation(name: ParameterName) -> Option<f64> {
 
 /// Returns the parameters of bearing `b`.
 fn of_bearing(b: usize) -> [(ParameterName, Unknown); 2] {
-    [(ParameterName::DiametralClearance, Unknown::Clearance(b)), (ParameterName::YoungsModulus, Unknown::Modulus(b))]
+    [
+        (ParameterName::DiametralClearance, CLEARANCE.of_bearing(b)),
+        (ParameterName::YoungsModulus, MODULUS.of_bearing(b)),
+    ]
 }
 
 /// Returns all parameters of a machine, with the bearing of each.
@@ -104,7 +109,7 @@ fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)>
         });
     let of_rotor = OF_ROTOR.into_iter().map(|(parameter, unknown)| (parameter, None, unknown));
     // Damping that the scene does not have stays 0.
-    let exists = |unknown: &Unknown| !matches!(unknown, Unknown::Damping(_)) || unknown.get(machine) > 0.0;
+    let exists = |unknown: &Unknown| !unknown.is(&DAMPING) || unknown.get(machine) > 0.0;
     of_bearings.chain(of_rotor).filter(|(.., unknown)| exists(unknown)).collect()
 }
 
@@ -230,20 +235,18 @@ fn of_scene(machine: &Machine) -> Prior {
 /// The clearance of a bearing without load becomes the one that leaves the least.
 fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
     let mut now = start.clone();
-    let with_clearance = parameters(&start.machine).into_iter().filter_map(|(.., unknown)| match unknown {
-        Unknown::Clearance(b) => Some(b),
-        _ => None,
-    });
-    for b in with_clearance {
+    let unknowns = parameters(&start.machine).into_iter().map(|(.., unknown)| unknown);
+    for clearance in unknowns.filter(|unknown| unknown.is(&CLEARANCE)) {
+        let b = clearance.bearing;
         let forces = e.evaluated(&now.machine, b)?.forces(&e.motion);
         let loaded = forces.iter().filter(|force| force.iter().any(|f| *f != 0.0)).count();
         if loaded * 2 > forces.len() {
             continue;
         }
-        let given = Unknown::Clearance(b).get(&start.machine);
+        let given = clearance.get(&start.machine);
         for share in SMALLER_CLEARANCES {
             let mut machine = now.machine.clone();
-            Unknown::Clearance(b).set(&mut machine, share * given);
+            clearance.set(&mut machine, share * given);
             let tried = changed(e, &now, &machine)?;
             if tried.chi_square < now.chi_square {
                 now = tried;
@@ -258,9 +261,7 @@ fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
 fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<Instant>) -> Result<Fitted> {
     let is_vague = |(i, unknown): (usize, &Unknown)| {
         let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
-        matches!(unknown, Unknown::Damping(_))
-            && prior.unknowns.contains(unknown)
-            && deviation > VAGUE * unknown.get(&fitted.machine)
+        unknown.is(&DAMPING) && prior.unknowns.contains(unknown) && deviation > VAGUE * unknown.get(&fitted.machine)
     };
     let vague: Vec<Unknown> =
         fitted.unknowns.iter().enumerate().filter(|of| is_vague(*of)).map(|(_, unknown)| *unknown).collect();
@@ -303,7 +304,7 @@ pub(super) fn calibrate(
         (plan.begin)(rounds);
         let before = now.chi_square;
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
-        unknowns.retain(|unknown| has_modulus || !matches!(unknown, Unknown::Modulus(_)));
+        unknowns.retain(|unknown| has_modulus || !unknown.is(&MODULUS));
         now = fit_whole(&of.evidence, &now, &unknowns, &loose, (ITERATIONS, end))?;
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;

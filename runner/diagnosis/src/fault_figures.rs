@@ -2,17 +2,15 @@
 //!
 //! All are computed from the force that the fitted machine without this fault leaves unexplained below the highest line in use.
 
-use super::cause::Cause;
 use super::fit::{Fitted, changed};
 use super::force_rose::{HARMONICS, Instant, STEPS, direction_deg, energy, mean_pass};
-use super::hypothesis::without;
 use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use super::surface::Component;
 use super::{DiagnosisInput, Result};
 use ballrace::{BearingKinematicState, Phase};
-use ballrace_outcome::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame, UnexplainedMotion};
+use ballrace_outcome::{FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame, UnexplainedMotion};
 use ballrace_plant::probes;
 use ballrace_scene::Probe;
 use rustfft::{Fft, FftPlanner};
@@ -39,44 +37,45 @@ const APART: f64 = 0.15;
 const USUAL_BALL: f64 = 0.2;
 
 /// A fault with the machines that have it and lack it.
-struct Contrast<'a, 'b> {
-    material: &'a DiagnosisInput<'b>,
+pub struct Contrast<'a, 'b> {
+    input: &'a DiagnosisInput<'b>,
     e: &'a Evidence<'b>,
-    machine: &'a Machine,
-    cause: Cause,
-    /// Index of its spall or first wave.
-    at: usize,
+    pub machine: &'a Machine,
+    /// Bearing and component of the damaged surface, for a fault of one.
+    surface: Option<(usize, Component)>,
+    /// Bearing of the fault; `None` if the rotor has it.
+    bearing: Option<usize>,
     grid: Grid,
     /// Unexplained force without and with the fault, as spectra about the centre of mass.
     without: [Vec<C>; D],
     with: [Vec<C>; D],
 }
 
-/// Returns the data of the figures of a fault of `last`; `at` is the index of its spall or first wave.
-pub(super) fn fault_figures(
-    material: &DiagnosisInput,
-    e: &Evidence,
-    healthy: &Machine,
-    last: &Fitted,
-    (cause, at): (Cause, usize),
-) -> Result<FaultFigures> {
-    let lacking = changed(e, last, &without(&last.machine, cause, at, healthy))?;
-    // The force that is missing has the opposite sign of the force that is left over.
-    let missing = |of: &Fitted| e.force(&of.spectra).map(|line| line.iter().map(|f| -f).collect::<Vec<C>>());
-    let contrast = Contrast {
-        material,
-        e,
-        machine: &last.machine,
-        cause,
-        at,
-        grid: Grid::new(e),
-        without: missing(&lacking),
-        with: missing(last),
-    };
-    Ok(FaultFigures { rose: contrast.rose(), spectra: contrast.spectra(), motion: contrast.motion() })
-}
+impl<'a, 'b> Contrast<'a, 'b> {
+    /// Creates the contrast of a fault at a surface or another place: `last` is the fitted machine with it, `lacking` without it.
+    pub(super) fn new(
+        input: &'a DiagnosisInput<'b>,
+        e: &'a Evidence<'b>,
+        last: &'a Fitted,
+        lacking: &Machine,
+        surface: Option<(usize, Component)>,
+        bearing: Option<usize>,
+    ) -> Result<Self> {
+        let lacking = changed(e, last, lacking)?;
+        // The force that is missing has the opposite sign of the force that is left over.
+        let missing = |of: &Fitted| e.force(&of.spectra).map(|line| line.iter().map(|f| -f).collect::<Vec<C>>());
+        Ok(Self {
+            input,
+            e,
+            machine: &last.machine,
+            surface,
+            bearing,
+            grid: Grid::new(e),
+            without: missing(&lacking),
+            with: missing(last),
+        })
+    }
 
-impl Contrast<'_, '_> {
     fn speed(&self) -> f64 {
         self.e.motion.mean_speed()
     }
@@ -122,30 +121,23 @@ impl Contrast<'_, '_> {
     }
 
     /// Bearing, component and order of the lines of a damaged surface.
-    fn surface(&self) -> Option<(usize, Component, f64)> {
-        let (Cause::Spall(b, component) | Cause::Waviness(b, component, _)) = self.cause else { return None };
-        let (n, cage) = (self.e.plant.bearings[b].elements as f64, self.cage_ratio(b));
-        let order = match component {
-            Component::Outer => n * cage,
-            Component::Inner => n * (1.0 - cage),
-            Component::Ball => 2.0 * self.ball_ratio(b).abs(),
-        };
-        Some((b, component, order))
+    fn lines(&self) -> Option<(usize, Component, f64)> {
+        let (b, component) = self.surface?;
+        let elements = self.e.plant.bearings[b].elements;
+        Some((b, component, component.order(elements, self.cage_ratio(b), self.ball_ratio(b).abs())))
     }
 
     /// Returns `F_X + i F_Y` at the bearing of the fault under the window, without its mean; about the centre of mass where the
     /// fault has no bearing.
     fn plane_force(&self, force: &[Vec<C>; D]) -> Vec<C> {
-        let [x, y] = at_bearing(self.e, self.cause.bearing(), force);
+        let [x, y] = at_bearing(self.e, self.bearing, force);
         self.grid.plane(&x, &y, MEAN_LINES)
     }
 
-    fn rose(&self) -> Option<ForceRose> {
-        let (b, component, order) = self.surface()?;
-        if !matches!(self.cause, Cause::Spall(..)) {
-            return None;
-        }
-        let frame = frame_of(component);
+    /// Force of the mean pass of an element over the damage at an azimuth of its component, rad.
+    pub fn rose(&self, azimuth: f64) -> Option<ForceRose> {
+        let (b, component, order) = self.lines()?;
+        let frame = component.frame();
         let force = self.plane_force(&self.without);
         let mounted = &self.e.plant.bearings[b];
         let n = mounted.elements as f64;
@@ -170,7 +162,7 @@ impl Contrast<'_, '_> {
             frame,
             energy: energy(&pass),
             direction_deg: direction_deg(&pass),
-            pass: self.pass_by_angle(&pass, b, if component == Component::Ball { 2.0 } else { n }),
+            pass: pass_by_angle(&pass, azimuth, if component == Component::Ball { 2.0 } else { n }),
             peak_n: pass.iter().map(|f| f.norm()).fold(0.0, f64::max),
             passes: order * (self.grid.turns[self.grid.turns.len() - 1] - self.grid.turns[0]).abs(),
             element_azimuths: mounted.element_azimuths.iter().map(|a| start + a.radians() - first).collect(),
@@ -178,31 +170,14 @@ impl Contrast<'_, '_> {
         })
     }
 
-    /// Returns the mean pass by the angle from the damage, with `per_turn` passes in a turn.
-    fn pass_by_angle(&self, pass: &[C], b: usize, per_turn: f64) -> Vec<[f64; 3]> {
-        let azimuth = self.machine.bearings[b].scene.defect.get(self.at).map_or(0.0, |d| d.azimuth);
-        let towards = C::from_polar(1.0, -direction_deg(pass).to_radians());
-        let point = |i: usize| {
-            // From half a period before the damage to half a period after it.
-            let share = i as f64 / PASS_POINTS as f64 - 0.5;
-            let step = (share + azimuth * per_turn / TAU).rem_euclid(1.0) * STEPS as f64;
-            let force = pass[step as usize % pass.len()] * towards;
-            [360.0 * share / per_turn, force.re, force.im]
-        };
-        (0..=PASS_POINTS).map(point).collect()
-    }
-
-    fn spectra(&self) -> Vec<ForceSpectrum> {
-        if self.cause == Cause::Load {
-            // A load changes the mean alone.
-            return vec![];
-        }
+    /// Full spectra of the force: in the frames of the components of the bearing, or in the fixed one where no surface is damaged.
+    pub fn spectra(&self) -> Vec<ForceSpectrum> {
         let (without, with) = (self.plane_force(&self.without), self.plane_force(&self.with));
         let added: Vec<C> = without.iter().zip(&with).map(|(a, b)| a - b).collect();
-        let Some((b, component, order)) = self.surface() else {
+        let Some((b, component, order)) = self.lines() else {
             return vec![self.spectrum(ReferenceFrame::Fixed, [&without, &added], &|_| 0.0, SHOWN_ORDERS)];
         };
-        let own = frame_of(component);
+        let own = component.frame();
         let frames = [ReferenceFrame::Fixed, ReferenceFrame::Shaft, ReferenceFrame::Cage];
         let one = |frame: ReferenceFrame| {
             let angle = |turns: f64| self.frame_angle(b, frame, turns);
@@ -246,7 +221,7 @@ impl Contrast<'_, '_> {
     }
 
     /// Motion over two revolutions at the probe whose unexplained motion the fault lowers most, in units of its noise.
-    fn motion(&self) -> Option<FaultMotion> {
+    pub fn motion(&self) -> Option<FaultMotion> {
         let motion = &self.e.motion;
         let middle = self.middle_turn();
         let displacements = [&self.without, &self.with].map(|force| self.e.displacement_by(force));
@@ -254,7 +229,7 @@ impl Contrast<'_, '_> {
             let [without, with, noise] = self.unexplained_rms(&probes::row(probe), &displacements);
             (without * without - with * with) / (noise * noise)
         };
-        let all = self.material.probes.iter().enumerate().map(|(i, probe)| (fall(probe), i, probe));
+        let all = self.input.probes.iter().enumerate().map(|(i, probe)| (fall(probe), i, probe));
         let (_, i, probe) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let row = probes::row(probe);
         let within: Vec<usize> = (0..motion.len()).filter(|&t| (motion.turns[t] - middle).abs() <= 1.0).collect();
@@ -262,7 +237,7 @@ impl Contrast<'_, '_> {
         let shown: Vec<usize> = within.into_iter().step_by(stride).collect();
         let [without, with] = displacements.each_ref().map(|x| self.grid.reading(&row, x));
         let at = |series: &[f64], t: usize| interpolated(series, t as f64 / motion.len() as f64);
-        let measured = |t: usize| self.material.samples[t].row.probes[i];
+        let measured = |t: usize| self.input.samples[t].row.probes[i];
         let um = |of: &dyn Fn(usize) -> f64| shown.iter().map(|&t| 1e6 * of(t)).collect::<Vec<f64>>();
         let rms = self.unexplained_rms(&row, &displacements).map(|rms| 1e6 * rms);
         Some(FaultMotion {
@@ -292,13 +267,17 @@ impl Contrast<'_, '_> {
     }
 }
 
-/// Returns the frame in which a component is stationary.
-fn frame_of(component: Component) -> ReferenceFrame {
-    match component {
-        Component::Outer => ReferenceFrame::Fixed,
-        Component::Inner => ReferenceFrame::Shaft,
-        Component::Ball => ReferenceFrame::Cage,
-    }
+/// Returns the mean pass by the angle from the damage, with `per_turn` passes in a turn.
+fn pass_by_angle(pass: &[C], azimuth: f64, per_turn: f64) -> Vec<[f64; 3]> {
+    let towards = C::from_polar(1.0, -direction_deg(pass).to_radians());
+    let point = |i: usize| {
+        // From half a period before the damage to half a period after it.
+        let share = i as f64 / PASS_POINTS as f64 - 0.5;
+        let step = (share + azimuth * per_turn / TAU).rem_euclid(1.0) * STEPS as f64;
+        let force = pass[step as usize % pass.len()] * towards;
+        [360.0 * share / per_turn, force.re, force.im]
+    };
+    (0..=PASS_POINTS).map(point).collect()
 }
 
 /// Returns the radial force along X and Y at a bearing.

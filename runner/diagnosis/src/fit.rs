@@ -1,7 +1,8 @@
 //! Maximum-likelihood fit of a few unknowns of a machine: Levenberg-Marquardt on the residual at the probes.
 
 use super::Result;
-use super::machine::{ForceSource, Machine, Unknown};
+use super::machine::Machine;
+use super::parameter::{ForceSource, Unknown};
 use super::residual::{Evidence, Spectra, dot};
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};

@@ -6,25 +6,26 @@
 //! sum of squares is a chi-squared. No equation of motion is integrated: a diagnosis is also valid for a chaotic motion.
 //!
 //! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
-//! `machine` a hypothesis, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage` angle and slip of
-//! the cages, `surface` spalls and waves from their lines, `candidates` the faults of each `cause` that the machine may have,
-//! `hypothesis` the choice among them, `result` the reported result with the data of its figures in `fault_figures` and
-//! `force_rose`, `calibration` the fit of the healthy machine.
+//! `machine` a hypothesis with its `parameter`s, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage`
+//! angle and slip of the cages, `surface` spalls and waves from their lines, `faults` the faults that the machine may have and the
+//! search for them, `hypothesis` the choice among them, `estimates` their sizes with intervals, `result` the reported
+//! result with the data of its figures in `fault_figures` and `force_rose`, `calibration` the fit of the healthy machine.
 #![forbid(unsafe_code)]
 
 pub mod block;
 mod cage;
 mod calibration;
-mod candidates;
-mod cause;
 mod dynamics;
+mod estimates;
 mod fault_figures;
+mod faults;
 mod filter;
 mod fit;
 mod force_rose;
 mod hypothesis;
 mod machine;
 mod motion;
+mod parameter;
 pub mod plausibility;
 mod residual;
 mod result;
@@ -144,11 +145,11 @@ impl<'a> Prepared<'a> {
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
-        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, candidates::SLIPS)?;
+        let (mut healthy, mut observable) = cage::fit_cages_together(&evidence, &band, machine, cage::SLIPS)?;
         if evidence.follows_axially() {
             // The cages move the rotor axially.
             evidence.weight_for(&healthy.machine)?;
-            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, candidates::SLIPS)?;
+            (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, cage::SLIPS)?;
         }
         Ok(Some(Self { evidence, band, healthy, observable }))
     }

@@ -8,9 +8,7 @@ use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_base::parallel;
 use ballrace_models::build::{self, AnyBearing};
 use ballrace_plant::{Plant, unbalance_planes};
-use ballrace_scene::{
-    Bearing as BearingScene, Defect, DefectShape, FreeAngle, Linear, Model, Scene, Surface, Unbalance, Wave,
-};
+use ballrace_scene::{Bearing as BearingScene, Defect, FreeAngle, Linear, Model, Scene, Surface, Unbalance};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -369,167 +367,6 @@ impl Evaluated {
     }
 }
 
-/// Least value of a positive parameter after a step, over the one before: no step makes a stiffness or a damping negative.
-const LEAST_OF_BEFORE: f64 = 1e-3;
-
-/// A parameter that a hypothesis varies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Unknown {
-    CagePhase(usize),
-    CageSlip(usize),
-    CageDrift(usize),
-    Clearance(usize),
-    Modulus(usize),
-    Tilt(usize, usize),
-    Load(usize),
-    /// Factor of the damping of the translations (0) or rotations (1).
-    Damping(usize),
-    Unbalance(usize),
-    /// Parameter of defect `.1` of bearing `.0`.
-    SpallAzimuth(usize, usize),
-    SpallWidth(usize, usize),
-    SpallDepth(usize, usize),
-    SpinSlip(usize),
-    /// In-phase and quadrature amplitude of the pair of waves at index `.1` and `.1 + 1`.
-    Wave(usize, usize),
-}
-
-/// Returns `first` with those of `others` that it has not.
-pub fn union(mut first: Vec<Unknown>, others: &[Unknown]) -> Vec<Unknown> {
-    for unknown in others {
-        if !first.contains(unknown) {
-            first.push(*unknown);
-        }
-    }
-    first
-}
-
-/// Part of the machine whose force a parameter changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ForceSource {
-    Bearing(usize),
-    Rotor,
-}
-
-impl Unknown {
-    pub fn part(self) -> ForceSource {
-        match self {
-            Self::CagePhase(b)
-            | Self::CageSlip(b)
-            | Self::CageDrift(b)
-            | Self::Clearance(b)
-            | Self::Modulus(b)
-            | Self::Tilt(b, _)
-            | Self::SpallAzimuth(b, _)
-            | Self::SpallWidth(b, _)
-            | Self::SpallDepth(b, _)
-            | Self::SpinSlip(b)
-            | Self::Wave(b, _) => ForceSource::Bearing(b),
-            Self::Load(_) | Self::Damping(_) | Self::Unbalance(_) => ForceSource::Rotor,
-        }
-    }
-
-    /// Returns the step of a difference quotient, in the unit of the parameter.
-    pub fn step(self) -> f64 {
-        match self {
-            Self::CagePhase(_) => 1e-6,
-            Self::CageSlip(_) | Self::SpinSlip(_) => 1e-8,
-            Self::CageDrift(_) => 1e-10,
-            Self::Clearance(_) => 1e-10,
-            Self::Modulus(_) => 1e6,
-            Self::Tilt(..) => 1e-8,
-            Self::Load(i) => {
-                if i < 3 {
-                    0.1
-                } else {
-                    0.01
-                }
-            }
-            Self::Damping(_) => 0.01,
-            Self::Unbalance(i) => {
-                if i < 2 {
-                    1e-7
-                } else {
-                    1e-9
-                }
-            }
-            Self::SpallAzimuth(..) | Self::SpallWidth(..) => 1e-5,
-            Self::SpallDepth(..) => 1e-10,
-            Self::Wave(..) => 1e-10,
-        }
-    }
-
-    pub fn get(self, machine: &Machine) -> f64 {
-        let bearing = |b: usize| &machine.bearings[b];
-        match self {
-            Self::CagePhase(b) => bearing(b).cage.phase,
-            Self::CageSlip(b) => bearing(b).cage.slip,
-            Self::CageDrift(b) => bearing(b).cage.drift,
-            Self::SpinSlip(b) => bearing(b).cage.spin_slip,
-            Self::Clearance(b) => clearance(&bearing(b).scene),
-            Self::Modulus(b) => bearing(b).scene.geometry.map_or(0.0, |g| g.youngs_modulus),
-            Self::Tilt(b, axis) => bearing(b).tilt[axis],
-            Self::Load(i) => machine.load[i],
-            Self::Damping(i) => machine.damping[3 * i],
-            Self::Unbalance(i) => machine.unbalance[i],
-            Self::SpallAzimuth(b, d) => bearing(b).scene.defect[d].azimuth,
-            Self::SpallWidth(b, d) => bearing(b).scene.defect[d].half_width,
-            Self::SpallDepth(b, d) => bearing(b).scene.defect[d].depth,
-            Self::Wave(b, w) => bearing(b).scene.waviness[w].amplitude,
-        }
-    }
-
-    pub fn set(self, machine: &mut Machine, x: f64) {
-        if let Self::Load(i) = self {
-            machine.load[i] = x;
-            return;
-        }
-        if let Self::Unbalance(i) = self {
-            machine.unbalance[i] = x;
-            return;
-        }
-        if let Self::Damping(i) = self {
-            let range = if i == 0 { 0..3 } else { 3..5 };
-            let before = machine.damping[3 * i];
-            let factor = x.max(LEAST_OF_BEFORE * before) / before;
-            machine.damping[range].iter_mut().for_each(|c| *c *= factor);
-            return;
-        }
-        let ForceSource::Bearing(b) = self.part() else { return };
-        let bearing = &mut machine.bearings[b];
-        match self {
-            Self::CagePhase(_) => bearing.cage.phase = x - x.round(),
-            Self::CageSlip(_) => bearing.cage.slip = x.clamp(-0.02, 0.08),
-            Self::CageDrift(_) => bearing.cage.drift = x,
-            Self::SpinSlip(_) => bearing.cage.spin_slip = x.clamp(-0.05, 0.05),
-            Self::Clearance(_) => {
-                if let Some(g) = &mut bearing.scene.geometry {
-                    g.fit = FreeAngle::DiametralClearance(x.max(0.0));
-                }
-            }
-            Self::Modulus(_) => {
-                if let Some(g) = &mut bearing.scene.geometry {
-                    g.youngs_modulus = x.max(LEAST_OF_BEFORE * g.youngs_modulus);
-                }
-            }
-            Self::Tilt(_, axis) => bearing.tilt[axis] = x,
-            Self::SpallAzimuth(_, d) => {
-                let spall = &mut bearing.scene.defect[d];
-                let moved = x - spall.azimuth;
-                spall.azimuth = x;
-                // The cage turns with the only spall on a race, so that the balls pass the spall at the same times.
-                if bearing.scene.defect.len() == 1 && !matches!(bearing.scene.defect[0].surface, Surface::Ball(_)) {
-                    bearing.cage.phase += moved / TAU;
-                }
-            }
-            Self::SpallWidth(_, d) => bearing.scene.defect[d].half_width = x.clamp(0.004, 1.0),
-            Self::SpallDepth(_, d) => bearing.scene.defect[d].depth = x.max(1e-9),
-            Self::Wave(_, w) => bearing.scene.waviness[w].amplitude = x,
-            _ => {}
-        }
-    }
-}
-
 /// Returns the diametral clearance of a bearing, m.
 pub fn clearance(of: &BearingScene) -> f64 {
     let Some(g) = &of.geometry else { return 0.0 };
@@ -541,20 +378,11 @@ pub fn clearance(of: &BearingScene) -> f64 {
     }
 }
 
-/// Returns a spall with a half-sine profile.
-pub fn spall(surface: Surface, azimuth: f64, half_width: f64, depth: f64) -> Defect {
-    Defect { surface, azimuth, half_width, depth, shape: DefectShape::HalfSine }
-}
-
-/// Returns the cosine and the sine wave of an order.
-pub fn waves(surface: Surface, axial: bool, order: u32, amplitudes: [f64; 2]) -> [Wave; 2] {
-    let wave = |amplitude: f64, phase: f64| Wave { surface, axial, order, amplitude, phase };
-    [wave(amplitudes[0], 0.0), wave(amplitudes[1], -0.5 * std::f64::consts::PI)]
-}
-
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
+    use super::super::faults::{CLEARANCE, UNBALANCE};
+    use super::super::parameter::DAMPING;
     use super::*;
     use ballrace_scene::read::read_str;
     use std::path::Path;
@@ -585,9 +413,9 @@ mod tests {
     fn unbalance_and_clearance_of_a_machine_make_a_scene() {
         let scene = read_str(SCENE, Path::new("scene.toml")).unwrap();
         let mut machine = Machine::new(&scene).unwrap();
-        Unknown::Clearance(0).set(&mut machine, 14e-6);
-        Unknown::Unbalance(1).set(&mut machine, 2e-4);
-        Unknown::Damping(0).set(&mut machine, 300.0);
+        CLEARANCE.of_bearing(0).set(&mut machine, 14e-6);
+        UNBALANCE.of_rotor(1).set(&mut machine, 2e-4);
+        DAMPING.of_rotor(0).set(&mut machine, 300.0);
         let again = Machine::new(&machine.scene(&scene)).unwrap();
         assert!((clearance(&again.bearings[0].scene) - 14e-6).abs() < 1e-15);
         for (a, b) in machine.unbalance.iter().zip(again.unbalance) {

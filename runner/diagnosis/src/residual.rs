@@ -6,8 +6,9 @@ mod weights;
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
-use super::machine::{Evaluated, ForceSource, Machine, MachineBearing, Unknown};
+use super::machine::{Evaluated, Machine, MachineBearing};
 use super::motion::{C, D, Motion, Transform};
+use super::parameter::{ForceSource, Unknown};
 use ballrace::Displacement;
 use ballrace_base::parallel;
 use ballrace_plant::Plant;
@@ -354,9 +355,9 @@ impl<'a> Evidence<'a> {
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
         let slope = |unknown: &Unknown| {
             let mut slope = self.force_slope(spectra, machine, *unknown)?;
-            if matches!(unknown, Unknown::Clearance(_) | Unknown::Modulus(_) | Unknown::Damping(_)) {
+            if unknown.parameter.changes_stiffness {
                 let mut other = machine.clone();
-                let h = unknown.step();
+                let h = unknown.parameter.step;
                 unknown.set(&mut other, unknown.get(machine) + h);
                 let other = self.mean_stiffness(&other)?;
                 for ((k, w), moved) in self.transform.lines.iter().enumerate().zip(&moved) {
@@ -513,20 +514,8 @@ impl<'a> Evidence<'a> {
     /// Returns the longest step of an unknown within which the residual is about linear.
     pub fn longest_step(&self, unknown: Unknown) -> f64 {
         let turns = (self.motion.turns[self.motion.len() - 1] - self.motion.turns[0]).abs();
-        match unknown {
-            Unknown::CagePhase(b) => 0.1 / self.plant.bearings[b].elements as f64,
-            Unknown::CageSlip(b) | Unknown::SpinSlip(b) => 0.2 / (self.plant.bearings[b].elements as f64 * 0.4 * turns),
-            // At the ends of the record.
-            Unknown::CageDrift(b) => 0.1 / (self.plant.bearings[b].elements as f64 * 0.125 * turns * turns),
-            Unknown::SpallAzimuth(..) => 0.1,
-            Unknown::SpallWidth(..) => 0.01,
-            Unknown::SpallDepth(..) => 5e-7,
-            Unknown::Clearance(_) => 5e-6,
-            Unknown::Tilt(..) => 2e-4,
-            Unknown::Modulus(_) => 2e10,
-            Unknown::Damping(_) => 1e3,
-            _ => f64::INFINITY,
-        }
+        let elements = self.plant.bearings.get(unknown.bearing).map_or(0, |bearing| bearing.elements);
+        (unknown.parameter.longest_step)(elements as f64, turns)
     }
 
     /// Returns the change of the residual by one unknown.
@@ -536,7 +525,7 @@ impl<'a> Evidence<'a> {
 
     fn force_slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<[Vec<C>; D]> {
         let mut other = machine.clone();
-        let h = unknown.step();
+        let h = unknown.parameter.step;
         unknown.set(&mut other, unknown.get(machine) + h);
         let changed = self.changed(spectra, &other, unknown.part())?;
         let mut difference: [Vec<C>; D] = Default::default();

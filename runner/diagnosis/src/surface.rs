@@ -15,11 +15,12 @@
 
 use super::Result;
 use super::fit::Fitted;
-use super::machine::{Machine, spall};
+use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use ballrace::Phase;
-use ballrace_scene::{DefectShape, Surface};
+use ballrace_outcome::{FaultKind, ReferenceFrame};
+use ballrace_scene::{Defect, DefectShape, Surface};
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::{PI, TAU};
 
@@ -44,6 +45,37 @@ pub enum Component {
     Outer,
     Inner,
     Ball,
+}
+
+impl Component {
+    pub const ALL: [Self; 3] = [Self::Outer, Self::Inner, Self::Ball];
+
+    /// Returns the kind of a fault of the surface.
+    pub fn kind(self) -> FaultKind {
+        match self {
+            Self::Outer => FaultKind::OuterRace,
+            Self::Inner => FaultKind::InnerRace,
+            Self::Ball => FaultKind::Element,
+        }
+    }
+
+    /// Returns the frame in which the component is stationary.
+    pub fn frame(self) -> ReferenceFrame {
+        match self {
+            Self::Outer => ReferenceFrame::Fixed,
+            Self::Inner => ReferenceFrame::Shaft,
+            Self::Ball => ReferenceFrame::Cage,
+        }
+    }
+
+    /// Returns the order of the lines of a damaged surface from the speeds of cage and balls over shaft speed.
+    pub fn order(self, elements: usize, cage_ratio: f64, ball_ratio: f64) -> f64 {
+        match self {
+            Self::Outer => elements as f64 * cage_ratio,
+            Self::Inner => elements as f64 * (1.0 - cage_ratio),
+            Self::Ball => 2.0 * ball_ratio,
+        }
+    }
 }
 
 /// Series on a coarse grid in time, from their spectra within a band about 0.
@@ -222,7 +254,7 @@ pub struct Family {
     pub bearing: usize,
     /// Slip of the cage, or of the ball's spin.
     pub slip: f64,
-    elements: f64,
+    pub elements: f64,
     harmonics: Vec<(usize, Harmonic)>,
 }
 
@@ -537,37 +569,9 @@ pub fn best_family(
     )
 }
 
-/// Returns the machine of `from` with the spall that `family` shows. The cage of an observable bearing keeps its angle.
-pub fn with_spall(from: &Fitted, family: &Family, guess: &SpallGuess, observable: bool) -> Machine {
-    let mut machine = from.machine.clone();
-    let bearing = &mut machine.bearings[family.bearing];
-    let n = family.elements;
-    let first = bearing.scene.first_element_azimuth / TAU;
-    match family.component {
-        Component::Ball => {
-            bearing.cage.spin_slip = family.slip;
-            bearing.cage.spin_phase = 0.0;
-            if !observable {
-                bearing.cage.slip = family.slip;
-            }
-            let mut j = 0;
-            if observable {
-                j = ((guess.phase - first - bearing.cage.phase) * n).round().rem_euclid(n) as usize;
-            } else {
-                bearing.cage.phase = guess.phase - first;
-            }
-            bearing.scene.defect.push(spall(Surface::Ball(j), guess.centre, guess.half_width, guess.depth));
-        }
-        Component::Outer | Component::Inner => {
-            if !observable {
-                bearing.cage.phase = guess.phase / n - first;
-                bearing.cage.slip = family.slip;
-            }
-            let surface = if family.component == Component::Outer { Surface::Outer } else { Surface::Inner };
-            bearing.scene.defect.push(spall(surface, guess.centre, guess.half_width, guess.depth));
-        }
-    }
-    machine
+/// Returns a spall with a half-sine profile.
+pub fn spall(surface: Surface, azimuth: f64, half_width: f64, depth: f64) -> Defect {
+    Defect { surface, azimuth, half_width, depth, shape: DefectShape::HalfSine }
 }
 
 #[cfg(test)]

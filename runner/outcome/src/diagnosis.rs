@@ -29,6 +29,70 @@ pub enum FaultKind {
     Other,
 }
 
+impl FaultKind {
+    /// Returns the key of files, the name in a sentence and the recommended action.
+    const fn words(self) -> [&'static str; 3] {
+        const SPARE_BEARING: &str =
+            "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows.";
+        match self {
+            Self::OuterRace => ["outer-race", "outer race", SPARE_BEARING],
+            Self::InnerRace => ["inner-race", "inner race", SPARE_BEARING],
+            Self::Element => ["element", "rolling element", SPARE_BEARING],
+            Self::Cage => [
+                "cage",
+                "cage",
+                "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
+            ],
+            Self::Unbalance => [
+                "unbalance",
+                "unbalance",
+                "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene.",
+            ],
+            Self::Misalignment => {
+                ["misalignment", "misalignment", "Check alignment and coupling hot and cold, and pipe or foot strain."]
+            }
+            Self::Clearance => [
+                "clearance",
+                "clearance",
+                "Check fit, clearance and temperature of the bearing, then fit the scene again.",
+            ],
+            Self::Load => [
+                "load",
+                "load",
+                "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
+                 thrust loads and what the machine drives.",
+            ],
+            Self::Other => [
+                "other",
+                "other",
+                "If the scene is not fitted to this machine, run ballrace fit on a recording of the machine in good order; else look at the \
+                 residual's spectrum and orbit, and check mounting and probes.",
+            ],
+        }
+    }
+
+    /// Returns the key in files, such as `outer-race`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        let [key, ..] = self.words();
+        key
+    }
+
+    /// Returns the name in a sentence, such as "outer race".
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        let [_, name, _] = self.words();
+        name
+    }
+
+    /// Returns the recommended action.
+    #[must_use]
+    pub const fn action(self) -> &'static str {
+        let [.., action] = self.words();
+        action
+    }
+}
+
 /// Form of a surface fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

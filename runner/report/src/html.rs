@@ -81,7 +81,7 @@ fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
         (Level::Neutral, "NO VERDICT")
     };
     let action = match outcome.diagnoses.first() {
-        Some(diagnosis) => words::action(diagnosis.kind).to_owned(),
+        Some(diagnosis) => diagnosis.kind.action().to_owned(),
         None if !outcome.events.is_empty() => words::EVENT_ACTION.to_owned(),
         None => words::no_action(outcome).to_owned(),
     };
@@ -178,7 +178,7 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             if diagnosis.order == 0.0 { DASH.to_owned() } else { typeset(&fixed(value, decimals)) }
         };
         let cells = [
-            words::kind(diagnosis.kind).to_owned(),
+            diagnosis.kind.name().to_owned(),
             diagnosis.bearing.clone().unwrap_or_else(|| DASH.to_owned()),
             words::severity(diagnosis).to_owned(),
             line(diagnosis.line_hz, 1),
@@ -186,7 +186,7 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             typeset(&fixed(diagnosis.level_db, 1)),
             typeset(&fixed(100.0 * diagnosis.confidence, 0)),
             diagnosis.sentence.clone(),
-            words::action(diagnosis.kind).to_owned(),
+            diagnosis.kind.action().to_owned(),
         ];
         table.push(Row { diagnosis: Some(i), ..Row::new(cells) });
     }

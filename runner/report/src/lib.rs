@@ -25,7 +25,7 @@ use ballrace_twin::replay::outcome::Outcome;
 pub use csv::csv;
 pub use html::html;
 pub use text::text;
-pub use words::{EVENT_ACTION, action, diagnosis, pacing, reduced_rotor};
+pub use words::{EVENT_ACTION, diagnosis, pacing, reduced_rotor};
 
 /// Returns the outcome as JSON, without the data of the figures. A number that is not finite becomes `null`.
 ///

@@ -340,7 +340,7 @@ fn diagnoses(page: &mut Page, outcome: &Outcome) {
         if let Some(unexplained) = &diagnosis.parameters.unexplained_motion {
             page.sentence("    ", &words::unexplained_motion(unexplained));
         }
-        page.sentence("    Action: ", words::action(diagnosis.kind));
+        page.sentence("    Action: ", diagnosis.kind.action());
     }
 }
 
@@ -436,7 +436,7 @@ mod tests {
         let text = text(&outcome).split_whitespace().collect::<Vec<_>>().join(" ");
         let said = diagnosis.sentence.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(text.matches(&said).count(), 1, "{text}");
-        assert!(text.contains(words::action(diagnosis.kind)) && text.contains(words::severity(diagnosis)), "{text}");
+        assert!(text.contains(diagnosis.kind.action()) && text.contains(words::severity(diagnosis)), "{text}");
         assert!(text.contains("diagnosis 2.5 s"), "{text}");
     }
 

@@ -11,28 +11,13 @@ use ballrace_twin::verdict;
 /// Condition number above which the arrangement of the probes is poor.
 const BADLY_PLACED: f64 = 100.0;
 
-/// Returns the name of a kind of fault.
-pub(super) fn kind(kind: FaultKind) -> &'static str {
-    match kind {
-        FaultKind::OuterRace => "outer race",
-        FaultKind::InnerRace => "inner race",
-        FaultKind::Element => "rolling element",
-        FaultKind::Cage => "cage",
-        FaultKind::Unbalance => "unbalance",
-        FaultKind::Misalignment => "misalignment",
-        FaultKind::Clearance => "clearance",
-        FaultKind::Load => "load",
-        FaultKind::Other => "other",
-    }
-}
-
 /// Returns the cause of a diagnosis without location and size, such as "Spall on the outer race" or "Unbalance".
 pub(super) fn cause(diagnosis: &Diagnosis) -> String {
     let surface = match diagnosis.kind {
         FaultKind::OuterRace => "the outer race",
         FaultKind::InnerRace => "the inner race",
         FaultKind::Element => "a rolling element",
-        other => return capitalised(kind(other)),
+        other => return capitalised(other.name()),
     };
     match (diagnosis.parameters.form, diagnosis.parameters.waviness_order) {
         (Some(FaultForm::Waviness), Some(order)) => format!("Waviness of order {order} on {surface}"),
@@ -119,30 +104,6 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
 /// Units of all numbers on the page.
 pub(super) const UNITS: &str = "lengths um, forces N, moments N m; pp, peak and rms as each column states; phase in \
                                 degrees of lag, 0 to 360; frequency in Hz and orders (X)";
-
-/// Returns the recommended action for a kind of diagnosis.
-#[must_use]
-pub const fn action(kind: FaultKind) -> &'static str {
-    match kind {
-        FaultKind::OuterRace | FaultKind::InnerRace | FaultKind::Element => {
-            "Order a spare bearing, repeat the measurement within a week and replace the bearing where the line grows."
-        }
-        FaultKind::Cage => "Check lubrication and load, and plan the replacement: a cage fails without much warning.",
-        FaultKind::Unbalance => {
-            "Look for deposits, lost weights and loose parts, then balance; repeat with the new unbalance in the scene."
-        }
-        FaultKind::Misalignment => "Check alignment and coupling hot and cold, and pipe or foot strain.",
-        FaultKind::Clearance => "Check fit, clearance and temperature of the bearing, then fit the scene again.",
-        FaultKind::Load => {
-            "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
-             thrust loads and what the machine drives."
-        }
-        FaultKind::Other => {
-            "If the scene is not fitted to this machine, run ballrace fit on a recording of the machine in good order; else look at the \
-             residual's spectrum and orbit, and check mounting and probes."
-        }
-    }
-}
 
 /// Returns the unexplained motion at the probe that shows a fault best, without and with it, as a sentence.
 pub(super) fn unexplained_motion(of: &UnexplainedMotion) -> String {

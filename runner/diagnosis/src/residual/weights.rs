@@ -2,8 +2,9 @@
 
 use super::super::Result;
 use super::super::dynamics::{Square, Tangent};
-use super::super::machine::{Evaluated, Machine, Unknown};
+use super::super::machine::{Evaluated, Machine};
 use super::super::motion::{C, D};
+use super::super::parameter::Unknown;
 use super::dot;
 use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
 use ballrace::Displacement;

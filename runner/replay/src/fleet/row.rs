@@ -184,17 +184,7 @@ impl DiagnosisRow {
     /// Returns the name of the fault with its form, such as `outer-race spall`.
     #[must_use]
     pub fn name(&self) -> String {
-        let fault = match self.fault {
-            FaultKind::OuterRace => "outer-race",
-            FaultKind::InnerRace => "inner-race",
-            FaultKind::Element => "element",
-            FaultKind::Cage => "cage",
-            FaultKind::Unbalance => "unbalance",
-            FaultKind::Misalignment => "misalignment",
-            FaultKind::Clearance => "clearance",
-            FaultKind::Load => "load",
-            FaultKind::Other => "other",
-        };
+        let fault = self.fault.key();
         match self.form {
             Some(FaultForm::Spall) => format!("{fault} spall"),
             Some(FaultForm::Waviness) => format!("{fault} waviness"),

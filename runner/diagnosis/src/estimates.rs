@@ -1,0 +1,206 @@
+//! Estimates of the unknowns of a fitted machine, with their 95 % intervals.
+
+use super::Result;
+use super::fit::{Fitted, changed, fit};
+use super::parameter::Unknown;
+use super::residual::{Evidence, dot};
+use super::surface::Component;
+use ballrace_outcome::Estimate;
+use ballrace_scene::RotationSource;
+use nalgebra::DVector;
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+
+/// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
+const WITHIN_95: f64 = 1.96;
+/// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
+pub const STIFFNESS_ERROR: f64 = 0.005;
+/// Search for the end of an interval: share of the error of the profile below which it is not made, factor of its steps, steps of the
+/// fit of the other unknowns, and largest size over that of a parabola.
+const SMALL: f64 = 0.4;
+const WIDER: f64 = 1.6;
+const REFITTED: usize = 3;
+const FARTHEST: f64 = 10.0;
+
+/// A fitted machine whose unknowns are estimated.
+pub struct Estimates<'a, 'b> {
+    pub e: &'a Evidence<'b>,
+    pub last: &'a Fitted,
+    /// Factor of deviations: residual over noise.
+    pub inflation: f64,
+}
+
+impl Estimates<'_, '_> {
+    pub fn deviation(&self, unknown: Unknown) -> f64 {
+        let at = self.last.unknowns.iter().position(|u| *u == unknown);
+        let variance = at.map_or(0.0, |i| self.last.covariance.get((i, i)).copied().unwrap_or(0.0));
+        self.inflation * variance.max(0.0).sqrt()
+    }
+
+    /// Returns the deviation of two unknowns along a direction.
+    fn deviation_along(&self, unknowns: [Unknown; 2], direction: [f64; 2]) -> f64 {
+        let at = |u: Unknown| self.last.unknowns.iter().position(|other| *other == u);
+        let [Some(i), Some(j)] = unknowns.map(at) else { return 0.0 };
+        let c = |i: usize, j: usize| self.last.covariance.get((i, j)).copied().unwrap_or(0.0);
+        let [x, y] = direction;
+        let variance = x * x * c(i, i) + 2.0 * x * y * c(i, j) + y * y * c(j, j);
+        self.inflation * variance.max(0.0).sqrt()
+    }
+
+    /// Returns the decrease and the increase of an unknown at which chi-squared has risen as by [`WITHIN_95`] deviations, with the other
+    /// unknowns fitted again. The rise is not a parabola where an element loses contact: more depth changes no force.
+    fn reach(&self, unknown: Unknown, model_error: f64) -> [f64; 2] {
+        let linear = WITHIN_95 * self.deviation(unknown);
+        if linear < SMALL * model_error * unknown.get(&self.last.machine) {
+            return [linear; 2];
+        }
+        let Some(i) = self.last.unknowns.iter().position(|u| *u == unknown) else { return [linear; 2] };
+        let variance = self.last.covariance[(i, i)];
+        if variance.is_nan() || variance <= 0.0 {
+            return [linear; 2];
+        }
+        let allowed = WITHIN_95 * self.inflation;
+        let is_other = |u: &Unknown| *u != unknown && u.part() == unknown.part();
+        let others: Vec<Unknown> = self.last.unknowns.iter().copied().filter(is_other).collect();
+        // Returns the machine with the unknown changed, from one with another change.
+        let moved = |from: &Fitted, change: f64| {
+            let mut machine = from.machine.clone();
+            let step = unknown.get(&self.last.machine) + change - unknown.get(&from.machine);
+            for (j, other) in self.last.unknowns.iter().enumerate() {
+                other.set(&mut machine, other.get(&from.machine) + step * self.last.covariance[(i, j)] / variance);
+            }
+            changed(self.e, from, &machine).and_then(|moved| fit(self.e, &moved, &others, REFITTED)).ok()
+        };
+        let rise = |of: &Fitted| (of.chi_square - self.last.chi_square).max(0.0).sqrt();
+        [-1.0, 1.0].map(|sign| {
+            let (mut reach, most) = (linear, FARTHEST * linear);
+            let (mut before, mut last) = ((linear, 0.0), Cow::Borrowed(self.last));
+            while let Some(next) = moved(&last, sign * reach) {
+                let rise = rise(&next);
+                if rise > allowed {
+                    let share = (allowed - before.1) / (rise - before.1);
+                    return before.0 + share * (reach - before.0);
+                }
+                if reach >= most {
+                    break;
+                }
+                before = (reach, rise);
+                last = Cow::Owned(next);
+                reach *= WIDER;
+            }
+            reach.min(most)
+        })
+    }
+
+    /// Returns an unknown whose size the model changes by a relative standard deviation of `model_error`.
+    pub fn estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
+        let value = unknown.get(&self.last.machine) / unit;
+        around(value, (self.deviation(unknown) / unit.abs()).hypot(model_error * value))
+    }
+
+    /// Returns an unknown as [`Estimates::estimate`], with the ends of its interval by the profile of chi-squared.
+    pub fn profile_estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
+        let value = unknown.get(&self.last.machine) / unit;
+        let reach = self.reach(unknown, model_error);
+        let [down, up] = reach.map(|reach| (reach / unit).hypot(WITHIN_95 * model_error * value));
+        Estimate { value, low: value - down, high: value + up }
+    }
+
+    /// Angle on a component; on the inner race it is counted from the keyphasor mark.
+    pub fn angle(&self, unknown: Unknown, component: Component) -> Estimate {
+        let angle = self.estimate(unknown, TAU / 360.0, 0.0);
+        within_turn(if component == Component::Inner { self.with_pulse_error(angle) } else { angle })
+    }
+
+    /// Widens an angle from the keyphasor mark: its pulse is detected at the first sample after it, up to one sample late.
+    pub fn with_pulse_error(&self, angle: Estimate) -> Estimate {
+        let rotation = self.e.scene.recording.as_ref().map(|recording| &recording.rotation);
+        if !matches!(rotation, Some(RotationSource::Keyphasor { .. })) {
+            return angle;
+        }
+        let late = (self.e.motion.mean_speed() * self.e.motion.period).to_degrees() / 3.0_f64.sqrt();
+        around(angle.value, ((angle.high - angle.value) / WITHIN_95).hypot(late))
+    }
+
+    /// Size and direction of a vector of two unknowns.
+    pub fn vector(&self, [x, y]: [Unknown; 2], unit: f64) -> [Estimate; 2] {
+        let (a, b) = (x.get(&self.last.machine), y.get(&self.last.machine));
+        let size = a.hypot(b).max(1e-30);
+        let (along, across) =
+            (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
+        let across = across / size;
+        [
+            not_negative(around(size / unit, (along / unit).hypot(STIFFNESS_ERROR * size / unit))),
+            within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
+        ]
+    }
+}
+
+/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit.
+///
+/// With the slopes `J` of the unknowns and the change `v` of the residual by one deviation of a parameter, the unknowns change by
+/// `-C J^T v`.
+pub fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
+    let changes = e.uncertain_changes(&last.spectra, &last.machine)?;
+    if changes.is_empty() || last.unknowns.is_empty() {
+        return Ok(last);
+    }
+    let slopes = last.unknowns.iter().map(|u| e.slope(&last.spectra, &last.machine, *u)).collect::<Result<Vec<_>>>()?;
+    let mut covariance = last.covariance.clone();
+    for change in &changes {
+        let along = DVector::from_iterator(slopes.len(), slopes.iter().map(|slope| dot(slope, change)));
+        let moved = &last.covariance * along;
+        covariance += &moved * moved.transpose();
+    }
+    last.covariance = covariance;
+    Ok(last)
+}
+
+/// Returns the estimate of a size, whose interval has no negative part.
+pub fn not_negative(e: Estimate) -> Estimate {
+    Estimate { low: e.low.max(0.0), ..e }
+}
+
+/// Describes an estimate by its value and interval.
+pub fn described(estimate: Option<Estimate>, digits: usize) -> String {
+    estimate.map_or(String::new(), |e| format!("{:.digits$} ({:.digits$} to {:.digits$})", e.value, e.low, e.high))
+}
+
+/// Describes a size that is not negative; by its interval alone if that includes 0.
+pub fn described_size(estimate: Option<Estimate>, digits: usize) -> String {
+    match estimate {
+        Some(e) if e.low <= 0.0 => format!("between 0 and {:.digits$}", e.high),
+        _ => described(estimate, digits),
+    }
+}
+
+/// Returns an estimate from its standard deviation.
+pub fn around(value: f64, deviation: f64) -> Estimate {
+    let half = WITHIN_95 * deviation;
+    Estimate { value, low: value - half, high: value + half }
+}
+
+/// Returns an angle with its value between 0 and 360 degrees.
+pub fn within_turn(e: Estimate) -> Estimate {
+    let shift = e.value.rem_euclid(360.0) - e.value;
+    Estimate { value: e.value + shift, low: e.low + shift, high: e.high + shift }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_has_no_negative_part() {
+        let unclear = not_negative(around(3.93, 46.4));
+        assert_eq!((unclear.low, unclear.value), (0.0, 3.93));
+        assert_eq!(described_size(Some(unclear), 1), "between 0 and 94.9");
+        assert_eq!(described_size(Some(not_negative(around(3.0, 0.1))), 2), "3.00 (2.80 to 3.20)");
+    }
+
+    #[test]
+    fn an_angle_or_a_preload_may_be_zero_or_less() {
+        assert_eq!(described(Some(around(0.0, 0.0)), 1), "0.0 (0.0 to 0.0)");
+        assert_eq!(described(Some(around(-2.0, 1.0)), 1), "-2.0 (-4.0 to -0.0)");
+    }
+}
