@@ -148,7 +148,7 @@ impl Baseline {
     pub fn set_faults(&mut self, diagnoses: &[Diagnosis]) {
         let known = |diagnosis: &Diagnosis| {
             let (bearing, form) = (diagnosis.bearing.clone(), diagnosis.parameters.form);
-            Some(KnownFault { kind: diagnosis.kind, bearing, form, size: diagnosis.parameters.size()? })
+            Some(KnownFault { kind: diagnosis.kind, bearing, form, size: diagnosis.parameters.size()?.0.value })
         };
         self.faults = diagnoses.iter().filter_map(known).collect();
     }
@@ -157,7 +157,7 @@ impl Baseline {
     #[must_use]
     pub fn contains_fault(&self, diagnosis: &Diagnosis) -> bool {
         let same = |known: &KnownFault| {
-            let is_larger = diagnosis.parameters.size().is_none_or(|size| size > GROWTH * known.size);
+            let is_larger = diagnosis.parameters.size().is_none_or(|(size, _)| size.value > GROWTH * known.size);
             known.kind == diagnosis.kind
                 && known.bearing == diagnosis.bearing
                 && known.form == diagnosis.parameters.form

@@ -1,6 +1,6 @@
 //! A diagnosis: fault, component, place, size and evidence.
 
-use super::{FaultFigures, ReferenceFrame};
+use super::{FaultFigures, NumericField, ReferenceFrame};
 use ballrace_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -217,18 +217,49 @@ impl UnexplainedMotion {
     }
 }
 
+/// Meaning of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EstimateKind {
+    /// Place or direction.
+    Place,
+    /// Size, which a fault of size 0 does not have.
+    Size,
+    /// Size of the machine itself, which the fault changes.
+    MachineSize,
+}
+
+/// Estimated field of the place and size of a fault.
+pub type FaultField = NumericField<FaultParameters, Option<Estimate>>;
+
 impl FaultParameters {
+    /// Estimated fields in the order of texts.
+    pub const FIELDS: [(EstimateKind, FaultField); 10] = {
+        use EstimateKind::{MachineSize, Place, Size};
+        [
+            (Place, FaultField::new("azimuth_deg", "at", "deg", |p| p.azimuth_deg).decimals(1)),
+            (Size, FaultField::new("depth_um", "depth", "um", |p| p.depth_um).decimals(2)),
+            (Place, FaultField::new("half_width_deg", "half width", "deg", |p| p.half_width_deg).decimals(2)),
+            (Size, FaultField::new("amplitude_um", "amplitude", "um", |p| p.amplitude_um).decimals(3)),
+            (Size, FaultField::new("tilt_mrad", "tilt", "mrad", |p| p.tilt_mrad).decimals(3)),
+            (Place, FaultField::new("axis_deg", "axis at", "deg from +X", |p| p.axis_deg).decimals(0)),
+            (MachineSize, FaultField::new("clearance_um", "diametral clearance", "um", |p| p.clearance_um).decimals(2)),
+            (Size, FaultField::new("moment_g_mm", "moment", "g mm", |p| p.moment_g_mm).decimals(1)),
+            (Place, FaultField::new("angle_deg", "at", "deg from the keyphasor mark", |p| p.angle_deg).decimals(1)),
+            (Place, FaultField::new("station_mm", "station", "mm", |p| p.station_mm).decimals(1)),
+        ]
+    };
+
     /// Returns true if no interval of a size contains 0.
     pub fn is_significant(&self) -> bool {
-        let sizes = [&self.depth_um, &self.amplitude_um, &self.tilt_mrad, &self.moment_g_mm];
-        sizes.into_iter().flatten().all(|size| size.low > 0.0)
+        let sizes = Self::FIELDS.into_iter().filter(|(kind, _)| *kind == EstimateKind::Size);
+        sizes.filter_map(|(_, field)| (field.value)(self)).all(|size| size.low > 0.0)
     }
 
-    /// Returns the size of the fault in the unit of its kind: depth, amplitude, tilt, clearance or moment.
+    /// Returns the size of the fault with its unit: depth, amplitude, tilt, clearance or moment.
     #[must_use]
-    pub fn size(&self) -> Option<f64> {
-        let sizes = [self.depth_um, self.amplitude_um, self.tilt_mrad, self.clearance_um, self.moment_g_mm];
-        sizes.into_iter().flatten().next().map(|size| size.value)
+    pub fn size(&self) -> Option<(Estimate, &'static str)> {
+        let mut sizes = Self::FIELDS.into_iter().filter(|(kind, _)| *kind != EstimateKind::Place);
+        sizes.find_map(|(_, field)| Some(((field.value)(self)?, field.unit)))
     }
 }
 

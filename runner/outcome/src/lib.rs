@@ -7,6 +7,7 @@ pub mod baseline;
 mod calibration;
 mod diagnosis;
 mod fault_figures;
+mod field;
 mod file;
 mod implausibility;
 pub mod options;
@@ -19,15 +20,16 @@ pub mod verdict;
 
 pub use calibration::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
 pub use diagnosis::{
-    Diagnosis, Estimate, EvidenceSource, FaultForm, FaultKind, FaultParameters, Precession, UnexplainedLine,
-    UnexplainedMotion, VibrationLine,
+    Diagnosis, Estimate, EstimateKind, EvidenceSource, FaultField, FaultForm, FaultKind, FaultParameters, Precession,
+    UnexplainedLine, UnexplainedMotion, VibrationLine,
 };
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
+pub use field::{NumericField, UNIT_OF_SENSOR};
 pub use file::RecordingFile;
 pub use implausibility::Implausibility;
 pub use pictures::{
     Block, BlockFigures, Cascade, Clearance, DeflectedLine, ElementLoads, EnvelopeSpectrum, Excerpt, FilteredOrbit,
-    ForceTrace, FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Stretch, Trace,
+    ForceTrace, FullSpectrum, HalfSpectrum, LimitLine, MarkedLine, Orbit, Pictures, Slice, Stretch, Trace, TrendField,
 };
 pub use rotor::{ALLOWED_REDUCTION_ERRORS, RotorOutcome};
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
@@ -35,7 +37,7 @@ pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, StageTimes, Timing};
 
 use ballrace_recording::flaws::FlawSummary;
-use ballrace_scene::{OperatingClearance, Scene};
+use ballrace_scene::{Indicator, OperatingClearance, Scene};
 use serde::Serialize;
 
 /// Result of one replay. The tag is the version of its JSON schema, which rises with every incompatible change.
@@ -261,6 +263,26 @@ pub struct Motion {
     pub one_x_phase_lag_deg: f64,
 }
 
+impl Motion {
+    /// No reading.
+    pub const NONE: Self = Self {
+        mean_um: f64::NAN,
+        peak_to_peak_um: f64::NAN,
+        rms_um: f64::NAN,
+        one_x_um: f64::NAN,
+        one_x_phase_lag_deg: f64::NAN,
+    };
+
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 5] = [
+        NumericField::new("mean_um", "Mean", "um", |m| m.mean_um),
+        NumericField::new("peak_to_peak_um", "Peak to peak", "um pp", |m: &Self| m.peak_to_peak_um).short("peak-peak"),
+        NumericField::new("rms_um", "RMS", "um rms", |m: &Self| m.rms_um).short("rms"),
+        NumericField::new("one_x_um", "1X", "um peak", |m| m.one_x_um),
+        NumericField::new("one_x_phase_lag_deg", "1X phase", "deg lag", |m: &Self| m.one_x_phase_lag_deg).decimals(1),
+    ];
+}
+
 /// Returns the phase lag of `cosine cos(angle) + sine sin(angle)` in degrees, 0 to 360: the shaft angle of the peak after the
 /// keyphasor mark.
 #[must_use]
@@ -284,6 +306,27 @@ pub struct BallPassLine {
     pub twin_um: f64,
     /// The same of their difference.
     pub residual_um: f64,
+}
+
+impl BallPassLine {
+    /// No line.
+    pub const NONE: Self = Self {
+        bearing: String::new(),
+        order: f64::NAN,
+        frequency_hz: f64::NAN,
+        measured_um: f64::NAN,
+        twin_um: f64::NAN,
+        residual_um: f64::NAN,
+    };
+
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 5] = [
+        NumericField::new("order", "Order", "X", |line: &Self| line.order).decimals(3),
+        NumericField::new("frequency_hz", "Line", "Hz", |line: &Self| line.frequency_hz).decimals(1),
+        NumericField::new("measured_um", "Measured", "um peak", |line| line.measured_um),
+        NumericField::new("twin_um", "Twin", "um peak", |line| line.twin_um),
+        NumericField::new("residual_um", "Residual", "um peak", |line: &Self| line.residual_um).short("difference"),
+    ];
 }
 
 /// Comparison of the twin with a simpler predictor.
@@ -341,10 +384,18 @@ pub struct SimplePredictors {
 }
 
 impl SimplePredictors {
+    /// The predictors, each with its residual.
+    pub const FIELDS: [NumericField<Self, SimplePredictor>; 4] = [
+        NumericField::new("mean", "Mean", "um rms", |of| of.mean),
+        NumericField::new("persistence", "Previous sample", "um rms", |of| of.persistence),
+        NumericField::new("one_x", "Mean and 1X", "um rms", |of| of.one_x),
+        NumericField::new("linear", "Linear springs", "um rms", |of| of.linear),
+    ];
+
     /// Returns the predictors in the order of the tables.
     #[must_use]
-    pub const fn all(&self) -> [SimplePredictor; 4] {
-        [self.mean, self.persistence, self.one_x, self.linear]
+    pub fn all(&self) -> [SimplePredictor; 4] {
+        Self::FIELDS.map(|field| (field.value)(self))
     }
 
     /// Returns the comparison of the twin with the best of them.
@@ -389,6 +440,35 @@ pub struct ProbeOutcome {
 }
 
 impl ProbeOutcome {
+    /// Place and direction of the probe.
+    pub const PLACE: [NumericField<Self>; 2] = [
+        NumericField::new("station_mm", "Station", "mm", |p: &Self| p.station_mm).decimals(1),
+        NumericField::new("angle_deg", "Angle", "deg", |p: &Self| p.angle_deg.unwrap_or(f64::NAN)).decimals(1),
+    ];
+
+    /// Difference of measured and twin.
+    pub const RESIDUAL: [NumericField<Self>; 4] = [
+        NumericField::new("one_x_error_um", "1X vector", "um peak", |p| p.one_x_error_um),
+        NumericField::new("residual_bias_um", "Bias", "um", |p| p.residual_bias_um),
+        NumericField::new("residual_rms_um", "RMS", "um rms", |p: &Self| p.residual_rms_um).short("rms"),
+        NumericField::new("nrmse_percent", "NRMSE", "%", |p| p.nrmse_percent),
+    ];
+
+    /// Noise of the probe.
+    pub const NOISE: NumericField<Self> =
+        NumericField::new("noise_um", "Probe noise", "um rms", |p| p.noise_um.unwrap_or(f64::NAN));
+
+    /// Indicators with a value of the whole recording, in the unit of [`Indicator::unit`].
+    pub const INDICATORS: [(Indicator, fn(&Self) -> f64); 7] = [
+        (Indicator::Residual, |p| p.residual_rms_um),
+        (Indicator::OneX, |p| p.measured.one_x_um),
+        (Indicator::TwoX, |p| p.list.map_or(f64::NAN, |list| list.two_x_um_pp / 2.0)),
+        (Indicator::PeakToPeak, |p| p.measured.peak_to_peak_um),
+        (Indicator::Rms, |p| p.measured.rms_um),
+        (Indicator::CrestFactor, |p| p.list.map_or(f64::NAN, |list| list.crest_factor)),
+        (Indicator::Kurtosis, |p| p.list.map_or(f64::NAN, |list| list.kurtosis)),
+    ];
+
     /// Returns true where the readings were compared with the twin's, which requires a shaft angle.
     #[must_use]
     pub const fn has_twin(&self) -> bool {
@@ -422,6 +502,39 @@ pub struct TabularList {
     pub kurtosis: f64,
 }
 
+impl TabularList {
+    /// No block of revolutions.
+    pub const NONE: Self = Self {
+        direct_um_pp: f64::NAN,
+        greatest_um_pp: f64::NAN,
+        gap_um: f64::NAN,
+        one_x_um_pp: f64::NAN,
+        one_x_phase_lag_deg: None,
+        two_x_um_pp: f64::NAN,
+        not_one_x_um_pp: f64::NAN,
+        half_x_um_pp: f64::NAN,
+        crest_factor: f64::NAN,
+        kurtosis: f64::NAN,
+    };
+
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 10] = [
+        NumericField::new("direct_um_pp", "Direct", "um pp", |list| list.direct_um_pp),
+        NumericField::new("greatest_um_pp", "Greatest", "um pp", |list| list.greatest_um_pp),
+        NumericField::new("gap_um", "Gap", "um", |list| list.gap_um),
+        NumericField::new("one_x_um_pp", "1X", "um pp", |list| list.one_x_um_pp),
+        NumericField::new("one_x_phase_lag_deg", "1X phase", "deg lag", |list: &Self| {
+            list.one_x_phase_lag_deg.unwrap_or(f64::NAN)
+        })
+        .decimals(1),
+        NumericField::new("two_x_um_pp", "2X", "um pp", |list| list.two_x_um_pp),
+        NumericField::new("not_one_x_um_pp", "Not 1X", "um pp", |list| list.not_one_x_um_pp),
+        NumericField::new("half_x_um_pp", "0.5X band", "um pp", |list| list.half_x_um_pp),
+        NumericField::new("crest_factor", "Crest factor", "", |list: &Self| list.crest_factor).decimals(2),
+        NumericField::new("kurtosis", "Kurtosis", "", |list: &Self| list.kurtosis).decimals(2),
+    ];
+}
+
 /// Motion in a plane of two radial probes: means over blocks of four turns.
 #[derive(Debug, Clone, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -440,6 +553,16 @@ pub struct PlaneOutcome {
     pub one_x_forward: bool,
 }
 
+impl PlaneOutcome {
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 4] = [
+        NumericField::new("station_mm", "Station", "mm", |plane: &Self| plane.station_mm).decimals(1),
+        NumericField::new("smax_um_peak", "Smax", "um peak", |plane| plane.smax_um_peak),
+        NumericField::new("one_x_major_um_pp", "1X long axis", "um pp", |plane| plane.one_x_major_um_pp),
+        NumericField::new("one_x_minor_um_pp", "1X short axis", "um pp", |plane| plane.one_x_minor_um_pp),
+    ];
+}
+
 /// One force component over the recording.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -452,6 +575,18 @@ pub struct ForceFigures {
     pub max: f64,
     /// One standard deviation that probe noise alone puts on a sample (rms over the recording), when known.
     pub noise_sigma: Option<f64>,
+}
+
+/// Components of a force, with their units.
+pub const FORCE_COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("MX", "N m"), ("MY", "N m")];
+
+impl ForceFigures {
+    /// Numeric fields, in the unit of their component.
+    pub const FIELDS: [NumericField<Self>; 3] = [
+        NumericField::new("mean", "Mean", "", |force| force.mean),
+        NumericField::new("min", "Smallest", "", |force: &Self| force.min).short("least"),
+        NumericField::new("max", "Largest", "", |force| force.max),
+    ];
 }
 
 /// Figures of the observer.
@@ -558,6 +693,17 @@ pub struct BearingOrders {
     pub inner_race: f64,
     /// Ball spin, when the geometry is known.
     pub ball_spin: Option<f64>,
+}
+
+impl BearingOrders {
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 4] = [
+        NumericField::new("cage", "Cage", "X", |orders: &Self| orders.cage).decimals(3),
+        NumericField::new("outer_race", "Outer race", "X", |orders: &Self| orders.outer_race).decimals(3),
+        NumericField::new("inner_race", "Inner race", "X", |orders: &Self| orders.inner_race).decimals(3),
+        NumericField::new("ball_spin", "Ball spin", "X", |orders: &Self| orders.ball_spin.unwrap_or(f64::NAN))
+            .decimals(3),
+    ];
 }
 
 /// Event: a limit that was crossed.

@@ -1,7 +1,8 @@
 //! Data of the figures of a report.
 
-use super::RotorDrawing;
+use super::{NumericField, RotorDrawing};
 use crate::options::Source;
+use ballrace_scene::Indicator;
 
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.
 #[derive(Debug, Clone, Default)]
@@ -114,6 +115,43 @@ pub struct BlockFigures {
     pub two_x_um: f64,
     /// Amplitude about 0.5X.
     pub half_x_um: f64,
+}
+
+/// Field of the blocks that the report draws over time, and the live page over hours.
+#[derive(Debug)]
+pub struct TrendField {
+    /// Indicator whose limits and events are drawn with it.
+    pub indicator: Indicator,
+    /// The field; its key is that of the field of a second.
+    pub field: NumericField<BlockFigures>,
+    /// Sets its value.
+    pub set: fn(&mut BlockFigures, f64),
+}
+
+impl BlockFigures {
+    /// Fields with a trend, in the order of the drawing.
+    pub const TRENDS: [TrendField; 4] = [
+        TrendField {
+            indicator: Indicator::PeakToPeak,
+            field: NumericField::new("peak_to_peak_um", "Peak to peak", "um pp", |f| f.greatest_um_pp),
+            set: |figures, value| figures.greatest_um_pp = value,
+        },
+        TrendField {
+            indicator: Indicator::OneX,
+            field: NumericField::new("one_x_um", "1X", "um peak", |f| f.one_x_um[0].hypot(f.one_x_um[1])),
+            set: |figures, value| figures.one_x_um = [value, 0.0],
+        },
+        TrendField {
+            indicator: Indicator::Residual,
+            field: NumericField::new("residual_rms_um", "Residual", "um rms", |f| f.residual_rms_um),
+            set: |figures, value| figures.residual_rms_um = value,
+        },
+        TrendField {
+            indicator: Indicator::Kurtosis,
+            field: NumericField::new("kurtosis", "Kurtosis", "", |f| f.kurtosis),
+            set: |figures, value| figures.kurtosis = value,
+        },
+    ];
 }
 
 /// Cascade: spectra in the order of time.

@@ -1,6 +1,6 @@
 //! Snapshots of vibration and their trends.
 
-use super::FaultKind;
+use super::{FaultKind, NumericField, UNIT_OF_SENSOR};
 use serde::Serialize;
 
 /// One snapshot: a short recording of its own.
@@ -39,6 +39,16 @@ pub struct SnapshotFigures {
     pub lines: Vec<LineLevel>,
 }
 
+impl SnapshotFigures {
+    /// Numeric fields.
+    pub const FIELDS: [NumericField<Self>; 4] = [
+        NumericField::new("rms", "Rms", UNIT_OF_SENSOR, |figures| figures.rms),
+        NumericField::new("peak", "Peak", UNIT_OF_SENSOR, |figures| figures.peak),
+        NumericField::new("crest_factor", "Crest factor", "", |figures| figures.crest_factor),
+        NumericField::new("kurtosis", "Kurtosis", "", |figures| figures.kurtosis),
+    ];
+}
+
 /// Level of a line in the envelope spectrum.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -58,7 +68,7 @@ pub struct SnapshotTrend {
     /// Column of the sensor.
     pub sensor: String,
     /// `rms`, `peak`, `crest-factor`, `kurtosis` or `line`.
-    pub indicator: &'static str,
+    pub indicator: String,
     /// Bearing of a line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,

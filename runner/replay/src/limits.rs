@@ -14,7 +14,6 @@ use ballrace_scene::{Allowed, Direction, Indicator, Limit, Probe};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-const UM: f64 = 1e6;
 /// Largest number of events that are kept for the report.
 const MAX_EVENTS: usize = 10_000;
 
@@ -237,14 +236,13 @@ impl LimitMonitor {
     #[must_use]
     pub fn lines(&self) -> Vec<LimitLine> {
         let line = |monitored: &ProbeLimit| {
-            let (indicator, length) = monitored.limit.indicator.name();
-            let unit = if length { UM } else { 1.0 };
+            let (_, scale) = monitored.limit.indicator.unit();
             LimitLine {
-                indicator,
+                indicator: monitored.limit.indicator.name(),
                 probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
                 bearing: monitored.limit.bearing.clone(),
-                max: monitored.max * unit,
-                largest: monitored.largest.map(|value| value * unit),
+                max: monitored.max * scale,
+                largest: monitored.largest.map(|value| value * scale),
             }
         };
         self.limits.iter().map(line).collect()
@@ -254,10 +252,9 @@ impl LimitMonitor {
     #[must_use]
     pub fn status(&self) -> Vec<LimitStatus> {
         let status = |monitored: &ProbeLimit| {
-            let (indicator, is_length) = monitored.limit.indicator.name();
-            let (scale, unit) = if is_length { (UM, "um") } else { (1.0, "") };
+            let (unit, scale) = monitored.limit.indicator.unit();
             LimitStatus {
-                indicator,
+                indicator: monitored.limit.indicator.name(),
                 probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
                 bearing: monitored.limit.bearing.clone(),
                 unit,
@@ -277,7 +274,7 @@ impl LimitMonitor {
             let names = &self.names;
             let matches = |monitored: &&mut ProbeLimit| {
                 monitored.crossing.is_none()
-                    && monitored.limit.indicator.name().0 == crossing.indicator
+                    && monitored.limit.indicator.name() == crossing.indicator
                     && monitored.limit.bearing == crossing.bearing
                     && names.get(monitored.probe) == Some(&crossing.probe)
                     // A number read from a text file may differ in its last digit.
@@ -303,7 +300,7 @@ impl LimitMonitor {
         let crossing = |monitored: &ProbeLimit| {
             let open = monitored.crossing.as_ref()?;
             Some(OpenCrossing {
-                indicator: monitored.limit.indicator.name().0.to_owned(),
+                indicator: monitored.limit.indicator.name().to_owned(),
                 probe: self.names.get(monitored.probe).cloned().unwrap_or_default(),
                 bearing: monitored.limit.bearing.clone(),
                 limit: monitored.max,
@@ -478,12 +475,12 @@ impl ProbeLimit {
         if last - open.start < self.limit.duration {
             return None;
         }
-        let (name, length) = self.limit.indicator.name();
-        let (size, unit) = if length { (UM, "um") } else { (1.0, "") };
-        let space = if length { " um" } else { "" };
+        let name = self.limit.indicator.name();
+        let (unit, scale) = self.limit.indicator.unit();
+        let space = if unit.is_empty() { "" } else { " " };
         let of = self.limit.bearing.as_ref().map_or_else(String::new, |b| format!(" of {b}"));
         let until = end.map_or_else(|| "the end".to_owned(), |t| format!("{t:.2} s"));
-        let (worst, limit) = (open.worst * size, self.max * size);
+        let (worst, limit) = (open.worst * scale, self.max * scale);
         Some(Event {
             indicator: name,
             probe: probe.to_owned(),
@@ -495,7 +492,7 @@ impl ProbeLimit {
             limit,
             unit,
             sentence: format!(
-                "Limit crossed: {name}{of} at {probe} up to {worst:.3}{space}, limit {limit:.3}{space}, from {:.2} s to {until}, worst at {:.2} s.",
+                "Limit crossed: {name}{of} at {probe} up to {worst:.3}{space}{unit}, limit {limit:.3}{space}{unit}, from {:.2} s to {until}, worst at {:.2} s.",
                 open.start, open.worst_time
             ),
         })
@@ -530,7 +527,7 @@ fn usual(limit: &Limit, line: Option<usize>, probe: usize, baseline: Option<&Bas
     if usual > 0.0 {
         return Ok(usual);
     }
-    Err(LimitError::Indicator { indicator: limit.indicator.name().0 })
+    Err(LimitError::Indicator { indicator: limit.indicator.name() })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::force::EvaluatedForce;
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
-use ballrace_outcome::phase_lag_deg;
+use ballrace_outcome::{NumericField, UNIT_OF_SENSOR, phase_lag_deg};
 use ballrace_recording::status::SampleStatus;
 use ballrace_recording::{Row, Sample};
 use serde::Serialize;
@@ -100,80 +100,62 @@ pub struct BearingSecond {
     pub largest_radial_n: f64,
 }
 
-/// One figure of a second, for outputs with one column or metric per figure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondFigure {
-    /// Name, equal to the JSON key.
-    pub name: &'static str,
-    /// Description.
-    pub help: &'static str,
-    /// Value; not a number without a reading.
-    pub value: f64,
-}
-
-const fn figure(name: &'static str, help: &'static str, value: f64) -> SecondFigure {
-    SecondFigure { name, help, value }
-}
-
 impl Second {
-    /// Returns the figures of the machine.
-    #[must_use]
-    pub fn figures(&self) -> [SecondFigure; 5] {
-        [
-            figure("time_s", "End of the latest second in the time of the recording.", self.time_s),
-            figure("samples", "Samples with a reading of every probe in the second.", self.samples as f64),
-            figure("speed_rpm", "Mean shaft speed.", self.speed_rpm),
-            figure(
-                "innovation",
-                "Normalised innovation squared over its expectation; 1 for an exact model.",
-                self.innovation,
-            ),
-            figure("status", "Sum of the status flags of all samples.", f64::from(self.status)),
-        ]
-    }
+    /// Fields of the machine.
+    pub const FIELDS: [NumericField<Self>; 5] = [
+        NumericField::new("time_s", "time", "s", |s: &Self| s.time_s)
+            .help("End of the latest second in the time of the recording."),
+        NumericField::new("samples", "samples", "", |s: &Self| s.samples as f64)
+            .help("Samples with a reading of every probe in the second."),
+        NumericField::new("speed_rpm", "speed", "rpm", |s: &Self| s.speed_rpm).help("Mean shaft speed."),
+        NumericField::new("innovation", "innovation", "", |s: &Self| s.innovation)
+            .help("Normalised innovation squared over its expectation; 1 for an exact model."),
+        NumericField::new("status", "status", "", |s: &Self| f64::from(s.status))
+            .help("Sum of the status flags of all samples."),
+    ];
 }
 
 impl ProbeSecond {
-    /// Returns the figures of the probe.
-    #[must_use]
-    pub const fn figures(&self) -> [SecondFigure; 8] {
-        [
-            figure("mean_um", "Mean position.", self.mean_um),
-            figure("peak_to_peak_um", "Peak-to-peak displacement.", self.peak_to_peak_um),
-            figure("rms_um", "RMS displacement about the mean.", self.rms_um),
-            figure("crest_factor", "Largest deviation from the mean over the RMS.", self.crest_factor),
-            figure("kurtosis", "Kurtosis: 3 for Gaussian noise, 1.5 for a sine.", self.kurtosis),
-            figure("residual_rms_um", "RMS of measured minus twin, about its mean.", self.residual_rms_um),
-            figure("one_x_um", "1X amplitude, zero to peak.", self.one_x_um),
-            figure("one_x_phase_lag_deg", "1X phase lag behind the keyphasor mark.", self.one_x_phase_lag_deg),
-        ]
-    }
+    /// Fields of the probe.
+    pub const FIELDS: [NumericField<Self>; 8] = [
+        NumericField::new("mean_um", "mean position", "um", |p: &Self| p.mean_um).help("Mean position."),
+        NumericField::new("peak_to_peak_um", "peak-to-peak", "um pp", |p: &Self| p.peak_to_peak_um)
+            .help("Peak-to-peak displacement."),
+        NumericField::new("rms_um", "rms", "um rms", |p: &Self| p.rms_um).help("RMS displacement about the mean."),
+        NumericField::new("crest_factor", "crest factor", "", |p: &Self| p.crest_factor)
+            .help("Largest deviation from the mean over the RMS."),
+        NumericField::new("kurtosis", "kurtosis", "", |p: &Self| p.kurtosis)
+            .help("Kurtosis: 3 for Gaussian noise, 1.5 for a sine."),
+        NumericField::new("residual_rms_um", "residual", "um rms", |p: &Self| p.residual_rms_um)
+            .help("RMS of measured minus twin, about its mean."),
+        NumericField::new("one_x_um", "1X", "um peak", |p: &Self| p.one_x_um).help("1X amplitude, zero to peak."),
+        NumericField::new("one_x_phase_lag_deg", "1X phase", "deg lag", |p: &Self| p.one_x_phase_lag_deg)
+            .help("1X phase lag behind the keyphasor mark."),
+    ];
 }
 
 impl SensorSecond {
-    /// Returns the figures of the sensor, of which rms and peak are in its unit.
-    #[must_use]
-    pub const fn figures(&self) -> [SecondFigure; 4] {
-        [
-            figure("rms", "RMS vibration about the mean.", self.rms),
-            figure("peak", "Largest deviation of the vibration from its mean.", self.peak),
-            figure("crest_factor", "Peak of the vibration over its RMS.", self.crest_factor),
-            figure("kurtosis", "Kurtosis of the vibration: 3 for Gaussian noise.", self.kurtosis),
-        ]
-    }
+    /// Fields of the sensor.
+    pub const FIELDS: [NumericField<Self>; 4] = [
+        NumericField::new("rms", "rms", UNIT_OF_SENSOR, |s: &Self| s.rms).help("RMS vibration about the mean."),
+        NumericField::new("peak", "peak", UNIT_OF_SENSOR, |s: &Self| s.peak)
+            .help("Largest deviation of the vibration from its mean."),
+        NumericField::new("crest_factor", "crest factor", "", |s: &Self| s.crest_factor)
+            .help("Peak of the vibration over its RMS."),
+        NumericField::new("kurtosis", "kurtosis", "", |s: &Self| s.kurtosis)
+            .help("Kurtosis of the vibration: 3 for Gaussian noise."),
+    ];
 }
 
 impl BearingSecond {
-    /// Returns the figures of the bearing.
-    #[must_use]
-    pub const fn figures(&self) -> [SecondFigure; 4] {
-        [
-            figure("FX_N", "Mean force on the inner ring along X.", self.fx_n),
-            figure("FY_N", "Mean force on the inner ring along Y.", self.fy_n),
-            figure("FZ_N", "Mean force on the inner ring along Z.", self.fz_n),
-            figure("largest_radial_N", "Largest radial force in the second.", self.largest_radial_n),
-        ]
-    }
+    /// Fields of the bearing.
+    pub const FIELDS: [NumericField<Self>; 4] = [
+        NumericField::new("FX_N", "FX", "N", |b: &Self| b.fx_n).help("Mean force on the inner ring along X."),
+        NumericField::new("FY_N", "FY", "N", |b: &Self| b.fy_n).help("Mean force on the inner ring along Y."),
+        NumericField::new("FZ_N", "FZ", "N", |b: &Self| b.fz_n).help("Mean force on the inner ring along Z."),
+        NumericField::new("largest_radial_N", "largest radial force", "N", |b: &Self| b.largest_radial_n)
+            .help("Largest radial force in the second."),
+    ];
 }
 
 /// Largest number of seconds that wait for the twin.
@@ -371,39 +353,5 @@ impl Force {
         let Self { count, sum, largest } = std::mem::take(self);
         let [fx_n, fy_n, fz_n] = sum.map(|f| f / count.max(1.0));
         BearingSecond { name: name.to_owned(), fx_n, fy_n, fz_n, largest_radial_n: largest }
-    }
-}
-
-#[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod tests {
-    use super::*;
-
-    /// Names of all figures, once as JSON keys and once as columns and metrics.
-    #[test]
-    fn figures_have_the_names_of_their_json_keys() {
-        let second = Second {
-            probes: vec![ProbeSecond::default()],
-            bearings: vec![BearingSecond::default()],
-            sensors: vec![SensorSecond::default()],
-            ..Second::default()
-        };
-        let json = serde_json::to_value(&second).unwrap();
-        let keys = |value: &serde_json::Value| {
-            let is_figure = |(_, value): &(&String, &serde_json::Value)| value.is_number();
-            let mut names: Vec<String> =
-                value.as_object().unwrap().iter().filter(is_figure).map(|(key, _)| key.clone()).collect();
-            names.sort();
-            names
-        };
-        let names = |figures: &[SecondFigure]| {
-            let mut names: Vec<String> = figures.iter().map(|figure| figure.name.to_owned()).collect();
-            names.sort();
-            names
-        };
-        assert_eq!(names(&second.figures()), keys(&json));
-        assert_eq!(names(&second.probes[0].figures()), keys(&json["probes"][0]));
-        assert_eq!(names(&second.bearings[0].figures()), keys(&json["bearings"][0]));
-        assert_eq!(names(&second.sensors[0].figures()), keys(&json["sensors"][0]));
     }
 }

@@ -100,14 +100,7 @@ impl Standstill {
     }
 
     fn probe(&self, i: usize, probe: &Probe) -> ProbeOutcome {
-        let none = Motion {
-            mean_um: f64::NAN,
-            peak_to_peak_um: f64::NAN,
-            rms_um: f64::NAN,
-            one_x_um: f64::NAN,
-            one_x_phase_lag_deg: f64::NAN,
-        };
-        let measured = self.probes.get(i).and_then(Signal::motion).unwrap_or(none);
+        let measured = self.probes.get(i).and_then(Signal::motion).unwrap_or(Motion::NONE);
         let absent = SimplePredictor { residual_rms_um: f64::NAN, ..SimplePredictor::default() };
         ProbeOutcome {
             name: probe.column.clone(),
@@ -117,7 +110,7 @@ impl Standstill {
                 Direction::Axial => None,
             },
             measured,
-            twin: none,
+            twin: Motion::NONE,
             one_x_error_um: f64::NAN,
             residual_bias_um: f64::NAN,
             residual_rms_um: f64::NAN,
@@ -128,13 +121,7 @@ impl Standstill {
                 direct_um_pp: measured.peak_to_peak_um,
                 greatest_um_pp: measured.peak_to_peak_um,
                 gap_um: measured.mean_um,
-                one_x_um_pp: f64::NAN,
-                one_x_phase_lag_deg: None,
-                two_x_um_pp: f64::NAN,
-                not_one_x_um_pp: f64::NAN,
-                half_x_um_pp: f64::NAN,
-                crest_factor: f64::NAN,
-                kurtosis: f64::NAN,
+                ..TabularList::NONE
             }),
             ..ProbeOutcome::default()
         }
@@ -176,8 +163,7 @@ impl Signal {
             mean_um: (self.origin? + mean) * UM,
             peak_to_peak_um: (high - low) * UM,
             rms_um: (self.from_origin.rms().powi(2) - mean * mean).max(0.0).sqrt() * UM,
-            one_x_um: f64::NAN,
-            one_x_phase_lag_deg: f64::NAN,
+            ..Motion::NONE
         })
     }
 }

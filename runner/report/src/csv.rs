@@ -2,7 +2,9 @@
 //! row per snapshot and sensor.
 
 use ballrace_twin::output::quoted;
-use ballrace_twin::replay::outcome::{BallPassLine, LineLevel, Motion, Outcome, ProbeOutcome};
+use ballrace_twin::replay::outcome::{
+    BallPassLine, LineLevel, Motion, NumericField, Outcome, ProbeOutcome, SimplePredictors, SnapshotFigures,
+};
 
 /// Column names and cells of one row, in order.
 type Row = Vec<(String, String)>;
@@ -29,12 +31,10 @@ fn snapshots(outcome: &Outcome) -> String {
     let lines = outcome.snapshots.iter().flat_map(|snapshot| &snapshot.sensors).map(|figures| &figures.lines);
     let all = lines.max_by_key(|lines| lines.len()).map_or(&[][..], Vec::as_slice);
     let same = |a: &LineLevel, b: &LineLevel| a.bearing == b.bearing && a.component == b.component;
-    let fixed = ["snapshot", "file", "time", "sensor", "rms", "peak", "crest_factor", "kurtosis"].map(str::to_owned);
-    let line_heads = all.iter().map(|line| {
-        let component = serde_json::to_string(&line.component).unwrap_or_default();
-        format!("{}_{}_db", line.bearing, component.trim_matches('"').replace('-', "_"))
-    });
-    let mut text = joined(fixed.into_iter().chain(line_heads));
+    let fields = SnapshotFigures::FIELDS;
+    let fixed = ["snapshot", "file", "time", "sensor"].into_iter().chain(fields.iter().map(|field| field.key));
+    let line_heads = all.iter().map(|line| format!("{}_{}_db", line.bearing, line.component.name().replace('-', "_")));
+    let mut text = joined(fixed.map(str::to_owned).chain(line_heads));
     for snapshot in &outcome.snapshots {
         for figures in &snapshot.sensors {
             let stamp = snapshot.first_stamp_s.map(|stamp| stamp.to_string());
@@ -44,8 +44,7 @@ fn snapshots(outcome: &Outcome) -> String {
                 snapshot.time.clone().or(stamp).unwrap_or_default(),
                 figures.sensor.clone(),
             ];
-            let values = [figures.rms, figures.peak, figures.crest_factor, figures.kurtosis];
-            cells.extend(values.map(|value| number("", value).1));
+            cells.extend(numbers("", &fields, figures).map(|cell| cell.1));
             cells.extend(all.iter().map(|of| {
                 let level = figures.lines.iter().find(|line| same(line, of));
                 number("", level.map_or(f64::NAN, |line| line.level_db)).1
@@ -68,56 +67,28 @@ fn bearings(outcome: &Outcome) -> Vec<String> {
 }
 
 fn row(probe: &ProbeOutcome, bearings: &[String]) -> Row {
-    let mut row = vec![
-        ("probe".to_owned(), probe.name.clone()),
-        number("station_mm", probe.station_mm),
-        number("angle_deg", probe.angle_deg.unwrap_or(f64::NAN)),
-    ];
-    row.extend(motion("measured", &probe.measured));
-    row.extend(motion("twin", &probe.twin));
-    row.extend(difference(probe));
+    let mut row = vec![("probe".to_owned(), probe.name.clone())];
+    row.extend(numbers("", &ProbeOutcome::PLACE, probe));
+    row.extend(numbers("measured_", &Motion::FIELDS, &probe.measured));
+    row.extend(numbers("twin_", &Motion::FIELDS, &probe.twin));
+    row.extend(numbers("", &ProbeOutcome::RESIDUAL, probe));
+    row.push(("nrmse_normaliser".to_owned(), probe.nrmse_normaliser.clone()));
+    row.extend(numbers("", &[ProbeOutcome::NOISE], probe));
+    row.extend(SimplePredictors::FIELDS.map(|field| {
+        number(&format!("baselines_{}_residual_rms_um", field.key), (field.value)(&probe.baselines).residual_rms_um)
+    }));
+    row.push(("twin_to_best_baseline".to_owned(), super::words::standing(probe.baselines.worst()).to_lowercase()));
+    let none = BallPassLine::NONE;
     for bearing in bearings {
-        row.extend(ball_pass(bearing, probe.ball_pass.iter().find(|line| line.bearing == *bearing)));
+        let line = probe.ball_pass.iter().find(|line| line.bearing == *bearing).unwrap_or(&none);
+        row.extend(numbers(&format!("{bearing}_ball_pass_"), &BallPassLine::FIELDS, line));
     }
     row
 }
 
-fn motion(whose: &str, motion: &Motion) -> Row {
-    vec![
-        number(&format!("{whose}_mean_um"), motion.mean_um),
-        number(&format!("{whose}_peak_to_peak_um"), motion.peak_to_peak_um),
-        number(&format!("{whose}_rms_um"), motion.rms_um),
-        number(&format!("{whose}_one_x_um"), motion.one_x_um),
-        number(&format!("{whose}_one_x_phase_lag_deg"), motion.one_x_phase_lag_deg),
-    ]
-}
-
-fn difference(probe: &ProbeOutcome) -> Row {
-    vec![
-        number("one_x_error_um", probe.one_x_error_um),
-        number("residual_bias_um", probe.residual_bias_um),
-        number("residual_rms_um", probe.residual_rms_um),
-        number("nrmse_percent", probe.nrmse_percent),
-        ("nrmse_normaliser".to_owned(), probe.nrmse_normaliser.clone()),
-        number("noise_um", probe.noise_um.unwrap_or(f64::NAN)),
-        number("baselines_mean_residual_rms_um", probe.baselines.mean.residual_rms_um),
-        number("baselines_persistence_residual_rms_um", probe.baselines.persistence.residual_rms_um),
-        number("baselines_one_x_residual_rms_um", probe.baselines.one_x.residual_rms_um),
-        number("baselines_linear_residual_rms_um", probe.baselines.linear.residual_rms_um),
-        ("twin_to_best_baseline".to_owned(), super::words::standing(probe.baselines.worst()).to_lowercase()),
-    ]
-}
-
-fn ball_pass(bearing: &str, line: Option<&BallPassLine>) -> Row {
-    let head = |what: &str| format!("{bearing}_ball_pass_{what}");
-    let value = |of: fn(&BallPassLine) -> f64| line.map_or(f64::NAN, of);
-    vec![
-        number(&head("order"), value(|line| line.order)),
-        number(&head("frequency_hz"), value(|line| line.frequency_hz)),
-        number(&head("measured_um"), value(|line| line.measured_um)),
-        number(&head("twin_um"), value(|line| line.twin_um)),
-        number(&head("residual_um"), value(|line| line.residual_um)),
-    ]
+/// Returns the columns of the fields of an object.
+fn numbers<T>(before: &str, fields: &[NumericField<T>], of: &T) -> impl Iterator<Item = (String, String)> {
+    fields.iter().map(move |field| number(&format!("{before}{}", field.key), (field.value)(of)))
 }
 
 fn number(head: &str, value: f64) -> (String, String) {

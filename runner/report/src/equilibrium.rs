@@ -8,7 +8,7 @@ use super::text::broken;
 use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingEquilibrium, EffectShare, Element, StaticEquilibrium};
-use ballrace_twin::replay::outcome::BearingOrders;
+use ballrace_twin::replay::outcome::{BearingOrders, FORCE_COMPONENTS};
 use std::fmt::Write;
 
 /// Length of the bar of the largest load, characters.
@@ -298,12 +298,8 @@ fn displacements(bearings: &[BearingEquilibrium]) -> Table {
         Column::number("Z", "um"),
         Column::number("Tilt about X", "mrad"),
         Column::number("Tilt about Y", "mrad"),
-        Column::number("FX", "N"),
-        Column::number("FY", "N"),
-        Column::number("FZ", "N"),
-        Column::number("MX", "N m"),
-        Column::number("MY", "N m"),
     ];
+    heads.extend(FORCE_COMPONENTS.map(|(name, unit)| Column::number(name, unit)));
     heads.extend(has_clearance.then(|| Column::words("Operating clearance")));
     Table {
         groups: vec![(1, ""), (5, "displacement"), (5, "force")],
@@ -328,25 +324,27 @@ fn stiffness(bearings: &[BearingEquilibrium]) -> Table {
 fn orders(bearings: &[&BearingEquilibrium]) -> Table {
     let row = |b: &&BearingEquilibrium| {
         let used = b.orders.as_ref();
-        let order = |of: fn(&BearingOrders) -> f64| typeset(&fixed(used.map_or(f64::NAN, of), 3));
+        let [cage, outer, inner, _] =
+            BearingOrders::FIELDS.map(|field| typeset(&fixed(used.map_or(f64::NAN, field.value), 3)));
         let degrees = |angle: Option<f64>| typeset(&fixed(angle.map_or(f64::NAN, f64::to_degrees), 2));
         let source = if b.cage_ratio.is_some() { "cage_ratio of the scene" } else { "free contact angle" };
         [
             b.name.clone(),
-            order(|o| o.cage),
-            order(|o| o.outer_race),
-            order(|o| o.inner_race),
+            cage,
+            outer,
+            inner,
             source.to_owned(),
             degrees(b.contact_angle.map(|angle| angle.free)),
             degrees(b.contact_angle.and_then(|angle| angle.loaded)),
             typeset(&fixed(b.orders_under_load.as_ref().map_or(f64::NAN, |o| o.outer_race), 3)),
         ]
     };
+    let [cage, outer, inner, _] = BearingOrders::FIELDS.map(|field| Column::field(&field));
     let heads = vec![
         Column::name("Bearing"),
-        Column::number("Cage", "X"),
-        Column::number("Outer race", "X"),
-        Column::number("Inner race", "X"),
+        cage,
+        outer,
+        inner,
         Column::name("From"),
         Column::number("Free contact angle", "deg"),
         Column::number("Under load", "deg"),

@@ -3,11 +3,11 @@
 mod tables;
 
 use super::figures::{POINTS, Section, Shape, sections};
-use super::number::{NONE, decimals, fixed};
+use super::number::{self, NONE, decimals, fixed};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Row, Table, Verdict, steps};
 use super::words;
 use anyhow::Result;
-use ballrace_twin::replay::outcome::{Diagnosis, FaultKind, Outcome, ProbeOutcome};
+use ballrace_twin::replay::outcome::{Diagnosis, FaultKind, NumericField, Outcome, ProbeOutcome};
 use ballrace_twin::verdict;
 use serde_json::json;
 use tables::{tables, timing};
@@ -265,6 +265,14 @@ pub(super) fn column(values: impl Iterator<Item = f64>) -> Vec<String> {
     let values: Vec<f64> = values.collect();
     let decimals = decimals(values.iter().copied());
     values.iter().map(|value| typeset(&fixed(*value, decimals))).collect()
+}
+
+/// Formats a field of each object, with the same number of decimals.
+pub(super) fn field_column<'a, T: 'a>(
+    field: &NumericField<T>,
+    objects: impl IntoIterator<Item = &'a T>,
+) -> Vec<String> {
+    number::field_column(field, objects).iter().map(|text| typeset(text)).collect()
 }
 
 /// Returns rows whose cells are a name and the entries of columns.

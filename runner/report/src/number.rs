@@ -1,5 +1,7 @@
 //! Numbers in tables: few digits, the same number of decimals in a column, no NaN.
 
+use ballrace_twin::replay::outcome::NumericField;
+
 /// Text of a missing number.
 pub(super) const NONE: &str = "-";
 
@@ -31,6 +33,30 @@ pub fn fixed(value: f64, decimals: usize) -> String {
         Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
         _ => text,
     }
+}
+
+/// Formats a field of each object, with the same number of decimals.
+pub(super) fn field_column<'a, T: 'a>(
+    field: &NumericField<T>,
+    objects: impl IntoIterator<Item = &'a T>,
+) -> Vec<String> {
+    let values: Vec<f64> = objects.into_iter().map(field.value).collect();
+    let decimals = field.decimals.unwrap_or_else(|| decimals(values.iter().copied()));
+    values.into_iter().map(|value| fixed(value, decimals)).collect()
+}
+
+/// Formats the fields of an object; those without a number of decimals have `decimals`.
+pub(super) fn field_row<T>(fields: &[NumericField<T>], of: &T, decimals: usize) -> Vec<String> {
+    fields.iter().map(|field| fixed((field.value)(of), field.decimals.unwrap_or(decimals))).collect()
+}
+
+/// Returns [`decimals`] of the fields without a number of decimals.
+pub(super) fn common_decimals<'a, T: 'a>(
+    fields: &[NumericField<T>],
+    objects: impl IntoIterator<Item = &'a T>,
+) -> usize {
+    let free = || fields.iter().filter(|field| field.decimals.is_none());
+    decimals(objects.into_iter().flat_map(|of| free().map(move |field| (field.value)(of))))
 }
 
 /// Formats a number in scientific notation with six digits; 0 as `0`.

@@ -5,6 +5,7 @@
 
 use super::figures::{CurveKind, CurveValues, Picture, Plot, Shape, Source};
 use anyhow::{Context, Result};
+use ballrace_twin::replay::outcome::NumericField;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value};
 use serde::{Serialize, Serializer};
@@ -138,6 +139,11 @@ impl Column {
     /// Creates a column of numbers.
     pub(super) fn number(name: impl Into<Cow<'static, str>>, unit: &'static str) -> Self {
         Self { name: name.into(), unit, class: "number" }
+    }
+
+    /// Creates the column of a field.
+    pub(super) fn field<T, V>(field: &NumericField<T, V>) -> Self {
+        Self::number(field.name, field.unit)
     }
 
     /// Creates a column of short names.

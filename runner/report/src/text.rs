@@ -1,18 +1,19 @@
 //! The outcome as text for the terminal: aligned, at most 100 columns.
 
-use super::number::{NONE, alone, counted, decimals, fixed, maybe, microseconds, shortened};
+use super::number::{
+    NONE, alone, common_decimals, counted, decimals, field_column, field_row, fixed, maybe, microseconds, shortened,
+};
 use super::words;
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, LearnedParameter, Motion, Outcome, ProbeOutcome, Quantiles, Timing,
+    BallPassLine, BearingOrders, BearingOutcome, FORCE_COMPONENTS, ForceFigures, LearnedParameter, Motion,
+    NumericField, Outcome, ProbeOutcome, Quantiles, SimplePredictors, Timing,
 };
 
 /// Width at which sentences are broken.
 const WIDTH: usize = 80;
 /// Longest name in a table.
 const NAME: usize = 16;
-/// Components of a force with their units.
-const COMPONENTS: [&str; 5] = ["FX, N", "FY, N", "FZ, N", "MX, N m", "MY, N m"];
 
 /// Returns the outcome as text: verdict, recording, results of every probe and bearing, diagnoses, flaws, timing.
 #[must_use]
@@ -71,9 +72,9 @@ impl Page {
     }
 
     /// Writes a table: the first `names` columns left-aligned, the others right-aligned.
-    fn table(&mut self, names: usize, heads: &[&[&str]], rows: &[Vec<String>]) {
-        let heads: Vec<Vec<String>> =
-            heads.iter().map(|head| head.iter().map(|cell| (*cell).to_owned()).collect()).collect();
+    fn table<S: AsRef<str>>(&mut self, names: usize, heads: &[impl AsRef<[S]>], rows: &[Vec<String>]) {
+        let owned = |head: &[S]| head.iter().map(|cell| cell.as_ref().to_owned()).collect();
+        let heads: Vec<Vec<String>> = heads.iter().map(|head| owned(head.as_ref())).collect();
         let columns = heads.iter().chain(rows).map(Vec::len).max().unwrap_or(0);
         let width =
             |i: usize| heads.iter().chain(rows).filter_map(|row| row.get(i)).map(|cell| cell.chars().count()).max();
@@ -116,10 +117,12 @@ fn name(text: &str) -> String {
     shortened(text, NAME)
 }
 
-/// Formats a column with the same number of decimals in each row.
-fn column(values: &[f64]) -> Vec<String> {
-    let decimals = decimals(values.iter().copied());
-    values.iter().map(|value| fixed(*value, decimals)).collect()
+/// Returns the names and the units of columns: first those of `names`, which have no unit, then the fields.
+fn heads<T>(names: &[&str], fields: impl IntoIterator<Item = NumericField<T>>) -> [Vec<String>; 2] {
+    let unit = |field: &NumericField<T>| if field.unit == "X" { "per turn" } else { field.unit }.to_owned();
+    let names = names.iter().map(|name| ((*name).to_owned(), String::new()));
+    let (names, units) = names.chain(fields.into_iter().map(|field| (field.text_name(), unit(&field)))).unzip();
+    [names, units]
 }
 
 /// Returns rows from columns.
@@ -128,7 +131,7 @@ fn rows(columns: &[Vec<String>]) -> Vec<Vec<String>> {
     (0..count).map(|i| columns.iter().filter_map(|column| column.get(i).cloned()).collect()).collect()
 }
 
-/// Smallest 1X amplitude that has a phase, um.
+/// Smallest 1X amplitude that has a phase, um: a smaller one is within the rounding of the integration.
 const SMALLEST_ONE_X: f64 = 1e-4;
 
 fn motion(page: &mut Page, outcome: &Outcome) {
@@ -142,46 +145,32 @@ fn motion(page: &mut Page, outcome: &Outcome) {
         .flat_map(|probe| [(probe, "measured", &probe.measured), (probe, "twin", &probe.twin)])
         .filter(|(probe, row, _)| *row == "measured" || probe.has_twin())
         .collect();
-    let figures = |of: fn(&Motion) -> f64| column(&pairs.iter().map(|pair| of(pair.2)).collect::<Vec<_>>());
     let first =
         |pair: &(&ProbeOutcome, &str, &Motion)| if pair.1 == "twin" { String::new() } else { name(&pair.0.name) };
-    let columns = [
-        pairs.iter().map(first).collect(),
-        pairs.iter().map(|pair| pair.1.to_owned()).collect(),
-        figures(|motion| motion.mean_um),
-        figures(|motion| motion.peak_to_peak_um),
-        figures(|motion| motion.rms_um),
-        figures(|motion| motion.one_x_um),
-        pairs.iter().map(|pair| phase_lag(pair.2)).collect(),
-    ];
-    let heads: [&[&str]; 2] = [
-        &["probe", "", "mean", "peak-peak", "rms", "1X", "1X phase"],
-        &["", "", "um", "um pp", "um rms", "um peak", "deg lag"],
-    ];
-    page.table(2, &heads, &rows(&columns));
-}
-
-/// Formats the 1X phase lag; `-` where the amplitude is below [`SMALLEST_ONE_X`], within the rounding of the integration.
-fn phase_lag(motion: &Motion) -> String {
-    if motion.one_x_um < SMALLEST_ONE_X { "-".to_owned() } else { fixed(motion.one_x_phase_lag_deg, 1) }
+    let mut columns =
+        vec![pairs.iter().map(first).collect(), pairs.iter().map(|pair| pair.1.to_owned()).collect::<Vec<_>>()];
+    for field in Motion::FIELDS {
+        let mut cells = field_column(&field, pairs.iter().map(|pair| pair.2));
+        if field.key == "one_x_phase_lag_deg" {
+            let is_small = pairs.iter().map(|pair| pair.2.one_x_um < SMALLEST_ONE_X);
+            cells
+                .iter_mut()
+                .zip(is_small)
+                .filter(|(_, is_small)| *is_small)
+                .for_each(|(cell, _)| *cell = NONE.to_owned());
+        }
+        columns.push(cells);
+    }
+    page.table(2, &heads(&["probe", ""], Motion::FIELDS), &rows(&columns));
 }
 
 fn residual(page: &mut Page, outcome: &Outcome) {
     page.title("RESIDUAL, measured - twin");
-    let figures = |of: fn(&ProbeOutcome) -> f64| column(&outcome.probes.iter().map(of).collect::<Vec<_>>());
-    let columns = [
-        outcome.probes.iter().map(|probe| name(&probe.name)).collect(),
-        figures(|probe| probe.one_x_error_um),
-        figures(|probe| probe.residual_bias_um),
-        figures(|probe| probe.residual_rms_um),
-        figures(|probe| probe.nrmse_percent),
-        outcome.probes.iter().map(|probe| maybe(probe.noise_um)).collect(),
-    ];
-    let heads: [&[&str]; 2] = [
-        &["probe", "1X vector", "bias", "rms", "NRMSE", "probe noise"],
-        &["", "um peak", "um", "um rms", "%", "um rms"],
-    ];
-    page.table(1, &heads, &rows(&columns));
+    let mut columns = vec![outcome.probes.iter().map(|probe| name(&probe.name)).collect()];
+    columns.extend(ProbeOutcome::RESIDUAL.map(|field| field_column(&field, &outcome.probes)));
+    columns.push(outcome.probes.iter().map(|probe| maybe(probe.noise_um)).collect());
+    let fields = ProbeOutcome::RESIDUAL.into_iter().chain([ProbeOutcome::NOISE]);
+    page.table(1, &heads(&["probe"], fields), &rows(&columns));
     let normaliser = words::normaliser(&outcome.probes);
     if !normaliser.is_empty() {
         page.sentence("  ", &normaliser);
@@ -191,23 +180,23 @@ fn residual(page: &mut Page, outcome: &Outcome) {
 fn baselines(page: &mut Page, outcome: &Outcome) {
     page.title("RESIDUAL OF SIMPLER MODELS, um rms");
     let is_judged = words::are_models_judged(outcome);
-    let values = |probe: &ProbeOutcome| {
-        let [mean, persistence, one_x, linear] = probe.baselines.all().map(|b| b.residual_rms_um);
-        [probe.residual_rms_um, mean, persistence, one_x, linear]
-    };
     // The numbers of a row are compared, so that each row has its own number of decimals.
     let row = |probe: &ProbeOutcome| {
-        let digits = decimals(values(probe));
+        let simple = probe.baselines.all().map(|b| b.residual_rms_um);
+        let values = || [probe.residual_rms_um].into_iter().chain(simple);
+        let digits = decimals(values());
         let mut row = vec![name(&probe.name)];
-        row.extend(values(probe).map(|value| fixed(value, digits)));
+        row.extend(values().map(|value| fixed(value, digits)));
         row.extend(is_judged.then(|| words::standing(probe.baselines.worst()).to_owned()));
         row
     };
-    let columns = if is_judged { 7 } else { 6 };
-    let heads = [
-        &["probe", "twin", "mean", "previous", "mean", "linear", "twin is"][..columns],
-        &["", "", "", "sample", "and 1X", "springs", ""][..columns],
-    ];
+    let mut heads = [vec!["probe".to_owned(), "twin".to_owned()], vec![String::new(); 2]];
+    for head in SimplePredictors::FIELDS.map(|field| field.text_name()) {
+        let (first, second) = head.split_once(' ').unwrap_or((&head, ""));
+        heads[0].push(first.to_owned());
+        heads[1].push(second.to_owned());
+    }
+    heads[0].extend(is_judged.then(|| "twin is".to_owned()));
     page.table(1, &heads, &outcome.probes.iter().map(row).collect::<Vec<_>>());
     if !is_judged {
         page.sentence("  ", words::NOT_JUDGED);
@@ -223,22 +212,11 @@ fn ball_pass(page: &mut Page, outcome: &Outcome) {
         return;
     }
     page.title("BALL-PASS LINES, outer race");
-    let digits = decimals(lines.iter().flat_map(|(_, line)| [line.measured_um, line.twin_um, line.residual_um]));
-    let row = |(probe, line): &(&ProbeOutcome, &ballrace_twin::replay::outcome::BallPassLine)| {
-        vec![
-            name(&probe.name),
-            name(&line.bearing),
-            fixed(line.order, 3),
-            fixed(line.frequency_hz, 1),
-            fixed(line.measured_um, digits),
-            fixed(line.twin_um, digits),
-            fixed(line.residual_um, digits),
-        ]
+    let digits = common_decimals(&BallPassLine::FIELDS, lines.iter().map(|(_, line)| *line));
+    let row = |(probe, line): &(&ProbeOutcome, &BallPassLine)| {
+        [vec![name(&probe.name), name(&line.bearing)], field_row(&BallPassLine::FIELDS, *line, digits)].concat()
     };
-    let heads: [&[&str]; 2] = [
-        &["probe", "bearing", "order", "line", "measured", "twin", "difference"],
-        &["", "", "per turn", "Hz", "um peak", "um peak", "um peak"],
-    ];
+    let heads = heads(&["probe", "bearing"], BallPassLine::FIELDS);
     page.table(2, &heads, &lines.iter().map(row).collect::<Vec<_>>());
 }
 
@@ -251,9 +229,10 @@ fn forces(page: &mut Page, outcome: &Outcome) {
         Source::Displacement => "measured",
         Source::Observer => "observer",
     };
-    let heads: [&[&str]; 2] = [
-        &["bearing", "", source, "", "", "noise", "twin", "", ""],
-        &["", "", "mean", "least", "largest", "1 sigma", "mean", "least", "largest"],
+    let [mean, least, largest] = &ForceFigures::FIELDS.map(|field| field.text_name());
+    let heads = [
+        ["bearing", "", source, "", "", "noise", "twin", "", ""],
+        ["", "", mean, least, largest, "1 sigma", mean, least, largest],
     ];
     let rows: Vec<Vec<String>> = outcome.bearings.iter().flat_map(force_rows).collect();
     page.table(2, &heads, &rows);
@@ -269,14 +248,14 @@ fn forces(page: &mut Page, outcome: &Outcome) {
 fn force_rows(bearing: &BearingOutcome) -> Vec<Vec<String>> {
     let row = |i: usize| {
         let (measured, twin) = (&words::shown_forces(bearing).1[i], &bearing.force_twin[i]);
-        let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
-        let digits = decimals(values);
-        let mut cells: Vec<String> = values.iter().map(|value| fixed(*value, digits)).collect();
-        cells.insert(3, maybe(measured.noise_sigma));
+        let digits = common_decimals(&ForceFigures::FIELDS, [measured, twin]);
+        let cells = |force| field_row(&ForceFigures::FIELDS, force, digits);
         let first = if i == 0 { name(&bearing.name) } else { String::new() };
-        [vec![first, COMPONENTS[i].to_owned()], cells].concat()
+        let (component, unit) = FORCE_COMPONENTS[i];
+        let noise = vec![maybe(measured.noise_sigma)];
+        [vec![first, format!("{component}, {unit}")], cells(measured), noise, cells(twin)].concat()
     };
-    (0..COMPONENTS.len()).map(row).collect()
+    (0..FORCE_COMPONENTS.len()).map(row).collect()
 }
 
 /// Writes the learned parameters with their intervals.
@@ -303,12 +282,10 @@ fn orders(page: &mut Page, bearings: &[BearingOutcome]) {
     }
     page.title("ORDERS, per turn of the shaft");
     let row = |bearing: &&BearingOutcome| {
-        let orders = &bearing.orders;
-        let spin = orders.ball_spin.map_or_else(|| NONE.to_owned(), |spin| fixed(spin, 3));
-        vec![name(&bearing.name), fixed(orders.cage, 3), fixed(orders.outer_race, 3), fixed(orders.inner_race, 3), spin]
+        [vec![name(&bearing.name)], field_row(&BearingOrders::FIELDS, &bearing.orders, 0)].concat()
     };
-    let heads: [&[&str]; 1] = [&["bearing", "cage", "outer race", "inner race", "ball spin"]];
-    page.table(1, &heads, &known.iter().map(row).collect::<Vec<_>>());
+    let [names, _] = heads(&["bearing"], BearingOrders::FIELDS);
+    page.table(1, &[names], &known.iter().map(row).collect::<Vec<_>>());
 }
 
 fn diagnoses(page: &mut Page, outcome: &Outcome) {
@@ -386,7 +363,7 @@ fn compute_times(page: &mut Page, timing: &Timing) {
         rows.push(quantiles("a block", &pacing.compute));
         rows.push(quantiles("lateness", &pacing.lateness));
     }
-    let heads: [&[&str]; 1] = [&["us", "median", "99 %", "99.9 %", "largest"]];
+    let heads = [["us", "median", "99 %", "99.9 %", "largest"]];
     page.table(1, &heads, &rows);
     if let Some(stages) = words::stages(timing) {
         page.sentence("  ", &stages);

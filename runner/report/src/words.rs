@@ -3,8 +3,9 @@
 use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, ComparedTwin, Diagnosis, Estimate, FaultForm, FaultKind, ForceFigures, Learning, Observation,
-    Outcome, OutputFigures, ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing, UnexplainedMotion,
+    BearingOutcome, ComparedTwin, Diagnosis, Estimate, EstimateKind, FORCE_COMPONENTS, FaultField, FaultForm,
+    FaultKind, FaultParameters, ForceFigures, Learning, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
+    RotorOutcome, SourceFigures, Standing, Timing, UnexplainedMotion,
 };
 use ballrace_twin::verdict;
 
@@ -44,25 +45,15 @@ pub fn diagnosis(diagnosis: &Diagnosis) -> [String; 2] {
         Some(bearing) => format!("{}, bearing {bearing}", cause(diagnosis)),
         None => cause(diagnosis),
     };
-    let azimuth = match diagnosis.kind {
-        FaultKind::InnerRace => "deg from the keyphasor mark",
-        _ => "deg from +X",
-    };
-    let sizes = [
-        ("at", p.azimuth_deg, 1, azimuth),
-        ("depth", p.depth_um, 2, "um"),
-        ("half width", p.half_width_deg, 2, "deg"),
-        ("amplitude", p.amplitude_um, 3, "um"),
-        ("tilt", p.tilt_mrad, 3, "mrad"),
-        ("axis at", p.axis_deg, 0, "deg from +X"),
-        ("diametral clearance", p.clearance_um, 2, "um"),
-        ("moment", p.moment_g_mm, 1, "g mm"),
-        ("at", p.angle_deg, 1, "deg from the keyphasor mark"),
-        ("station", p.station_mm, 1, "mm"),
-    ];
-    let interval = |(name, estimate, digits, unit): (&str, Option<Estimate>, usize, &str)| {
-        let of = |value: f64| fixed(value, digits);
-        estimate.map(|e| format!("{name} {} ({} to {}) {unit}", of(e.value), of(e.low), of(e.high)))
+    let interval = |(_, field): (EstimateKind, FaultField)| {
+        let Estimate { value, low, high } = (field.value)(p)?;
+        let [value, low, high] = [value, low, high].map(|number| fixed(number, field.decimals.unwrap_or(0)));
+        let origin = match (field.key, diagnosis.kind) {
+            ("azimuth_deg", FaultKind::InnerRace) => " from the keyphasor mark",
+            ("azimuth_deg", _) => " from +X",
+            _ => "",
+        };
+        Some(format!("{} {value} ({low} to {high}) {}{origin}", field.name, field.unit))
     };
     let load = p.load_n.map(|load| load.map(|e| fixed(e.value, 1)).join(", "));
     let odds = p.odds_to_next.map(|odds| match odds {
@@ -73,7 +64,7 @@ pub fn diagnosis(diagnosis: &Diagnosis) -> [String; 2] {
         .element
         .map(|element| format!("element {element}"))
         .into_iter()
-        .chain(sizes.into_iter().filter_map(interval))
+        .chain(FaultParameters::FIELDS.into_iter().filter_map(interval))
         .chain(load.map(|load| format!("{load} N along X, Y, Z")))
         .chain(odds)
         .chain([format!("confidence {} %", fixed(100.0 * diagnosis.confidence, 0))])
@@ -176,9 +167,8 @@ fn setting(outcome: &Outcome) -> Vec<(&'static str, String)> {
         return facts;
     }
     facts.push(("Probes", outcome.probes.iter().map(probe).collect::<Vec<_>>().join("; ")));
-    let load = outcome.record.load.iter().zip(["FX", "FY", "FZ", "MX", "MY"]).zip([" N", " N", " N", " N m", " N m"]);
-    let load: Vec<String> =
-        load.filter(|((x, _), _)| **x != 0.0).map(|((x, name), unit)| format!("{name} {}{unit}", alone(*x))).collect();
+    let load = outcome.record.load.iter().zip(FORCE_COMPONENTS).filter(|(x, _)| **x != 0.0);
+    let load: Vec<String> = load.map(|(x, (name, unit))| format!("{name} {} {unit}", alone(*x))).collect();
     let load = if load.is_empty() { "weight alone".to_owned() } else { load.join(", ") };
     let by_system = outcome.record.load.iter().all(|x| x.is_nan());
     facts.push(("Load on the rotor", if by_system { "that of the [system]".to_owned() } else { load }));

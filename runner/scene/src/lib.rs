@@ -124,11 +124,22 @@ impl Indicator {
         ("inner-race", Self::InnerRace),
     ];
 
-    /// Returns the name of the indicator in a scene, and true where it is a length.
+    /// Returns the name of the indicator in a scene.
     #[must_use]
-    pub fn name(self) -> (&'static str, bool) {
-        let name = Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name);
-        (name, !matches!(self, Self::CrestFactor | Self::Kurtosis))
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name)
+    }
+
+    /// Returns true where the indicator is a length.
+    #[must_use]
+    pub const fn is_length(self) -> bool {
+        !matches!(self, Self::CrestFactor | Self::Kurtosis)
+    }
+
+    /// Returns the unit of its values in outputs, empty for a number, and its factor from the SI unit.
+    #[must_use]
+    pub const fn unit(self) -> (&'static str, f64) {
+        if self.is_length() { ("um", 1e6) } else { ("", 1.0) }
     }
 }
 

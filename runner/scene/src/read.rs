@@ -178,10 +178,9 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
             "bearing = \"NAME\" with indicator = \"outer-race\" or \"inner-race\", and only there",
         ));
     }
-    let (_, length) = indicator.name();
     let comparable = matches!(indicator, Indicator::Residual | Indicator::OneX | Indicator::TwoX) || race;
     let allowed = match (table.optional("max"), table.optional("growth_db")) {
-        (Some(max), None) if length => Allowed::Most(max.positive(Dimension::Length)?),
+        (Some(max), None) if indicator.is_length() => Allowed::Most(max.positive(Dimension::Length)?),
         (Some(max), None) => Allowed::Most(max.number("a number above 0", |x| x > 0.0)?),
         (None, Some(growth)) if comparable => {
             let decibels = growth.number("decibels over the baseline, above 0", |x| x > 0.0 && x < 200.0)?;

@@ -2,6 +2,7 @@
 
 use super::{ALARM, DisplaySettings, MEASURED, MUTED, RunInfo, draw_empty, panel_block};
 use crate::live::view::View;
+use ballrace_twin::replay::outcome::NumericField;
 use ballrace_twin::replay::second::ProbeSecond;
 use ballrace_twin::scene::{Allowed, Indicator};
 use ratatui::Frame;
@@ -11,25 +12,24 @@ use ratatui::symbols::Marker;
 use ratatui::text::Span;
 use ratatui::widgets::{Axis, Chart, Dataset, GraphType};
 
-/// Function that returns the value of an indicator.
-type IndicatorValue = fn(&ProbeSecond) -> f64;
-
-/// Name, unit and value of each indicator, and the indicator of the limit that is drawn with it.
-pub(super) const INDICATORS: [(&str, &str, IndicatorValue, Option<Indicator>); 7] = [
-    ("peak-to-peak", "um pp", |p| p.peak_to_peak_um, Some(Indicator::PeakToPeak)),
-    ("rms", "um rms", |p| p.rms_um, Some(Indicator::Rms)),
-    ("1X", "um peak", |p| p.one_x_um, Some(Indicator::OneX)),
-    ("residual", "um rms", |p| p.residual_rms_um, Some(Indicator::Residual)),
-    ("crest factor", "", |p| p.crest_factor, Some(Indicator::CrestFactor)),
-    ("kurtosis", "", |p| p.kurtosis, Some(Indicator::Kurtosis)),
-    ("mean position", "um", |p| p.mean_um, None),
+/// Keys of the indicators, and the indicator of the limit that is drawn with each.
+pub(super) const INDICATORS: [(&str, Option<Indicator>); 7] = [
+    ("peak_to_peak_um", Some(Indicator::PeakToPeak)),
+    ("rms_um", Some(Indicator::Rms)),
+    ("one_x_um", Some(Indicator::OneX)),
+    ("residual_rms_um", Some(Indicator::Residual)),
+    ("crest_factor", Some(Indicator::CrestFactor)),
+    ("kurtosis", Some(Indicator::Kurtosis)),
+    ("mean_um", None),
 ];
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, info: &RunInfo, view: &View, settings: DisplaySettings) {
-    let (name, unit, indicator_value, indicator) = INDICATORS[settings.indicator % INDICATORS.len()];
+    let (key, indicator) = INDICATORS[settings.indicator % INDICATORS.len()];
+    let Some(field) = ProbeSecond::FIELDS.into_iter().find(|field| field.key == key) else { return };
+    let NumericField { name, unit, .. } = field;
     let probe = info.probes.get(settings.probe).map_or("", String::as_str);
     let block = panel_block(format!(" 3 {probe} {name}{}{unit} ", if unit.is_empty() { "" } else { ", " }));
-    let value = |p: &ProbeSecond| (p.name == probe).then(|| indicator_value(p));
+    let value = |p: &ProbeSecond| (p.name == probe).then(|| (field.value)(p));
     let points: Vec<(f64, f64)> =
         view.seconds.iter().filter_map(|s| Some((s.time_s, s.probes.iter().find_map(value)?))).collect();
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
@@ -69,6 +69,5 @@ fn limit(info: &RunInfo, probe: &str, indicator: Option<Indicator>) -> Option<f6
         l.indicator == indicator && l.probe.as_deref().is_none_or(|name| name == probe)
     };
     let Allowed::Most(most) = info.limits.iter().find(applies)?.allowed else { return None };
-    let (_, is_length) = indicator.name();
-    Some(if is_length { most * 1e6 } else { most })
+    Some(most * indicator.unit().1)
 }

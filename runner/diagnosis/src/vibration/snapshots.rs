@@ -79,13 +79,6 @@ pub fn replay(
     Ok(outcome)
 }
 
-/// An indicator of a sensor: its name and its value in a snapshot.
-type Indicator = (&'static str, fn(&SnapshotFigures) -> f64);
-
-/// Statistics with a trend.
-const STATISTICS: [Indicator; 4] =
-    [("rms", |f| f.rms), ("peak", |f| f.peak), ("crest-factor", |f| f.crest_factor), ("kurtosis", |f| f.kurtosis)];
-
 /// Evaluation of the snapshots so far. Signals are held for one snapshot only.
 struct Evaluation<'a> {
     detector: &'a FaultDetector<'a>,
@@ -226,22 +219,23 @@ impl<'a> Evaluation<'a> {
     fn trends(&self) -> Vec<SnapshotTrend> {
         let lines = |k: usize| self.groups.first().and_then(|group| group.1.get(k)).map_or(0, Vec::len);
         let sensors = self.recording.sensors.iter().enumerate();
-        let count: usize = sensors.clone().map(|(k, _)| STATISTICS.len() + lines(k)).sum();
+        let count: usize = sensors.clone().map(|(k, _)| SnapshotFigures::FIELDS.len() + lines(k)).sum();
         let mut trends = vec![];
         for (k, sensor) in sensors {
-            let trend = |indicator, growth_db, onset: Option<&SnapshotOutcome>| SnapshotTrend {
+            let trend = |indicator: &str, growth_db, onset: Option<&SnapshotOutcome>| SnapshotTrend {
                 sensor: sensor.column.clone(),
-                indicator,
+                indicator: indicator.replace('_', "-"),
                 bearing: None,
                 component: None,
                 growth_db,
                 onset: onset.map(|snapshot| snapshot.number),
             };
-            for (indicator, of) in STATISTICS {
-                let values: Vec<f64> = self.snapshots.iter().filter_map(|s| s.sensors.get(k)).map(of).collect();
+            for field in SnapshotFigures::FIELDS {
+                let figures = self.snapshots.iter().filter_map(|s| s.sensors.get(k));
+                let values: Vec<f64> = figures.map(field.value).collect();
                 if let Some(grown) = growth(&values, count) {
                     let onset = grown.onset.and_then(|i| self.snapshots.get(i));
-                    trends.push(trend(indicator, 20.0 * (grown.last / grown.first).log10(), onset));
+                    trends.push(trend(field.key, 20.0 * (grown.last / grown.first).log10(), onset));
                 }
             }
             for i in 0..lines(k) {

@@ -6,8 +6,9 @@ use crate::{Options, Progress, open, replay};
 use ballrace_base::caught::caught;
 use ballrace_base::parallel;
 use ballrace_base::printable;
-use ballrace_outcome::{Diagnosis, Estimate, FaultParameters, LimitLine, Outcome, ProbeOutcome};
+use ballrace_outcome::{Diagnosis, FaultKind, LimitLine, Outcome, ProbeOutcome};
 use ballrace_plant::error::{Error, Result, with_causes};
+use ballrace_scene::Indicator;
 use std::time::Duration;
 
 /// Result of an evaluation.
@@ -139,7 +140,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 fn diagnosis(diagnosis: &Diagnosis) -> DiagnosisRow {
-    let size = size(&diagnosis.parameters);
+    let size = diagnosis.parameters.size();
     DiagnosisRow {
         fault: diagnosis.kind,
         form: diagnosis.parameters.form,
@@ -152,19 +153,6 @@ fn diagnosis(diagnosis: &Diagnosis) -> DiagnosisRow {
         confidence: finite(diagnosis.confidence).unwrap_or(0.0),
         sentence: diagnosis.sentence.clone(),
     }
-}
-
-/// Returns the estimate of [`FaultParameters::size`] with its unit.
-fn size(parameters: &FaultParameters) -> Option<(Estimate, &'static str)> {
-    let p = parameters;
-    let sizes = [
-        (p.depth_um, "um"),
-        (p.amplitude_um, "um"),
-        (p.tilt_mrad, "mrad"),
-        (p.clearance_um, "um"),
-        (p.moment_g_mm, "g mm"),
-    ];
-    sizes.into_iter().find_map(|(size, unit)| Some((size?, unit)))
 }
 
 /// Returns the indicators of the probes or sensors; those with a limit come first.
@@ -181,9 +169,10 @@ fn indicators(outcome: &Outcome) -> Vec<IndicatorValue> {
         }
     }
     for probe in &outcome.probes {
-        for (name, unit, value) in values(probe) {
+        for (indicator, value) in ProbeOutcome::INDICATORS {
+            let (name, (unit, _)) = (indicator.name(), indicator.unit());
             let is_known = all.iter().any(|one| one.name == name && one.probe.as_ref() == Some(&probe.name));
-            if let (false, Some(value)) = (is_known, finite(value)) {
+            if let (false, Some(value)) = (is_known, finite(value(probe))) {
                 let (name, unit, probe) = (name.to_owned(), unit.to_owned(), Some(probe.name.clone()));
                 all.push(IndicatorValue { name, unit, probe, bearing: None, value, limit: None, crossed: false });
             }
@@ -195,7 +184,9 @@ fn indicators(outcome: &Outcome) -> Vec<IndicatorValue> {
 
 fn limited(outcome: &Outcome, line: &LimitLine) -> Option<IndicatorValue> {
     let probe = outcome.probes.iter().find(|probe| probe.name == line.probe);
-    let whole = probe.and_then(|probe| values(probe).into_iter().find(|(name, ..)| *name == line.indicator));
+    let (_, indicator) = Indicator::ALL.into_iter().find(|(name, _)| *name == line.indicator)?;
+    let value = ProbeOutcome::INDICATORS.into_iter().find(|(known, _)| *known == indicator);
+    let whole = || Some(value?.1(probe?));
     let event = |event: &&ballrace_outcome::Event| {
         event.indicator == line.indicator && event.probe == line.probe && event.bearing == line.bearing
     };
@@ -203,34 +194,22 @@ fn limited(outcome: &Outcome, line: &LimitLine) -> Option<IndicatorValue> {
     let largest = line.largest.map(|value| value.min(f64::MAX));
     Some(IndicatorValue {
         name: line.indicator.to_owned(),
-        unit: if matches!(line.indicator, "crest-factor" | "kurtosis") { "" } else { "um" }.to_owned(),
+        unit: indicator.unit().0.to_owned(),
         probe: Some(line.probe.clone()),
         bearing: line.bearing.clone(),
-        value: finite(largest.or(whole.map(|(.., value)| value))?)?,
+        value: finite(largest.or_else(whole)?)?,
         limit: finite(line.max),
         crossed: outcome.events.iter().any(|one| event(&one)),
     })
 }
 
-/// Returns name, unit and value of the indicators of a whole recording, with the names of a scene's limits.
-fn values(probe: &ProbeOutcome) -> [(&'static str, &'static str, f64); 7] {
-    let list = |of: fn(&ballrace_outcome::TabularList) -> f64| probe.list.as_ref().map_or(f64::NAN, of);
-    [
-        ("residual", "um", probe.residual_rms_um),
-        ("1X", "um", probe.measured.one_x_um),
-        ("2X", "um", list(|list| list.two_x_um_pp / 2.0)),
-        ("peak-to-peak", "um", probe.measured.peak_to_peak_um),
-        ("rms", "um", probe.measured.rms_um),
-        ("crest-factor", "", list(|list| list.crest_factor)),
-        ("kurtosis", "", list(|list| list.kurtosis)),
-    ]
-}
-
 /// Returns the modulations of the envelope above 0 at each sensor by the lines of each bearing.
 fn modulations(outcome: &Outcome) -> Vec<IndicatorValue> {
-    const COMPONENTS: [&str; 4] = ["outer-race", "inner-race", "element", "cage"];
+    const COMPONENTS: [FaultKind; 4] =
+        [FaultKind::OuterRace, FaultKind::InnerRace, FaultKind::Element, FaultKind::Cage];
     let of_sensor = |sensor: &ballrace_outcome::baseline::BaselineSensor| {
-        let lines = outcome.bearings.iter().flat_map(|bearing| COMPONENTS.map(|name| (bearing.name.clone(), name)));
+        let lines =
+            outcome.bearings.iter().flat_map(|bearing| COMPONENTS.map(|kind| (bearing.name.clone(), kind.key())));
         let value = |((bearing, name), modulation): ((String, &str), &f64)| {
             let (value, name) = (finite(*modulation).filter(|value| *value > 0.0)?, format!("{name}-modulation"));
             let (unit, probe, bearing) = (String::new(), Some(sensor.name.clone()), Some(bearing));

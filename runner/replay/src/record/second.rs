@@ -1,6 +1,7 @@
 //! Indicators of one second with their time of day, as messages and as rows.
 
-use crate::second::{Second, SecondFigure};
+use crate::second::{BearingSecond, ProbeSecond, Second, SensorSecond};
+use ballrace_outcome::{NumericField, UNIT_OF_SENSOR};
 use serde::{Serialize, Serializer};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -40,21 +41,23 @@ impl SecondRecord<'_> {
     #[must_use]
     pub fn columns(&self) -> (Vec<ColumnName>, Vec<f64>) {
         let second = self.second;
-        let mut columns: Vec<(ColumnName, f64)> = vec![];
-        let mut add = |owner: &str, figures: &[SecondFigure], unit: Option<&str>| {
-            columns.extend(figures.iter().map(|figure| {
-                let name = if owner.is_empty() { figure.name.to_owned() } else { format!("{owner}_{}", figure.name) };
-                let unit = unit.filter(|_| matches!(figure.name, "rms" | "peak")).map(str::to_owned);
-                (ColumnName { name, unit }, figure.value)
-            }));
-        };
-        add("", &second.figures(), None);
         let since_1970 = self.at.duration_since(UNIX_EPOCH).unwrap_or_default();
-        let at = SecondFigure { name: TIME_OF_DAY, help: "Time of day.", value: since_1970.as_millis() as f64 };
-        add("", &[at], None);
-        second.probes.iter().for_each(|probe| add(&probe.name, &probe.figures(), None));
-        second.bearings.iter().for_each(|bearing| add(&bearing.name, &bearing.figures(), None));
-        second.sensors.iter().for_each(|sensor| add(&sensor.name, &sensor.figures(), Some(&sensor.unit)));
+        let at = ColumnName { name: TIME_OF_DAY.to_owned(), unit: None };
+        let mut columns = columns_of("", second, &Second::FIELDS, "");
+        columns.push((at, since_1970.as_millis() as f64));
+        columns.extend(second.probes.iter().flat_map(|of| columns_of(&of.name, of, &ProbeSecond::FIELDS, "")));
+        columns.extend(second.bearings.iter().flat_map(|of| columns_of(&of.name, of, &BearingSecond::FIELDS, "")));
+        columns.extend(second.sensors.iter().flat_map(|of| columns_of(&of.name, of, &SensorSecond::FIELDS, &of.unit)));
         columns.into_iter().unzip()
     }
+}
+
+/// Returns names and values of the columns of one object; fields in the unit of a sensor have `sensor_unit`.
+fn columns_of<T>(owner: &str, of: &T, fields: &[NumericField<T>], sensor_unit: &str) -> Vec<(ColumnName, f64)> {
+    let column = |field: &NumericField<T>| {
+        let name = if owner.is_empty() { field.key.to_owned() } else { format!("{owner}_{}", field.key) };
+        let unit = (field.unit == UNIT_OF_SENSOR).then(|| sensor_unit.to_owned());
+        (ColumnName { name, unit }, (field.value)(of))
+    };
+    fields.iter().map(column).collect()
 }

@@ -9,11 +9,10 @@ use super::trace::Clock;
 use super::{Context, Figure, Picture, PointBudget};
 use crate::words;
 use ballrace_twin::replay::Source;
-use ballrace_twin::replay::outcome::{ForceTrace, Pictures};
+use ballrace_twin::replay::outcome::{FORCE_COMPONENTS, ForceTrace, Pictures};
 
 const HEIGHT: f64 = 96.0;
 const GAP: f64 = 12.0;
-const TITLES: [&str; 3] = ["FX, N", "FY, N", "FZ, N"];
 
 /// Forces over time, one picture per bearing.
 pub(super) struct BearingForces;
@@ -39,8 +38,9 @@ pub(super) fn force(force: &ForceTrace, budget: PointBudget) -> Picture {
     let panels: Vec<Panel> = (0..3).map(|i| Panel::new(force, i, &time, budget.path())).collect();
     let is_banded = panels.iter().any(|panel| !panel.band.is_empty());
     let legend = &legend(force.source, is_banded);
-    let axes: Vec<Axis> =
-        panels.iter().zip(TITLES).map(|(panel, title)| Axis::padded(panel.extent(), 5, title)).collect();
+    let axis =
+        |(panel, (name, unit)): (&Panel, (&str, &str))| Axis::padded(panel.extent(), 5, &format!("{name}, {unit}"));
+    let axes: Vec<Axis> = panels.iter().zip(FORCE_COMPONENTS).map(axis).collect();
     let top = legend_height(gutter(&axes.iter().collect::<Vec<_>>()), legend) + 8.0;
     let frames = stacked(&Axis::exact(extent(time.iter().copied()), 8, clock.title), axes, (top, HEIGHT, GAP));
     let height = frames.last().map_or(0.0, |frame| frame.bottom) + BELOW;

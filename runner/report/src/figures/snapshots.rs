@@ -4,10 +4,12 @@ use super::axis::{Axis, extent};
 use super::canvas::{BELOW, FAULT, Frame, Key, MEASURED_LINE, Stroke, WIDE, picture, stacked};
 use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget};
-use ballrace_twin::replay::outcome::{LineLevel, Outcome, SnapshotFigures, SnapshotTrend};
+use ballrace_twin::replay::outcome::{FaultKind, LineLevel, NumericField, Outcome, SnapshotFigures, SnapshotTrend};
 
 const HEIGHT: f64 = 78.0;
 const ONSET: Stroke = Stroke(FAULT, 1.0);
+/// Keys of the statistics that are drawn.
+const DRAWN: [&str; 2] = ["rms", "kurtosis"];
 
 /// Trends over snapshots, one picture per sensor.
 pub(super) struct SnapshotTrends;
@@ -37,10 +39,13 @@ fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Pictu
         outcome.snapshots.iter().map(|snapshot| (snapshot.number as f64, value(snapshot.sensors.get(k)))).collect()
     };
     let of = |indicator: &str| trends().find(|trend| trend.indicator == indicator);
-    let mut curves = vec![
-        Curve { title: "Rms", points: points(&|f| f.rms), trend: of("rms") },
-        Curve { title: "Kurtosis", points: points(&|f| f.kurtosis), trend: of("kurtosis") },
-    ];
+    let drawn = SnapshotFigures::FIELDS.into_iter().filter(|field| DRAWN.contains(&field.key));
+    let curve = |field: NumericField<SnapshotFigures>| Curve {
+        title: field.name,
+        points: points(&field.value),
+        trend: of(field.key),
+    };
+    let mut curves: Vec<Curve<'_>> = drawn.map(curve).collect();
     let line = trends().filter(|t| t.component.is_some()).max_by(|a, b| a.growth_db.total_cmp(&b.growth_db));
     let mut note = "A vertical line marks the first snapshot of those that stay above the first tenth.".to_owned();
     if let Some(line) = line {
@@ -49,8 +54,7 @@ fn sensor(outcome: &Outcome, k: usize, name: &str, budget: PointBudget) -> Pictu
             figures.lines.iter().find(is_it).map_or(f64::NAN, |l| l.level_db)
         };
         curves.push(Curve { title: "Line, dB", points: points(&level), trend: Some(line) });
-        let component = serde_json::to_string(&line.component).unwrap_or_default();
-        let component = component.trim_matches('"').replace('-', " ");
+        let component = line.component.map_or("", FaultKind::name).replace('-', " ");
         note +=
             &format!(" Line: {component} of {}, which has grown most.", line.bearing.as_deref().unwrap_or_default());
     }

@@ -5,20 +5,10 @@ use super::canvas::{BAND, BELOW, Canvas, FAULT, Frame, Key, MEASURED_LINE, RESID
 use super::line::Point;
 use super::{Context, Figure, Picture, PointBudget};
 use ballrace_twin::outcome::Event;
-use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, ProbeOutcome};
+use ballrace_twin::replay::outcome::{Block, BlockFigures, LimitLine, Pictures, ProbeOutcome, TrendField};
 
 const HEIGHT: f64 = 70.0;
 const LIMIT: Stroke = Stroke(FAULT, 1.4);
-
-/// An indicator: its name in limits, the title of its axis, and its value.
-type Indicator = (&'static str, &'static str, fn(&BlockFigures) -> f64);
-
-const INDICATORS: [Indicator; 4] = [
-    ("peak-to-peak", "Peak to peak, um pp", |f| f.greatest_um_pp),
-    ("1X", "1X, um peak", |f| f.one_x_um[0].hypot(f.one_x_um[1])),
-    ("residual", "Residual, um rms", |f| f.residual_rms_um),
-    ("kurtosis", "Kurtosis", |f| f.kurtosis),
-];
 
 /// Data of one probe's trend.
 pub(super) struct Trend<'a> {
@@ -39,7 +29,7 @@ impl Figure for Trends {
     }
 
     fn lines(&self, data: &Pictures) -> usize {
-        4 * data.traces.len()
+        BlockFigures::TRENDS.len() * data.traces.len()
     }
 
     fn draw(&self, context: &Context<'_>) -> Vec<Picture> {
@@ -63,11 +53,11 @@ pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Picture {
     let left = frames.first().map_or(0.0, |frame| frame.left);
     let drawing = picture((WIDE, bottom + BELOW), |canvas| {
         canvas.legend(left, 0.0, &legend(trend));
-        for (k, (frame, indicator)) in frames.iter().zip(&INDICATORS).enumerate() {
-            events(canvas, frame, trend, indicator, &clock);
-            frame.axes(canvas, k + 1 == INDICATORS.len());
-            frame.levels(canvas, trend.limits_of(indicator), LIMIT);
-            let points = trend.points(indicator, &clock);
+        for (k, (frame, field)) in frames.iter().zip(&BlockFigures::TRENDS).enumerate() {
+            events(canvas, frame, trend, field, &clock);
+            frame.axes(canvas, k + 1 == BlockFigures::TRENDS.len());
+            frame.levels(canvas, trend.limits_of(field), LIMIT);
+            let points = trend.points(field, &clock);
             frame.series(canvas, ("measured", &points), budget.time(), MEASURED_LINE);
             frame.note_if_empty(canvas, &[&points]);
         }
@@ -76,20 +66,20 @@ pub(super) fn trend(trend: &Trend, budget: PointBudget) -> Picture {
 }
 
 impl Trend<'_> {
-    fn points(&self, indicator: &Indicator, clock: &Clock) -> Vec<Point> {
+    fn points(&self, field: &TrendField, clock: &Clock) -> Vec<Point> {
         let of = |block: &Block| {
-            let value = block.probes.get(self.probe).map_or(f64::NAN, indicator.2);
+            let value = block.probes.get(self.probe).map_or(f64::NAN, field.field.value);
             (0.5 * (block.start_s + block.end_s) * clock.scale, value)
         };
         self.blocks.iter().map(of).collect()
     }
 
-    fn limits_of<'s>(&'s self, indicator: &'s Indicator) -> impl Iterator<Item = f64> + 's {
-        self.limits.iter().filter(|limit| limit.indicator == indicator.0).map(|limit| limit.max)
+    fn limits_of<'s>(&'s self, field: &'s TrendField) -> impl Iterator<Item = f64> + 's {
+        self.limits.iter().filter(|limit| limit.indicator == field.indicator.name()).map(|limit| limit.max)
     }
 
     fn words(&self) -> String {
-        let others = self.events.iter().filter(|event| INDICATORS.iter().all(|i| i.0 != event.indicator)).count();
+        let others = self.events.iter().filter(|event| !is_drawn(event.indicator)).count();
         let others = if others > 0 { " Events of other indicators: shaded in all." } else { "" };
         format!(
             "Blocks of four turns, or neighbours of them joined: peak to peak is the greatest, the others are means. Limits \
@@ -112,18 +102,22 @@ fn legend(trend: &Trend) -> Vec<(Key, &'static str)> {
 fn frames(trend: &Trend, clock: &Clock) -> Vec<Frame> {
     let ends = trend.blocks.iter().flat_map(|block| [block.start_s, block.end_s]);
     let x = Axis::exact(extent(ends.map(|t| t * clock.scale)), 7, clock.title);
-    let axis = |indicator: &Indicator| {
-        let values = trend.points(indicator, clock).into_iter().map(|point| point.1);
-        let highest = extent(values.chain(trend.limits_of(indicator))).map(|range| range.1);
-        Axis::from_zero(highest, 3, indicator.1)
+    let axis = |field: &TrendField| {
+        let values = trend.points(field, clock).into_iter().map(|point| point.1);
+        let highest = extent(values.chain(trend.limits_of(field))).map(|range| range.1);
+        Axis::from_zero(highest, 3, &field.field.title())
     };
-    stacked(&x, INDICATORS.iter().map(axis).collect(), (34.0, HEIGHT, 20.0))
+    stacked(&x, BlockFigures::TRENDS.iter().map(axis).collect(), (34.0, HEIGHT, 20.0))
 }
 
-/// Shades the events of this indicator, from start to end. Events of indicators that are not drawn are shaded in every frame.
-fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, indicator: &Indicator, clock: &Clock) {
-    let is_drawn = |name: &str| INDICATORS.iter().any(|i| i.0 == name);
-    let shown = trend.events.iter().filter(|e| e.indicator == indicator.0 || !is_drawn(e.indicator));
+/// Returns true for an indicator with a frame.
+fn is_drawn(indicator: &str) -> bool {
+    BlockFigures::TRENDS.iter().any(|field| field.indicator.name() == indicator)
+}
+
+/// Shades the events of this field's indicator, from start to end. Events of indicators that are not drawn are shaded in every frame.
+fn events(canvas: &mut Canvas, frame: &Frame, trend: &Trend, field: &TrendField, clock: &Clock) {
+    let shown = trend.events.iter().filter(|e| e.indicator == field.indicator.name() || !is_drawn(e.indicator));
     let ranges: Vec<[f64; 2]> = shown
         .map(|event| [event.start_s * clock.scale, event.end_s.map_or(frame.x.high(), |end| end * clock.scale)])
         .collect();

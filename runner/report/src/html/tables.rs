@@ -1,16 +1,14 @@
 //! Tables of the report of a replay.
 
-use super::{DASH, column, rows, typeset};
-use crate::number::{alone, count, decimals, fixed, maybe, microseconds};
+use super::{DASH, column, field_column, rows, typeset};
+use crate::number::{alone, common_decimals, count, decimals, field_row, fixed, maybe, microseconds};
 use crate::page::{Cell, Column, Fact, PageSection, Row, Table};
 use crate::words;
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
-    BearingOutcome, LearnedParameter, Learning, Motion, Outcome, ProbeOutcome, Quantiles, Standing, TabularList, Timing,
+    BallPassLine, BearingOrders, BearingOutcome, FORCE_COMPONENTS, ForceFigures, LearnedParameter, Learning, Motion,
+    Outcome, PlaneOutcome, ProbeOutcome, Quantiles, SimplePredictors, Standing, TabularList, Timing,
 };
-
-/// Components of a force with their units.
-const COMPONENTS: [(&str, &str); 5] = [("FX", "N"), ("FY", "N"), ("FZ", "N"), ("MX", "N m"), ("MY", "N m")];
 
 /// Returns the tables of a report: probes, bearings, forces.
 pub(super) fn tables(outcome: &Outcome, compared: bool) -> Vec<PageSection> {
@@ -59,35 +57,8 @@ fn learned(learning: &Learning) -> Table {
 }
 
 fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Table {
-    let of = |value: fn(&TabularList) -> f64| column(listed.iter().map(|(_, list)| value(list)));
-    let plain = |value: &dyn Fn(&TabularList) -> f64, decimals: usize| -> Vec<String> {
-        listed.iter().map(|(_, list)| typeset(&fixed(value(list), decimals))).collect()
-    };
-    let columns = [
-        of(|list| list.direct_um_pp),
-        of(|list| list.greatest_um_pp),
-        of(|list| list.gap_um),
-        of(|list| list.one_x_um_pp),
-        plain(&|list| list.one_x_phase_lag_deg.unwrap_or(f64::NAN), 1),
-        of(|list| list.two_x_um_pp),
-        of(|list| list.not_one_x_um_pp),
-        of(|list| list.half_x_um_pp),
-        plain(&|list| list.crest_factor, 2),
-        plain(&|list| list.kurtosis, 2),
-    ];
-    let heads = vec![
-        Column::name("Probe"),
-        Column::number("Direct", "um pp"),
-        Column::number("Greatest", "um pp"),
-        Column::number("Gap", "um"),
-        Column::number("1X", "um pp"),
-        Column::number("1X phase", "deg lag"),
-        Column::number("2X", "um pp"),
-        Column::number("Not 1X", "um pp"),
-        Column::number("0.5X band", "um pp"),
-        Column::number("Crest factor", ""),
-        Column::number("Kurtosis", ""),
-    ];
+    let columns = TabularList::FIELDS.map(|field| field_column(&field, listed.iter().map(|(_, list)| list)));
+    let heads = [Column::name("Probe")].into_iter().chain(TabularList::FIELDS.iter().map(Column::field)).collect();
     let over =
         if compared { "Means over blocks of four turns; greatest: of any block." } else { "Over the whole recording." };
     let note = format!(
@@ -100,73 +71,40 @@ fn tabular_list(listed: &[(&ProbeOutcome, TabularList)], compared: bool) -> Tabl
 fn planes(outcome: &Outcome) -> Table {
     let planes = &outcome.planes;
     let precession = |forward: bool| if forward { "forward" } else { "reverse" }.to_owned();
-    let columns = [
-        planes.iter().map(|plane| typeset(&fixed(plane.station_mm, 1))).collect(),
-        column(planes.iter().map(|plane| plane.smax_um_peak)),
-        column(planes.iter().map(|plane| plane.one_x_major_um_pp)),
-        column(planes.iter().map(|plane| plane.one_x_minor_um_pp)),
-        planes.iter().map(|plane| precession(plane.one_x_forward)).collect(),
-    ];
-    let heads = vec![
-        Column::name("Plane"),
-        Column::number("Station", "mm"),
-        Column::number("Smax", "um peak"),
-        Column::number("1X long axis", "um pp"),
-        Column::number("1X short axis", "um pp"),
-        Column::number("1X precession", ""),
-    ];
+    let mut columns = PlaneOutcome::FIELDS.map(|field| field_column(&field, planes)).to_vec();
+    columns.push(planes.iter().map(|plane| precession(plane.one_x_forward)).collect());
+    let mut heads = vec![Column::name("Plane")];
+    heads.extend(PlaneOutcome::FIELDS.iter().map(Column::field));
+    heads.push(Column::number("1X precession", ""));
     let note = "Smax: largest distance from the mean position, mean over blocks of four turns.";
     Table::of(heads, rows(planes.iter().map(|plane| plane.name.clone()), &columns), note)
 }
 
 /// Returns the comparison: two rows per probe, measured and twin.
 fn comparison(probes: &[ProbeOutcome]) -> Table {
-    let both =
-        |of: fn(&Motion) -> f64| column(probes.iter().flat_map(move |probe| [of(&probe.measured), of(&probe.twin)]));
-    let one = |of: fn(&ProbeOutcome) -> f64| column(probes.iter().map(of));
-    let lag = |motion: &Motion| typeset(&fixed(motion.one_x_phase_lag_deg, 1));
-    let motion = [
-        both(|motion| motion.mean_um),
-        both(|motion| motion.peak_to_peak_um),
-        both(|motion| motion.rms_um),
-        both(|motion| motion.one_x_um),
-        probes.iter().flat_map(|probe| [lag(&probe.measured), lag(&probe.twin)]).collect(),
-    ];
-    let difference = [
-        one(|probe| probe.one_x_error_um),
-        one(|probe| probe.residual_bias_um),
-        one(|probe| probe.residual_rms_um),
-        one(|probe| probe.nrmse_percent),
-        one(|probe| probe.noise_um.unwrap_or(f64::NAN)),
-    ];
+    let residual = || ProbeOutcome::RESIDUAL.into_iter().chain([ProbeOutcome::NOISE]);
+    let motions = || probes.iter().flat_map(|probe| [&probe.measured, &probe.twin]);
+    let [station, angle] = ProbeOutcome::PLACE.map(|field| field_column(&field, probes));
+    let motion = Motion::FIELDS.map(|field| field_column(&field, motions()));
+    let difference: Vec<_> = residual().map(|field| field_column(&field, probes)).collect();
+    let mut columns = vec![Column::name("Probe")];
+    columns.extend(ProbeOutcome::PLACE.iter().map(Column::field));
+    columns.push(Column::name(""));
+    columns.extend(Motion::FIELDS.iter().map(Column::field));
+    columns.extend(residual().map(|field| Column::field(&field)));
     let mut table = Table {
-        groups: vec![(4, ""), (5, "motion"), (4, "residual"), (1, "")],
-        columns: vec![
-            Column::name("Probe"),
-            Column::number("Station", "mm"),
-            Column::number("Angle", "deg"),
-            Column::name(""),
-            Column::number("Mean", "um"),
-            Column::number("Peak to peak", "um pp"),
-            Column::number("RMS", "um rms"),
-            Column::number("1X", "um peak"),
-            Column::number("1X phase", "deg lag"),
-            Column::number("1X vector", "um peak"),
-            Column::number("Bias", "um"),
-            Column::number("RMS", "um rms"),
-            Column::number("NRMSE", "%"),
-            Column::number("Probe noise", "um rms"),
-        ],
+        groups: vec![(4, ""), (Motion::FIELDS.len(), "motion"), (ProbeOutcome::RESIDUAL.len(), "residual"), (1, "")],
+        columns,
         note: format!("The bias is part of the RMS of the residual. {}", words::normaliser(probes)),
         ..Table::default()
     };
     let of = |text: &String| Cell { class: "number of", ..Cell::from(text.as_str()) };
     for (i, probe) in probes.iter().enumerate() {
         let spanning = |text: String| Cell { rows: 2, ..Cell::from(text) };
-        let angle = probe.angle_deg.map_or_else(|| "axial".to_owned(), |angle| typeset(&fixed(angle, 1)));
+        let angle = probe.angle_deg.map_or_else(|| "axial".to_owned(), |_| angle[i].clone());
         let mut first = vec![
             spanning(probe.name.clone()),
-            spanning(typeset(&fixed(probe.station_mm, 1))),
+            spanning(station[i].clone()),
             spanning(angle),
             Cell { class: "name of", ..Cell::from("measured") },
         ];
@@ -187,27 +125,18 @@ fn baselines(outcome: &Outcome) -> Table {
         true => "",
         false => "Underlined: a simpler model leaves over 2 % less than the twin. ",
     };
-    let mut table = Table {
-        groups: vec![(2, ""), (4, "model"), (1, "")],
-        columns: vec![
-            Column::name("Probe"),
-            Column::number("Twin", "um rms"),
-            Column::number("Mean", "um rms"),
-            Column::number("Previous sample", "um rms"),
-            Column::number("Mean and 1X", "um rms"),
-            Column::number("Linear springs", "um rms"),
-            Column::number("Twin is", ""),
-        ],
-        note: match is_judged {
-            true => format!("{worse}Same: within 2 %, so this motion does not distinguish the two."),
-            false => words::NOT_JUDGED.to_owned(),
-        },
-        ..Table::default()
-    };
-    if !is_judged {
-        table.columns.pop();
-        table.groups.pop();
+    let mut columns = vec![Column::name("Probe"), Column::number("Twin", "um rms")];
+    columns.extend(SimplePredictors::FIELDS.iter().map(Column::field));
+    let mut groups = vec![(2, ""), (SimplePredictors::FIELDS.len(), "model")];
+    if is_judged {
+        columns.push(Column::number("Twin is", ""));
+        groups.push((1, ""));
     }
+    let note = match is_judged {
+        true => format!("{worse}Same: within 2 %, so this motion does not distinguish the two."),
+        false => words::NOT_JUDGED.to_owned(),
+    };
+    let mut table = Table { groups, columns, note, ..Table::default() };
     // The numbers of a row are compared, so that each row has its own number of decimals.
     for probe in probes {
         let simple = probe.baselines.all();
@@ -226,89 +155,58 @@ fn baselines(outcome: &Outcome) -> Table {
 
 fn ball_pass(probes: &[ProbeOutcome]) -> Table {
     let lines = || probes.iter().flat_map(|probe| probe.ball_pass.iter().map(move |line| (probe, line)));
-    let digits = decimals(lines().flat_map(|(_, line)| [line.measured_um, line.twin_um, line.residual_um]));
-    let row = |(probe, line): (&ProbeOutcome, &ballrace_twin::replay::outcome::BallPassLine)| {
-        let sizes = [line.measured_um, line.twin_um, line.residual_um].map(|x| typeset(&fixed(x, digits)));
-        let place = [typeset(&fixed(line.order, 3)), typeset(&fixed(line.frequency_hz, 1))];
-        [probe.name.clone(), line.bearing.clone()].into_iter().chain(place).chain(sizes).collect::<Vec<_>>()
+    let digits = common_decimals(&BallPassLine::FIELDS, lines().map(|(_, line)| line));
+    let row = |(probe, line): (&ProbeOutcome, &BallPassLine)| {
+        let cells = field_row(&BallPassLine::FIELDS, line, digits).into_iter().map(|cell| typeset(&cell));
+        [probe.name.clone(), line.bearing.clone()].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    let columns = vec![
-        Column::name("Probe"),
-        Column::name("Bearing"),
-        Column::number("Order", "X"),
-        Column::number("Line", "Hz"),
-        Column::number("Measured", "um peak"),
-        Column::number("Twin", "um peak"),
-        Column::number("Residual", "um peak"),
-    ];
-    Table::of(columns, lines().map(row), "")
+    let columns = [Column::name("Probe"), Column::name("Bearing")].into_iter();
+    Table::of(columns.chain(BallPassLine::FIELDS.iter().map(Column::field)).collect(), lines().map(row), "")
 }
 
 fn bearings(bearings: &[BearingOutcome]) -> Table {
-    let order = |order: f64| if order > 0.0 { fixed(order, 3) } else { DASH.to_owned() };
     let row = |bearing: &BearingOutcome| {
-        let (orders, largest) = (&bearing.orders, bearing.largest_element_load_n);
+        let largest = bearing.largest_element_load_n;
         let remarks = words::straight_line(bearing)
             .into_iter()
             .chain(words::remarks(bearing.contact_lost_samples, bearing.held_samples))
             .collect::<Vec<_>>()
             .join("; ");
-        [
-            bearing.name.clone(),
-            bearing.model.clone(),
-            typeset(&fixed(bearing.station_mm, 1)),
-            order(orders.cage),
-            order(orders.outer_race),
-            order(orders.inner_race),
-            order(orders.ball_spin.unwrap_or(0.0)),
-            if largest > 0.0 { typeset(&alone(largest)) } else { DASH.to_owned() },
-            if remarks.is_empty() { DASH.to_owned() } else { remarks },
-        ]
+        let mut cells = vec![bearing.name.clone(), bearing.model.clone(), typeset(&fixed(bearing.station_mm, 1))];
+        cells.extend(BearingOrders::FIELDS.map(|field| match (field.value)(&bearing.orders) {
+            order if order > 0.0 => fixed(order, 3),
+            _ => DASH.to_owned(),
+        }));
+        cells.push(if largest > 0.0 { typeset(&alone(largest)) } else { DASH.to_owned() });
+        cells.push(if remarks.is_empty() { DASH.to_owned() } else { remarks });
+        cells
     };
-    let columns = vec![
-        Column::name("Bearing"),
-        Column::name("Model"),
-        Column::number("Station", "mm"),
-        Column::number("Cage", "X"),
-        Column::number("Outer race", "X"),
-        Column::number("Inner race", "X"),
-        Column::number("Ball spin", "X"),
-        Column::number("Largest element load", "N"),
-        Column::words("Remarks"),
-    ];
+    let mut columns = vec![Column::name("Bearing"), Column::name("Model"), Column::number("Station", "mm")];
+    columns.extend(BearingOrders::FIELDS.iter().map(Column::field));
+    columns.extend([Column::number("Largest element load", "N"), Column::words("Remarks")]);
     Table {
-        groups: vec![(3, ""), (4, "orders, per turn of the shaft"), (2, "")],
+        groups: vec![(3, ""), (BearingOrders::FIELDS.len(), "orders, per turn of the shaft"), (2, "")],
         ..Table::of(columns, bearings.iter().map(row), "")
     }
 }
 
 fn forces(bearings: &[BearingOutcome]) -> Table {
     let source = bearings.first().map_or(Source::Displacement, |bearing| words::shown_forces(bearing).0);
-    let mut table = Table {
-        groups: vec![(3, ""), (4, words::force_source(source)), (3, "twin")],
-        columns: vec![
-            Column::name("Bearing"),
-            Column::name(""),
-            Column::name("Unit"),
-            Column::number("Mean", ""),
-            Column::number("Smallest", ""),
-            Column::number("Largest", ""),
-            Column::number("Noise, 1 sigma", ""),
-            Column::number("Mean", ""),
-            Column::number("Smallest", ""),
-            Column::number("Largest", ""),
-        ],
-        ..Table::default()
-    };
+    let fields = || ForceFigures::FIELDS.iter().map(Column::field);
+    let names = ["Bearing", "", "Unit"].map(Column::name).into_iter();
+    let columns = names.chain(fields()).chain([Column::number("Noise, 1 sigma", "")]).chain(fields()).collect();
+    let count = ForceFigures::FIELDS.len();
+    let groups = vec![(3, ""), (count + 1, words::force_source(source)), (count, "twin")];
+    let mut table = Table { groups, columns, ..Table::default() };
     for bearing in bearings {
-        for (i, (name, unit)) in COMPONENTS.into_iter().enumerate() {
+        for (i, (name, unit)) in FORCE_COMPONENTS.into_iter().enumerate() {
             let (measured, twin) = (&words::shown_forces(bearing).1[i], &bearing.force_twin[i]);
-            let values = [measured.mean, measured.min, measured.max, twin.mean, twin.min, twin.max];
-            let digits = decimals(values);
-            let mut cells = values.map(|value| typeset(&fixed(value, digits))).to_vec();
-            cells.insert(3, typeset(&maybe(measured.noise_sigma)));
-            let head = if i == 0 { bearing.name.clone() } else { String::new() };
-            let cells = [head, name.to_owned(), unit.to_owned()].into_iter().chain(cells);
+            let digits = common_decimals(&ForceFigures::FIELDS, [measured, twin]);
+            let mut cells =
+                vec![if i == 0 { bearing.name.clone() } else { String::new() }, name.to_owned(), unit.to_owned()];
+            cells.extend(field_row(&ForceFigures::FIELDS, measured, digits).iter().map(|cell| typeset(cell)));
+            cells.push(typeset(&maybe(measured.noise_sigma)));
+            cells.extend(field_row(&ForceFigures::FIELDS, twin, digits).iter().map(|cell| typeset(cell)));
             table.push(Row { class: if i == 0 { "first" } else { "" }, ..Row::new(cells) });
         }
     }

@@ -2,6 +2,7 @@
 
 use super::indicators::{JOURNAL, parse_journal};
 use anyhow::{Context, Result};
+use ballrace_twin::outcome::BlockFigures;
 use ballrace_twin::record::TIME_OF_DAY;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
@@ -11,10 +12,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Number of indicators that are read.
-pub const INDICATORS: usize = 4;
-/// Ends of their columns: peak to peak, 1X, rms of the residual, kurtosis.
-const COLUMNS: [&str; INDICATORS] = ["peak_to_peak_um", "one_x_um", "residual_rms_um", "kurtosis"];
+/// Number of indicators that are read: those with a trend.
+pub const INDICATORS: usize = BlockFigures::TRENDS.len();
 
 /// Indicators of one second.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,8 @@ pub struct SecondValues {
 /// # Errors
 /// Returns an error if a file cannot be read.
 pub fn read(folder: &Path, names: &[&str], span_s: f64, mut visit: impl FnMut(&SecondValues)) -> Result<()> {
-    let wanted: Vec<String> = names.iter().flat_map(|name| COLUMNS.map(|column| format!("{name}_{column}"))).collect();
+    let wanted: Vec<String> =
+        names.iter().flat_map(|name| BlockFigures::TRENDS.map(|trend| format!("{name}_{}", trend.field.key))).collect();
     let now = SystemTime::now();
     let mut journal_number = None;
     let path = folder.join(JOURNAL);

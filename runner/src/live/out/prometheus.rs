@@ -5,8 +5,8 @@ use super::super::feed::lock;
 use super::super::http::{self, Body, Client, Server, Service};
 use anyhow::Result;
 use ballrace_twin::replay::limits::LimitStatus;
-use ballrace_twin::replay::outcome::OutputFigures;
-use ballrace_twin::replay::second::{BearingSecond, ProbeSecond, Second, SecondFigure, SensorSecond};
+use ballrace_twin::replay::outcome::{NumericField, OutputFigures};
+use ballrace_twin::replay::second::{BearingSecond, ProbeSecond, Second, SensorSecond};
 use hyper::body::Incoming;
 use hyper::{Method, Request, Response, StatusCode};
 use std::collections::BTreeMap;
@@ -106,16 +106,18 @@ fn escaped(text: &str) -> String {
     text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
 }
 
-/// Figures of one labelled object: labels and figures.
-type Labelled = (String, Vec<SecondFigure>);
-
-/// Appends one gauge for each figure, with a sample for each object; nothing without an object.
-fn write_gauges(page: &mut String, prefix: &str, objects: &[Labelled]) {
-    let Some((_, first)) = objects.first() else { return };
-    for (i, figure) in first.iter().enumerate() {
-        let samples = objects.iter().filter_map(|(labels, all)| Some((labels.clone(), all.get(i)?.value)));
-        let name = format!("{prefix}_{}", figure.name);
-        Metric { name: &name, help: figure.help, kind: "gauge" }.write(page, samples);
+/// Appends one gauge for each field, with a sample for each object; nothing without an object.
+fn write_gauges<T>(
+    page: &mut String,
+    prefix: &str,
+    fields: &[NumericField<T>],
+    objects: &[T],
+    labels: impl Fn(&T) -> String,
+) {
+    for field in fields.iter().filter(|_| !objects.is_empty()) {
+        let samples = objects.iter().map(|of| (labels(of), (field.value)(of)));
+        let name = format!("{prefix}_{}", field.key);
+        Metric { name: &name, help: field.help, kind: "gauge" }.write(page, samples);
     }
 }
 
@@ -127,21 +129,21 @@ fn limit_series(status: &LimitStatus) -> (String, f64) {
     (labels, f64::from(u8::from(status.exceeded_since_s.is_some())))
 }
 
-/// Returns the metrics in the Prometheus text format. A figure has the name of its JSON key and of its Parquet column.
+/// Returns the metrics in the Prometheus text format. A field has the name of its JSON key and of its Parquet column.
 fn page(metrics: &Metrics) -> String {
     let Metrics { second, limits, counters, misses, outputs, event_counts } = metrics;
     let mut page = String::new();
     let gauge = |name, help| Metric { name, help, kind: "gauge" };
-    write_gauges(&mut page, "ballrace", &[(String::new(), second.figures().to_vec())]);
-    let probe = |p: &ProbeSecond| (format!("{{probe=\"{}\"}}", escaped(&p.name)), p.figures().to_vec());
-    write_gauges(&mut page, "ballrace_probe", &second.probes.iter().map(probe).collect::<Vec<_>>());
-    let sensor = |s: &SensorSecond| {
-        let labels = format!("{{sensor=\"{}\",unit=\"{}\"}}", escaped(&s.name), escaped(&s.unit));
-        (labels, s.figures().to_vec())
-    };
-    write_gauges(&mut page, "ballrace_sensor", &second.sensors.iter().map(sensor).collect::<Vec<_>>());
-    let bearing = |b: &BearingSecond| (format!("{{bearing=\"{}\"}}", escaped(&b.name)), b.figures().to_vec());
-    write_gauges(&mut page, "ballrace_bearing", &second.bearings.iter().map(bearing).collect::<Vec<_>>());
+    write_gauges(&mut page, "ballrace", &Second::FIELDS, std::slice::from_ref(*second), |_| String::new());
+    write_gauges(&mut page, "ballrace_probe", &ProbeSecond::FIELDS, &second.probes, |probe| {
+        format!("{{probe=\"{}\"}}", escaped(&probe.name))
+    });
+    write_gauges(&mut page, "ballrace_sensor", &SensorSecond::FIELDS, &second.sensors, |sensor| {
+        format!("{{sensor=\"{}\",unit=\"{}\"}}", escaped(&sensor.name), escaped(&sensor.unit))
+    });
+    write_gauges(&mut page, "ballrace_bearing", &BearingSecond::FIELDS, &second.bearings, |bearing| {
+        format!("{{bearing=\"{}\"}}", escaped(&bearing.name))
+    });
     if !limits.is_empty() {
         // Equal limits of a scene are one series.
         let series: BTreeMap<String, f64> = limits.iter().map(limit_series).collect();

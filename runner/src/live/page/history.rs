@@ -4,7 +4,8 @@ use crate::live::out::history::{INDICATORS, SecondValues, read};
 use crate::live::view::View;
 use anyhow::Result;
 use ballrace_report::live::{self, LiveFigure};
-use ballrace_twin::outcome::{Block, BlockFigures, LimitLine};
+use ballrace_twin::outcome::{Block, BlockFigures, LimitLine, NumericField};
+use ballrace_twin::replay::second::ProbeSecond;
 use ballrace_twin::scene::Scene;
 use std::path::Path;
 
@@ -38,8 +39,10 @@ pub fn figures(scene: &Scene, folder: Option<&Path>, view: &View, hours: f64) ->
         None => {
             let last = view.seconds.back().map_or(0.0, |second| second.time_s);
             for second in &view.seconds {
-                let values = |p: &ballrace_twin::replay::second::ProbeSecond| {
-                    [p.peak_to_peak_um, p.one_x_um, p.residual_rms_um, p.kurtosis]
+                let values = |probe: &ProbeSecond| {
+                    let fields =
+                        BlockFigures::TRENDS.map(|trend| NumericField::find(&ProbeSecond::FIELDS, trend.field.key));
+                    fields.map(|field| field.map_or(f64::NAN, |field| (field.value)(probe)))
                 };
                 history.add(&SecondValues {
                     age_s: last - second.time_s,
@@ -95,14 +98,9 @@ impl History {
     fn blocks(&self) -> Vec<Block> {
         let number = |value: f64| if value.is_finite() { value } else { f64::NAN };
         let figures = |values: [f64; INDICATORS]| {
-            let [greatest_um_pp, one_x, residual_rms_um, kurtosis] = values.map(number);
-            BlockFigures {
-                greatest_um_pp,
-                one_x_um: [one_x, 0.0],
-                residual_rms_um,
-                kurtosis,
-                ..BlockFigures::default()
-            }
+            let mut figures = BlockFigures::default();
+            BlockFigures::TRENDS.iter().zip(values).for_each(|(trend, value)| (trend.set)(&mut figures, number(value)));
+            figures
         };
         let mut blocks = vec![];
         for (i, interval) in self.intervals.iter().enumerate().rev() {
