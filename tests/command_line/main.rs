@@ -63,7 +63,6 @@ mod support;
 mod sweep;
 mod system;
 mod terminal;
-mod terms;
 mod text_datagrams;
 mod texts;
 mod trade;
