@@ -9,25 +9,69 @@ use crate::support::{DEMO_SCENE, Desk, changed, numbers, short_recording, swap};
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
 mod bearings;
+#[path = "../target/baked/src/log.rs"]
+mod log;
 
 const SCENE: &str = include_str!("../target/baked/scene.toml");
-/// Sources of the firmware, and the scenes that they are baked from.
-const BAKED: [(&str, &str); 2] = [("bearings.rs", SCENE), ("flexible.rs", FLEXIBLE)];
+/// Every model that C has, in both facings, with a preload and a title that a comment has to escape.
+pub const EVERY_MODEL_OF_C: &str = include_str!("../target/c/every_model.toml");
+/// A scene of firmware, and the files of `tests/target` that are baked from it.
+const BAKED: [(&str, &str, &[&str]); 3] = [
+    ("scene.toml", SCENE, &["baked/src/bearings.rs"]),
+    ("scene.toml", FLEXIBLE, &["baked/src/flexible.rs"]),
+    ("every_model.toml", EVERY_MODEL_OF_C, &["c/every_model.h", "c/every_model.c"]),
+];
 
 #[test]
 fn the_firmware_has_the_constants_of_its_scene() {
-    for (name, scene) in BAKED {
+    for (name, scene, files) in BAKED {
         let desk = Desk::empty();
-        desk.put("scene.toml", scene);
-        desk.done(&["bake", "scene.toml", "-o", "out.rs"]);
-        let fresh = desk.read("out.rs");
-        let path = format!("{}/target/baked/src/{name}", env!("CARGO_MANIFEST_DIR"));
-        if std::env::var_os("BALLRACE_WRITE").is_some() {
-            std::fs::write(path, fresh).unwrap();
-            continue;
+        desk.put(name, scene);
+        let own = |file: &'static str| file.rsplit('/').next().unwrap();
+        // Constants in C are baked into a header, the source of its name beside it.
+        let language = if own(files[0]).ends_with(".h") { "c" } else { "rust" };
+        desk.done(&["bake", name, "--language", language, "-o", own(files[0])]);
+        for file in files {
+            let fresh = desk.read(own(file));
+            let path = format!("{}/target/{file}", env!("CARGO_MANIFEST_DIR"));
+            if std::env::var_os("BALLRACE_WRITE").is_some() {
+                std::fs::write(path, fresh).unwrap();
+                continue;
+            }
+            let kept = std::fs::read_to_string(&path).unwrap();
+            assert!(fresh == kept, "{path} differs from its baked scene: BALLRACE_WRITE=1 writes it");
         }
-        let kept = std::fs::read_to_string(&path).unwrap();
-        assert!(fresh == kept, "{path} differs from its baked scene: BALLRACE_WRITE=1 writes it");
+    }
+}
+
+/// `ballrace force` computes the bits of the log of the firmware from the columns of its input. A test of the target holds that the
+/// image prints these rows.
+#[test]
+fn force_computes_the_log_of_the_firmware() {
+    fn rows(bearing: &impl Bearing<f32>, mirrored: bool) -> Vec<String> {
+        let row = |i| {
+            let u = log::displacement(i);
+            let u = if mirrored { u.mirrored() } else { u };
+            log::Row::new(bearing, &u, &log::rotation(i)).to_string()
+        };
+        (0..log::SAMPLES).map(row).collect()
+    }
+    let logs =
+        [("DE", rows(&bearings::bearing_de::bearing(), false)), ("NDE", rows(&bearings::bearing_nde::bearing(), true))];
+    for (name, rows) in logs {
+        let columns = log::INPUT.split(',').count();
+        let (mut input, mut forces) = (format!("{}\n", log::INPUT), "FX,FY,FZ,MX,MY,status\n".to_owned());
+        for row in rows {
+            let cells: Vec<&str> = row.split(',').collect();
+            let (displacement, force) = cells.split_at(columns);
+            input += &format!("{}\n", displacement.join(","));
+            forces += &format!("{}\n", force.join(","));
+        }
+        let desk = Desk::empty();
+        desk.put("scene.toml", SCENE);
+        desk.put("log.csv", input);
+        let args = ["force", "scene.toml", "--bearing", name, "--precision", "f32", "--bits", "--format", "csv"];
+        assert_eq!(desk.done(&[&args[..], &["--displacements", "log.csv"]].concat()).out, forces, "{name}");
     }
 }
 

@@ -5,6 +5,7 @@ mod bad_output;
 mod bad_recording;
 mod bad_scene;
 mod bake;
+mod bake_c;
 mod bounds;
 mod browser;
 mod chromium;

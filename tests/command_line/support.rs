@@ -20,10 +20,13 @@ pub const TURN: usize = 256;
 /// Samples of the recording on a [`Desk::rig`]: eight turns.
 pub const SHORT: usize = 8 * TURN;
 
-/// The release binary, which the README's first command builds.
+/// The release binary, which the README's first command builds; `tests/run` names the one that it has built.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
+        if let Some(built) = std::env::var_os("BALLRACE_PROGRAM") {
+            return built.into();
+        }
         let build = escargot::CargoBuild::new()
             .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
             .package("ballrace-runner")

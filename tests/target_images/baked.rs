@@ -1,4 +1,5 @@
-//! Baked firmware beside the desktop: checksums, a log that `ballrace force` replays, the motion of a flexible rotor.
+//! Baked firmware beside the desktop: checksums, a log that `ballrace force` replays (`tests/command_line/bake.rs`), the motion of a
+//! flexible rotor.
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -47,34 +48,4 @@ fn a_baked_scene_gives_the_same_bits() {
         "inside both tables:\n{expected}"
     );
     assert_eq!(super::run("baked"), expected);
-}
-
-/// `ballrace force` computes the bits of a log from the columns of its input.
-#[test]
-#[ignore = "needs qemu-system-arm and the target thumbv7em-none-eabihf; tests/run runs it"]
-fn the_desktop_replays_the_log_of_the_image() {
-    let printed = super::run("baked");
-    let folder = tempfile::tempdir().expect("a folder");
-    for name in ["DE", "NDE"] {
-        let columns = log::INPUT.split(',').count();
-        let (mut input, mut forces) = (format!("{}\n", log::INPUT), "FX,FY,FZ,MX,MY,status\n".to_owned());
-        for line in printed.lines().filter_map(|line| line.strip_prefix(name)?.strip_prefix(',')) {
-            let cells: Vec<&str> = line.split(',').collect();
-            let (displacement, force) = cells.split_at(columns);
-            input += &format!("{}\n", displacement.join(","));
-            forces += &format!("{}\n", force.join(","));
-        }
-        assert_eq!(forces.lines().count(), 1 + usize::from(log::SAMPLES));
-        let file = folder.path().join("log.csv");
-        std::fs::write(&file, input).expect("a file");
-        let output = std::process::Command::new(env!("CARGO"))
-            .args(["run", "-q", "--release", "-p", "ballrace-runner", "--", "force", "tests/target/baked/scene.toml"])
-            .args(["--bearing", name, "--precision", "f32", "--bits", "--format", "csv", "--displacements"])
-            .arg(file)
-            .current_dir(super::root())
-            .output()
-            .expect("cargo runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert_eq!(String::from_utf8_lossy(&output.stdout), forces, "{name}");
-    }
 }

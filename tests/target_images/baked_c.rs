@@ -1,279 +1,31 @@
-//! Constants of `ballrace bake --language c`: compiled by gcc for the desktop and for the target, with the checksums of the
-//! certificate and the forces of `ballrace force`.
+//! Constants of `ballrace bake --language c`, as `tests/target/c` has them: compiled for the target, with the checksums of the
+//! certificate. `tests/command_line/bake_c.rs` compares their forces on the desktop.
 
 use super::c_interface::image::{Abi, Image};
-use std::fmt::Write;
-use std::path::Path;
-use std::process::{Command, Output};
-
-/// Flags of a strict compiler.
-const STRICT: [&str; 5] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
-/// The target's core.
-const CORE: [&str; 4] = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"];
-
-/// Every model that C has, in both facings, with a preload and a title that a comment has to escape.
-const SCENE: &str = r#"
-name = "every model \\ of C ??/"
-[shaft]
-speed = "3000 rpm"
-[rotor]
-mass = "6 kg"
-diametral_inertia = 0.03
-polar_inertia = 0.006
-damping = [400, 400, 400, 0.4, 0.4]
-load = [0, "-90 N", 60, 0, 0]
-[[bearing]]
-name = "radial"
-station = "-100 mm"
-facing = "-z"
-model = "lumped"
-elements = 9
-cage_ratio = 0.4
-stiffness = 8e9
-radial_play = "2 um"
-[[bearing]]
-name = "mixed"
-station = "-50 mm"
-model = "lumped"
-elements = 12
-cage_ratio = 0.4
-stiffness = 3e8
-exponent = 1.1111
-radial_play = "1 um"
-axial = { stiffness = 1e9, exponent = 1.4, play = "0 um", radius = "20 mm" }
-[[bearing]]
-name = "lines"
-station = "-50 mm"
-facing = "-z"
-model = "lumped"
-elements = 12
-cage_ratio = 0.4
-stiffness = 3e8
-exponent = 1.1111
-radial_play = "1 um"
-axial = { stiffness = 1e9, exponent = 1.1111, play = "0 um", radius = "20 mm" }
-[[bearing]]
-name = "angular"
-station = "50 mm"
-facing = "-z"
-model = "angular"
-elements = 14
-ball_diameter = "7 mm"
-pitch_diameter = "38.5 mm"
-inner_conformity = 0.52
-outer_conformity = 0.52
-contact_angle = "25 deg"
-[[bearing]]
-name = "springs"
-station = "100 mm"
-model = "linear"
-linearise = "angular"
-elements = 9
-ball_diameter = "7.94 mm"
-pitch_diameter = "39.04 mm"
-inner_conformity = 0.52
-outer_conformity = 0.52
-diametral_clearance = "10 um"
-[[bearing]]
-name = "friction"
-station = "120 mm"
-facing = "-z"
-model = "tabulated"
-elements = 9
-ball_diameter = "7 mm"
-pitch_diameter = "38.5 mm"
-inner_conformity = 0.52
-outer_conformity = 0.52
-contact_angle = "25 deg"
-effects = ["centrifugal", "gyroscopic", "film"]
-friction_sharing = "proportional"
-lubricant = { viscosity = "0.04 Pa s", pressure_viscosity = "2.2e-8 1/Pa" }
-table = { intervals = [16, 8, 6], approach = ["-5 um", "20 um"] }
-preload = { force = "50 N" }
-[[bearing]]
-name = "balls"
-station = "130 mm"
-facing = "+z"
-model = "quasi-static"
-elements = 11
-ball_diameter = "7 mm"
-pitch_diameter = "38.5 mm"
-inner_conformity = 0.52
-outer_conformity = 0.52
-contact_angle = "25 deg"
-"#;
-const NAMES: [&str; 7] = ["radial", "mixed", "lines", "angular", "springs", "friction", "balls"];
-const DISPLACEMENTS: [[f32; 5]; 3] =
-    [[1e-6, 2e-6, 1e-5, 0.0, 0.0], [-3e-6, 4e-6, -8e-6, 1e-4, -5e-5], [2e-5, 0.0, -1e-5, 0.0, 2e-4]];
-const SPEED: f32 = 314.0;
-
-/// Runs `ballrace`.
-fn ballrace(folder: &Path, args: &[&str]) -> String {
-    let manifest = super::root().join("Cargo.toml");
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo
-        .args(["run", "-q", "--release", "-p", "ballrace-runner", "--manifest-path"])
-        .arg(manifest)
-        .arg("--")
-        .args(args);
-    text(&cargo.current_dir(folder).output().expect("cargo runs"))
-}
-
-/// Returns the output of a command that has to succeed.
-fn text(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout.clone()).expect("text")
-}
-
-/// Builds the library for this machine and returns its path.
-fn library() -> String {
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "-q", "--release", "-p", "ballrace-c"]).current_dir(super::root());
-    text(&cargo.output().expect("cargo runs"));
-    super::root().join("target/release/libballrace_c.a").to_str().expect("a path in UTF-8").to_owned()
-}
-
-/// Runs a compiler with strict flags.
-fn compiled(folder: &Path, compiler: &str, args: &[&str]) {
-    let mut command = Command::new(compiler);
-    command.args(STRICT).arg("-I").arg(super::root().join("kernel/c/include")).args(args).current_dir(folder);
-    text(&command.output().unwrap_or_else(|error| panic!("{compiler}: {error}")));
-}
-
-/// A program that prints checksums, and forces as bits.
-fn program() -> String {
-    let mut main = "#include \"bearings.h\"\n#include <inttypes.h>\n#include <stdio.h>\n#include <string.h>\n\
-        static void row(const ballrace_bearing *bearing, const float *u)\n{\n    ballrace_kinematic_state at = { 0 };\n    \
-        float wrench[5];\n    int i;\n"
-        .to_owned();
-    write!(main, "    at.inner_speed = {SPEED:?}f;\n    ballrace_force_at(bearing, u, &at, wrench);\n")
-        .expect("a string");
-    main += "    for (i = 0; i < 5; i++) {\n        uint32_t bits;\n        memcpy(&bits, &wrench[i], sizeof bits);\n        \
-        printf(\"0x%08\" PRIx32 \"%s\", bits, i < 4 ? \",\" : \"\\n\");\n    }\n}\n\nint main(void)\n{\n";
-    for u in DISPLACEMENTS {
-        let numbers = u.map(|x| format!("{x:?}f")).join(", ");
-        write!(main, "    {{\n        static const float u[5] = {{ {numbers} }};\n").expect("a string");
-        for name in NAMES {
-            writeln!(main, "        row(&bearing_{name}.head, u);").expect("a string");
-        }
-        main += "    }\n";
-    }
-    for name in NAMES {
-        let upper = name.to_uppercase();
-        writeln!(
-            main,
-            "    printf(\"%016\" PRIx64 \" %d\\n\", bearing_{name}_checksum(), bearing_{name}_checksum() == BEARING_{upper}_CHECKSUM);"
-        )
-        .expect("a string");
-    }
-    main + "    return 0;\n}\n"
-}
-
-/// Rows of `ballrace force` for one bearing.
-fn forces(folder: &Path, name: &str) -> Vec<String> {
-    let args = ["force", "scene.toml", "--displacements", "u.csv", "--precision", "f32", "--bits", "--format", "csv"];
-    // Constants of the quasi-static model are its table.
-    let model: &[&str] = if name == "balls" { &["--model", "tabulated"] } else { &[] };
-    let printed = ballrace(folder, &[&args[..], &["--bearing", name], model].concat());
-    printed.lines().skip(1).map(|line| line.rsplit_once(',').expect("a status").0.to_owned()).collect()
-}
-
-/// Bits of zero have no sign here: a force of no element is 0 or -0.
-fn unsigned(bits: &str) -> String {
-    bits.replace("0x80000000", "0x00000000")
-}
-
-#[test]
-#[ignore = "needs gcc and gcc-arm-none-eabi; tests/run runs it"]
-fn the_constants_of_c_give_the_checksums_and_the_forces() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    let put = |name: &str, text: &str| std::fs::write(at.join(name), text).expect("a file");
-    put("scene.toml", SCENE);
-    let rows: String =
-        DISPLACEMENTS.iter().map(|u| format!("{},{SPEED:?}\n", u.map(|x| format!("{x:?}")).join(","))).collect();
-    put("u.csv", &format!("u,v,w,thu,thv,inner_speed\n{rows}"));
-    put("main.c", &program());
-    ballrace(at, &["bake", "scene.toml", "--language", "c", "-o", "bearings.h"]);
-    assert!(ballrace(at, &["verify", "bearings.h"]).contains("equal to its scene"));
-    assert!(ballrace(at, &["verify", "bearings.c"]).contains("equal to its scene"));
-
-    let compile = |compiler: &str, flags: &[&str], inputs: &[&str], output: &str| {
-        compiled(at, compiler, &[flags, inputs, &["-o", output]].concat());
-    };
-    for optimisation in ["-O0", "-O2", "-Os"] {
-        compile("arm-none-eabi-gcc", &[&CORE[..], &[optimisation, "-c"]].concat(), &["bearings.c"], "bearings.o");
-    }
-    compile("gcc", &["-O2"], &["main.c", "bearings.c", &library(), "-lm", "-lpthread", "-ldl"], "main");
-
-    let printed = text(&Command::new(at.join("main")).output().expect("the program runs"));
-    let (found, checksums): (Vec<&str>, Vec<&str>) = printed.lines().partition(|line| line.starts_with("0x"));
-    assert_eq!(checksums.len(), NAMES.len());
-    for (name, line) in NAMES.iter().zip(checksums) {
-        assert!(line.ends_with(" 1"), "{name}: checksum {line} is not that of the certificate");
-    }
-    for (i, name) in NAMES.iter().enumerate() {
-        // Radial and axial elements of different laws are powers in C.
-        if *name == "mixed" {
-            continue;
-        }
-        for (j, expected) in forces(at, name).iter().enumerate() {
-            assert_eq!(unsigned(found[NAMES.len() * j + i]), unsigned(expected), "{name}, displacement {j}");
-        }
-    }
-}
 
 /// The image of the constants, with and without FPU, computes the checksums of the certificate.
 #[test]
 #[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and two targets; tests/run runs it"]
 fn the_target_computes_the_checksums_of_c() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    std::fs::write(at.join("scene.toml"), SCENE).expect("a file");
-    ballrace(at, &["bake", "scene.toml", "--language", "c", "-o", "bearings.h"]);
-    let read = |name: &str| std::fs::read_to_string(at.join(name)).expect(name);
-    let equal: Vec<String> = NAMES
-        .iter()
-        .map(|name| format!("(bearing_{name}_checksum() == BEARING_{}_CHECKSUM)", name.to_uppercase()))
+    let read =
+        |name: &str| std::fs::read_to_string(super::root().join("tests/target/c").join(name)).expect("baked constants");
+    let (header, constants) = (read("every_model.h"), read("every_model.c"));
+    let names: Vec<&str> = header
+        .lines()
+        .filter_map(|line| line.strip_prefix("#define BEARING_")?.split_once("_CHECKSUM"))
+        .map(|(name, _)| name)
         .collect();
-    let source = read("bearings.c").replace("#include \"bearings.h\"\n", &read("bearings.h"))
+    assert_eq!(names.len(), 7, "{names:?}");
+    let equal: Vec<String> = names
+        .iter()
+        .map(|name| format!("(bearing_{}_checksum() == BEARING_{name}_CHECKSUM)", name.to_lowercase()))
+        .collect();
+    let source = constants.replace("#include \"every_model.h\"\n", &header)
         + "\n#include \"board.h\"\nvoid run(void)\n{\n    print_number((uint32_t)("
         + &equal.join("\n        + ")
         + "));\n}\n";
     for abi in [Abi::Hard, Abi::Soft] {
-        let image = Image::new(abi).text("bearings.c", &source).link("baked");
-        assert_eq!(image.run(), NAMES.len().to_string(), "{abi:?}: number of equal checksums");
+        let image = Image::new(abi).text("every_model.c", &source).link("baked");
+        assert_eq!(image.run(), names.len().to_string(), "{abi:?}: number of equal checksums");
     }
-}
-
-/// Calls the functions of the firmware guide with a displacement of the shaft, and with none.
-const GUIDE_MAIN: &str = "int main(void)
-{
-    struct drive_end end;
-    float wrench[5];
-    uint32_t status;
-    if (!set_up(&end)) {
-        return 1;
-    }
-    status = sample(&end, 100, 8e-6f, 0.0f, 314.0f, wrench);
-    return bits_of(wrench[0]) >> 31 == 1 && status == BALLRACE_OK ? 0 : 2;
-}
-";
-
-#[test]
-#[ignore = "needs gcc and gcc-arm-none-eabi; tests/run runs it"]
-fn the_functions_of_the_firmware_guide_compile_and_run() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    let scene = super::root().join("runner/demo/healthy.toml");
-    let scene = scene.to_str().expect("a path in UTF-8");
-    ballrace(at, &["bake", scene, "--language", "c", "-o", "bearings.h"]);
-    let guide = std::fs::read_to_string(super::root().join("docs/src/firmware.md")).expect("the guide");
-    let blocks: Vec<&str> =
-        guide.split("```c\n").skip(1).map(|rest| rest.split("```").next().unwrap_or_default()).collect();
-    assert!(blocks.len() >= 2, "{} blocks of C", blocks.len());
-    std::fs::write(at.join("main.c"), blocks.concat() + GUIDE_MAIN).expect("a file");
-    compiled(at, "arm-none-eabi-gcc", &[&CORE[..], &["-O2", "-c", "main.c", "-o", "main.o"]].concat());
-    compiled(at, "gcc", &["main.c", "bearings.c", &library(), "-lm", "-lpthread", "-ldl", "-o", "main"]);
-    text(&Command::new(at.join("main")).output().expect("the program runs"));
 }

@@ -82,6 +82,7 @@ def test_a_second_call_evaluates_nothing(machines: Path, tmp_path: Path) -> None
     assert ballrace.fleet.replay(more, tmp_path / "o", workers=0, folder=folder).evaluated == 1
 
 
+@pytest.mark.cluster
 def test_two_workers_of_which_one_is_killed(
     machines: Path, single: ballrace.fleet.Result, tmp_path: Path
 ) -> None:
@@ -124,6 +125,7 @@ class Deadly(WorkerPlugin):
         _native.evaluate = deadly  # type: ignore[assignment]
 
 
+@pytest.mark.cluster
 def test_a_machine_that_ends_its_workers_is_an_error(
     machines: Path, single: ballrace.fleet.Result, tmp_path: Path
 ) -> None:
