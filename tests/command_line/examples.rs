@@ -1,6 +1,6 @@
 //! The help of each command: examples that run as they stand, exit codes, and only options that the command has.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, program};
+use crate::support::{DEMO_SCENE, Desk, TURN, program, short_recording};
 use std::process::{Command, Stdio};
 
 /// Commands of the program without `help`, by the list of its help.
@@ -20,10 +20,12 @@ fn examples(help: &str) -> Vec<String> {
 #[test]
 fn examples_of_every_help_run() {
     let desk = Desk::empty();
+    // Long enough to be diagnosed.
+    let recording = short_recording(20 * TURN);
     for (name, content) in [
         ("machine.toml", DEMO_SCENE),
-        ("healthy.csv", DEMO_RECORDING),
-        ("today.csv", DEMO_RECORDING),
+        ("healthy.csv", &recording),
+        ("today.csv", &recording),
         ("u.csv", "u,v,w,thu,thv\n0,-15e-6,0,0,0\n"),
         ("machines.csv", "machine,scene\npump,machine.toml\n"),
     ] {

@@ -34,12 +34,11 @@ fn notes(outcome: &Value) -> String {
 /// Each true parameter of the rig is within its interval, and the terminal shows both.
 #[test]
 fn learned_parameters_are_printed_with_intervals() {
-    let desk = desk(DEMO_SCENE, 12_800, |_, _| 0.0);
-    let text = learn(&desk, &[]);
+    let text = learn(&desk(DEMO_SCENE, 5120, |_, _| 0.0), &[]);
     assert_eq!(text.code, Some(0), "{text:?}");
     assert!(text.out.contains("LEARNED PARAMETERS\n") && text.out.contains("DE: youngs_modulus"), "{}", text.out);
     assert!(text.out.contains("joint confidence level of 95 %"), "{}", text.out);
-    let outcome: Value = learn(&desk, &["--format", "json"]).json();
+    let outcome: Value = learn(&desk(DEMO_SCENE, 12_800, |_, _| 0.0), &["--format", "json"]).json();
     let learning = &outcome["learning"];
     assert!(learning["taken"] == true && learning["stored"] == true, "{learning:#}");
     let truth = [
@@ -64,7 +63,7 @@ fn learned_parameters_are_printed_with_intervals() {
 /// A drift is no property of the bearings: chi-squared refuses the parameters, and the recording as a baseline.
 #[test]
 fn a_drifting_probe_teaches_nothing() {
-    let desk = desk(DEMO_SCENE, 12_800, drift);
+    let desk = desk(DEMO_SCENE, 5120, drift);
     let run = learn(&desk, &["--format", "json"]);
     assert_eq!(run.code, Some(4), "{run:?}");
     assert!(!desk.files().contains(&"b.json".to_owned()), "it is no baseline");
@@ -88,7 +87,9 @@ fn a_drifting_probe_teaches_nothing() {
 /// A spall is known to the diagnosis: the recording is a baseline with this fault, and its parameters stay those of the scene.
 #[test]
 fn a_fault_is_no_parameter() {
-    let desk = Desk::with(DEMO_SCENE, include_str!("../../runner/demo/outer-spall.csv"));
+    let spall: String =
+        include_str!("../../runner/demo/outer-spall.csv").split_inclusive('\n').take(1 + 6400).collect();
+    let desk = Desk::with(DEMO_SCENE, &spall);
     let outcome: Value = learn(&desk, &["--format", "json"]).json();
     let learning = &outcome["learning"];
     assert!(learning["taken"] == false && learning["stored"] == true, "{learning:#}");
@@ -103,7 +104,7 @@ fn a_fault_is_no_parameter() {
 fn a_motion_that_no_bearing_carries_ends_without_nan() {
     let axial = "  { column = \"axial_um\", unit = \"um\", axial = true, noise = \"0.03 um\" },\n";
     let raised = |_: f64, column: usize| if column == 2 || column == 4 { 20.0 } else { 0.0 };
-    let desk = desk(&swap(DEMO_SCENE, axial, ""), 6400, raised);
+    let desk = desk(&swap(DEMO_SCENE, axial, ""), 5120, raised);
     let run = learn(&desk, &["--format", "json", "--force"]);
     assert!(run.code != Some(1) && !run.err.contains("NaN"), "{run:?}");
     let outcome: Value = run.json();
@@ -142,7 +143,7 @@ fn a_fit_ends_after_its_time() {
 /// The time of `--learn` is bounded as that of `fit`, and the note states how far it came.
 #[test]
 fn learning_ends_after_its_time() {
-    let desk = desk(DEMO_SCENE, 6400, |_, _| 0.0);
+    let desk = desk(DEMO_SCENE, 5120, |_, _| 0.0);
     let run = learn(&desk, &["--format", "json", "--time-limit", "1 ms"]);
     assert_eq!(run.code, Some(4), "{run:?}");
     let outcome: Value = run.json();

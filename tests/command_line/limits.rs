@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Desk, recorded};
+use crate::support::{Desk, TURN, recorded};
 
 fn desk(scene: &str, limits: &str) -> Desk {
     let desk = Desk::empty();
@@ -64,12 +64,15 @@ fn events_begin_and_end() {
 #[test]
 fn growth_over_a_baseline() {
     let limits = "\n[[limit]]\nindicator = \"outer-race\"\nbearing = \"DE\"\ngrowth_db = 20\n";
-    let sound = desk("healthy", "");
-    sound.replay("scene.toml", &["--learn", "b.json"]);
-    let desk = desk("healthy", limits);
-    desk.put("b.json", sound.read("b.json"));
-    assert!(events(&desk, 0, &["--baseline", "b.json"]).is_empty());
-    let found = events(&desk, 3, &["--baseline", "b.json", "--recording", &recorded("outer-spall.csv")]);
+    let desk = desk("healthy", "");
+    for name in ["healthy.csv", "outer-spall.csv"] {
+        let text = std::fs::read_to_string(recorded(name)).unwrap();
+        desk.put(name, text.split_inclusive('\n').take(1 + 20 * TURN).collect::<String>());
+    }
+    desk.replay("scene.toml", &["--recording", "healthy.csv", "--learn", "b.json"]);
+    desk.put("scene.toml", desk.read("scene.toml") + limits);
+    assert!(events(&desk, 0, &["--baseline", "b.json", "--recording", "healthy.csv"]).is_empty());
+    let found = events(&desk, 3, &["--baseline", "b.json", "--recording", "outer-spall.csv"]);
     assert!(found.iter().any(|e| e["bearing"] == "DE" && e["probe"] == "DE_Y_um"), "{found:?}");
     let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
     assert!(

@@ -185,13 +185,13 @@ def test_ctrl_c_stops_long_work(work: str) -> None:
     assert process.stderr is not None and process.stderr.read() == ""
 
 
-def test_a_masked_reading_is_missing(scene: ballrace.Scene, recording: dict[str, np.ndarray]) -> None:
-    mask = np.zeros(len(recording["DE_X_um"]), dtype=bool)
+def test_a_masked_reading_is_missing(scene: ballrace.Scene, short: Columns) -> None:
+    mask = np.zeros(len(short["DE_X_um"]), dtype=bool)
     mask[100:400] = True
-    spoiled = np.where(mask, 1e6, recording["DE_X_um"])
-    missing = np.where(mask, np.nan, recording["DE_X_um"])
-    masked = scene.replay({**recording, "DE_X_um": np.ma.array(spoiled, mask=mask)})
-    assert masked.flaws and masked.probes == scene.replay({**recording, "DE_X_um": missing}).probes
+    spoiled = np.where(mask, 1e6, short["DE_X_um"])
+    missing = np.where(mask, np.nan, short["DE_X_um"])
+    masked = scene.replay({**short, "DE_X_um": np.ma.array(spoiled, mask=mask)})
+    assert masked.flaws and masked.probes == scene.replay({**short, "DE_X_um": missing}).probes
 
 
 def test_an_outcome_is_pickled(
