@@ -45,12 +45,12 @@ impl Drop for Process {
 }
 
 /// Folder with a broker's certificates, passwords and configuration, and with a scene.
-struct Desk {
+struct Sandbox {
     folder: tempfile::TempDir,
     port: u16,
 }
 
-impl Desk {
+impl Sandbox {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let at = folder.path();
@@ -205,41 +205,41 @@ fn statuses(received: &Mutex<Vec<(String, String)>>) -> Vec<String> {
 
 #[test]
 fn a_restarted_broker_gets_every_message() {
-    let desk = Desk::new();
-    let mut broker = desk.broker();
-    let received = desk.subscribe();
-    let mut monitor = desk.monitor("password");
+    let sandbox = Sandbox::new();
+    let mut broker = sandbox.broker();
+    let received = sandbox.subscribe();
+    let mut monitor = sandbox.monitor("password");
     monitor.feed(6);
     wait_until("seconds at the broker", || seconds(&received).len() >= 2);
     assert_eq!(statuses(&received), ["online"]);
-    run("kill", &["-TERM", &broker.0.id().to_string()], desk.folder.path());
+    run("kill", &["-TERM", &broker.0.id().to_string()], sandbox.folder.path());
     // The broker stores its sessions before it ends.
     assert!(broker.0.wait().unwrap().success());
     monitor.feed(4);
-    wait_until("an event about the broker", || desk.log().contains("\"kind\":\"output-failing\""));
-    let _broker = desk.broker();
-    wait_until("the end of the failure", || desk.log().contains("\"kind\":\"output-recovered\""));
+    wait_until("an event about the broker", || sandbox.log().contains("\"kind\":\"output-failing\""));
+    let _broker = sandbox.broker();
+    wait_until("the end of the failure", || sandbox.log().contains("\"kind\":\"output-recovered\""));
     monitor.feed(2);
     let outcome = monitor.end();
-    assert_eq!(outcome["timing"]["outputs"]["messages_not_delivered"], 0, "{}", desk.log());
+    assert_eq!(outcome["timing"]["outputs"]["messages_not_delivered"], 0, "{}", sandbox.log());
     // The broker has every second that is in the indicator files.
-    let written = desk.written_seconds();
+    let written = sandbox.written_seconds();
     assert!(written.len() >= 9, "{written:?}");
     wait_until("the end of the monitor", || statuses(&received).last().is_some_and(|status| status == "offline"));
-    assert_eq!(seconds(&received), written, "{}", fs::read_to_string(desk.path("broker.log")).unwrap());
+    assert_eq!(seconds(&received), written, "{}", fs::read_to_string(sandbox.path("broker.log")).unwrap());
     // Every event of the log was published.
     let published: Vec<String> = received.lock().unwrap().iter().map(|(_, payload)| payload.clone()).collect();
-    for line in desk.log().lines() {
+    for line in sandbox.log().lines() {
         assert!(published.iter().any(|payload| payload == line), "{line}");
     }
 }
 
 #[test]
 fn the_last_will_of_a_killed_monitor_is_published() {
-    let desk = Desk::new();
-    let _broker = desk.broker();
-    let received = desk.subscribe();
-    let monitor = desk.monitor("password");
+    let sandbox = Sandbox::new();
+    let _broker = sandbox.broker();
+    let received = sandbox.subscribe();
+    let monitor = sandbox.monitor("password");
     wait_until("the monitor is online", || statuses(&received) == ["online"]);
     drop(monitor);
     wait_until("the last will", || statuses(&received) == ["online", "offline"]);
@@ -248,33 +248,33 @@ fn the_last_will_of_a_killed_monitor_is_published() {
 /// A wrong password and a broker of another authority stop no monitor and deliver nothing.
 #[test]
 fn no_data_for_a_broker_that_rejects_or_is_not_trusted() {
-    let desk = Desk::new();
-    let _broker = desk.broker();
-    let received = desk.subscribe();
-    let mut monitor = desk.monitor("wrong");
+    let sandbox = Sandbox::new();
+    let _broker = sandbox.broker();
+    let received = sandbox.subscribe();
+    let mut monitor = sandbox.monitor("wrong");
     monitor.feed(4);
-    wait_until("an event about the password", || desk.log().contains("NotAuthorized"));
+    wait_until("an event about the password", || sandbox.log().contains("NotAuthorized"));
     let outcome = monitor.end();
     assert!(outcome["timing"]["outputs"]["messages_not_delivered"].as_u64().unwrap() >= 3, "{outcome:#}");
-    fs::remove_file(desk.path("events.jsonl")).unwrap();
-    fs::copy(desk.path("ca.pem"), desk.path("trusted.pem")).unwrap();
+    fs::remove_file(sandbox.path("events.jsonl")).unwrap();
+    fs::copy(sandbox.path("ca.pem"), sandbox.path("trusted.pem")).unwrap();
     let other =
         ["req", "-x509", "-subj", "/CN=another", "-newkey", "rsa:2048", "-nodes", "-keyout", "o.key", "-out", "ca.pem"];
-    run("openssl", &other, desk.folder.path());
-    let mut monitor = desk.monitor("password");
+    run("openssl", &other, sandbox.folder.path());
+    let mut monitor = sandbox.monitor("password");
     monitor.feed(1);
-    wait_until("an event about the certificate", || desk.log().contains("certificate"));
+    wait_until("an event about the certificate", || sandbox.log().contains("certificate"));
     drop(monitor);
     assert!(received.lock().unwrap().is_empty());
 }
 
 #[test]
 fn options_of_the_broker_are_checked_before_the_start() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let refused = |args: &[&str], part: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ballrace"));
         command.args(["replay", "scene.toml", "--paced", "--source", "-", "--no-report"]).args(args);
-        let output = command.current_dir(desk.folder.path()).stdin(Stdio::null()).output().unwrap();
+        let output = command.current_dir(sandbox.folder.path()).stdin(Stdio::null()).output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && text.lines().count() == 1 && text.contains(part), "{args:?}: {text}");
     };

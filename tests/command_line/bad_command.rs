@@ -1,15 +1,15 @@
 //! Commands that are wrong, or that ask for what the scene does not have.
 
-use crate::support::{DEMO_SCENE, Desk, scene, short_recording};
+use crate::support::{DEMO_SCENE, Sandbox, scene, short_recording};
 
 /// Command lines that the parser rejects, with its own message of several lines.
 fn no_such(args: &[&str], part: &str) {
-    let desk = Desk::rig();
-    let answer = desk.run(args);
+    let sandbox = Sandbox::rig();
+    let answer = sandbox.run(args);
     assert_eq!(answer.code, Some(2), "{answer:?}");
     assert!(answer.err.contains(part) && !answer.err.contains("panicked"), "{answer:?}");
     assert_eq!(answer.out, "");
-    assert_eq!(desk.files(), ["healthy.csv", "scene.toml"]);
+    assert_eq!(sandbox.files(), ["healthy.csv", "scene.toml"]);
 }
 
 #[test]
@@ -33,30 +33,30 @@ fn missing_options() {
 
 #[test]
 fn help_and_version() {
-    let desk = Desk::empty();
-    let help = desk.done(&["--help"]).out;
+    let sandbox = Sandbox::empty();
+    let help = sandbox.done(&["--help"]).out;
     for command in ["replay", "force", "simulate"] {
         assert!(help.contains(command), "{help}");
-        assert!(desk.done(&[command, "--help"]).out.contains("--format"));
+        assert!(sandbox.done(&[command, "--help"]).out.contains("--format"));
     }
-    assert!(desk.done(&["--version"]).out.starts_with("ballrace "));
+    assert!(sandbox.done(&["--version"]).out.starts_with("ballrace "));
 }
 
 /// With a file of displacements as `force` takes it.
-fn desk_with(scene: &str) -> Desk {
-    let desk = Desk::with(scene, &short_recording(600));
-    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
-    desk
+fn desk_with(scene: &str) -> Sandbox {
+    let sandbox = Sandbox::with(scene, &short_recording(600));
+    sandbox.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    sandbox
 }
 
 const FORCE: [&str; 4] = ["force", "scene.toml", "--displacements", "u.csv"];
 
 #[test]
 fn bearing_that_is_not_there() {
-    let desk = desk_with(DEMO_SCENE);
+    let sandbox = desk_with(DEMO_SCENE);
     let wrong = [&FORCE[..], &["--bearing", "XE"]].concat();
-    desk.refused(&wrong, 2, &["--bearing: no such bearing in scene.toml: \"XE\", expected one of DE, NDE"]);
-    desk.refused(&FORCE, 2, &["--bearing: no bearing selected in scene.toml, expected one of DE, NDE"]);
+    sandbox.refused(&wrong, 2, &["--bearing: no such bearing in scene.toml: \"XE\", expected one of DE, NDE"]);
+    sandbox.refused(&FORCE, 2, &["--bearing: no bearing selected in scene.toml, expected one of DE, NDE"]);
 }
 
 #[test]
@@ -66,9 +66,9 @@ fn model_that_the_scene_does_not_allow() {
     let lumped = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 8\n\
                   cage_ratio = 0.4\nstiffness = 1e10\nradial_play = 0\n";
     let angular = [&FORCE[..], &["--model", "angular"]].concat();
-    let desk = desk_with(lumped);
-    desk.refused(&angular, 2, &["scene.toml: bearing A: model angular: no geometry, expected ball_diameter"]);
-    desk.done(&FORCE);
+    let sandbox = desk_with(lumped);
+    sandbox.refused(&angular, 2, &["scene.toml: bearing A: model angular: no geometry, expected ball_diameter"]);
+    sandbox.done(&FORCE);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn without_rotor() -> String {
 
 #[test]
 fn duration_and_rate() {
-    let desk = desk_with(DEMO_SCENE);
+    let sandbox = desk_with(DEMO_SCENE);
     for (duration, rate, parts) in [
         ("5 mm", "1 kHz", "--duration: invalid value: \"5 mm\" (a length), expected a time, such as \"2 s\""),
         (
@@ -117,13 +117,13 @@ fn duration_and_rate() {
         ("1 ms", "100 Hz", "--duration, --rate: number of samples out of range: 0, expected 1 to 1e9"),
         ("1e9 s", "1e9", "--duration, --rate: number of samples out of range: 1000000000000000000, expected 1 to 1e9"),
     ] {
-        desk.refused(
+        sandbox.refused(
             &["simulate", "scene.toml", "--duration", duration, "--rate", rate, "-o", "motion.csv"],
             2,
             &[parts],
         );
     }
-    desk.refused(
+    sandbox.refused(
         &["simulate", "scene.toml", "--duration=-1 s", "--rate", "1 kHz", "-o", "motion.csv"],
         2,
         &["--duration: value out of range: \"-1 s\", expected a time above 0"],
@@ -150,16 +150,16 @@ fn displacements_that_cannot_be_read() {
         ("u,v,w,thu,thv\n0,0,0,0\n", 1, "u.csv:2: wrong number of cells: 4, expected 5 as in the header"),
         ("u,v,w,thu,thv\n0,0,0,0,0,0\n", 1, "u.csv:2: wrong number of cells: 6, expected 5"),
     ] {
-        let desk = desk_with(DEMO_SCENE);
-        desk.put("u.csv", text);
-        desk.refused(&force, code, &[part]);
+        let sandbox = desk_with(DEMO_SCENE);
+        sandbox.put("u.csv", text);
+        sandbox.refused(&force, code, &[part]);
     }
-    let desk = desk_with(DEMO_SCENE);
-    std::fs::remove_file(desk.path("u.csv")).unwrap();
-    desk.refused(&force, 1, &["u.csv: this file cannot be read: "]);
-    desk.put("u.csv", b"u,v,w,thu,thv\n\xff\xfe,0,0,0,0\n");
-    desk.refused(&force, 1, &["u.csv: ", "invalid utf-8"]);
-    desk.refused(
+    let sandbox = desk_with(DEMO_SCENE);
+    std::fs::remove_file(sandbox.path("u.csv")).unwrap();
+    sandbox.refused(&force, 1, &["u.csv: this file cannot be read: "]);
+    sandbox.put("u.csv", b"u,v,w,thu,thv\n\xff\xfe,0,0,0,0\n");
+    sandbox.refused(&force, 1, &["u.csv: ", "invalid utf-8"]);
+    sandbox.refused(
         &["force", "scene.toml", "--bearing", "DE", "--displacements", "."],
         1,
         &[".: path is a folder, expected a CSV file with the columns u,v,w,thu,thv"],

@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use crate::support::{
-    DEMO_SCENE, Desk, SHORT, TURN, edited_recording, list, number, scene, short_recording, with_cell,
+    DEMO_SCENE, SHORT, Sandbox, TURN, edited_recording, list, number, scene, short_recording, with_cell,
 };
 
 const REPLAY: [&str; 4] = ["replay", "scene.toml", "--forces", "forces.csv"];
@@ -15,28 +15,28 @@ const DE_Y: usize = 2;
 
 /// This recording is rejected with the demonstration's scene.
 fn refused(recording: impl AsRef<[u8]>, code: i32, parts: &[&str]) {
-    let desk = Desk::rig();
-    desk.put("healthy.csv", recording);
-    desk.refused(&REPLAY, code, parts);
+    let sandbox = Sandbox::rig();
+    sandbox.put("healthy.csv", recording);
+    sandbox.refused(&REPLAY, code, parts);
 }
 
 #[test]
 fn missing() {
-    let desk = Desk::rig();
-    std::fs::remove_file(desk.path("healthy.csv")).unwrap();
-    desk.refused(&REPLAY, 1, &["healthy.csv: cannot be opened: "]);
-    let answer = desk.run(&["replay", "scene.toml", "--recording", "other.csv"]);
+    let sandbox = Sandbox::rig();
+    std::fs::remove_file(sandbox.path("healthy.csv")).unwrap();
+    sandbox.refused(&REPLAY, 1, &["healthy.csv: cannot be opened: "]);
+    let answer = sandbox.run(&["replay", "scene.toml", "--recording", "other.csv"]);
     assert_eq!(answer.err.matches("other.csv: cannot be opened").count(), 1, "{answer:?}");
     assert_eq!(answer.err.matches("os error").count(), 1, "the reason is told once: {answer:?}");
 }
 
 #[test]
 fn folder() {
-    let desk = Desk::rig();
-    std::fs::create_dir(desk.path("notes")).unwrap();
-    desk.put("notes/today.txt.bak", "nothing");
+    let sandbox = Sandbox::rig();
+    std::fs::create_dir(sandbox.path("notes")).unwrap();
+    sandbox.put("notes/today.txt.bak", "nothing");
     let args = [&REPLAY[..], &["--recording", "notes"]].concat();
-    desk.refused(&args, 1, &["notes: folder without a recording: 1 other file, expected files of a recording"]);
+    sandbox.refused(&args, 1, &["notes: folder without a recording: 1 other file, expected files of a recording"]);
 }
 
 #[test]
@@ -53,9 +53,9 @@ fn header_only() {
 /// The keyphasor's levels seem to change again and again within few samples; this recording overflowed the stack.
 #[test]
 fn a_keyphasor_whose_levels_change_in_every_revolution() {
-    let desk = Desk::rig();
-    desk.put("healthy.csv", include_bytes!("../fuzz/corpus/csv/nested-levels.csv"));
-    let answer = desk.run(&REPLAY);
+    let sandbox = Sandbox::rig();
+    sandbox.put("healthy.csv", include_bytes!("../fuzz/corpus/csv/nested-levels.csv"));
+    let answer = sandbox.run(&REPLAY);
     assert_eq!(answer.code, Some(4), "{answer:?}");
     assert!(answer.out.starts_with("The recording is not plausible for the scene: shaft speed: "), "{answer:?}");
 }
@@ -89,8 +89,8 @@ fn column_that_is_absent() {
         ("column = \"keyphasor\"", "column = \"temperature\"", "`temperature`", ""),
         ("rate = \"12.8 kHz\"", "time = \"time\"", "`time`", " (did you mean `time_s`?)"),
     ] {
-        let desk = Desk::with(&scene(&[(from, to)]), &short_recording(SHORT));
-        desk.refused(&REPLAY, 2, &[&format!("healthy.csv:1: no such column: {missing}{hint}, {columns}")]);
+        let sandbox = Sandbox::with(&scene(&[(from, to)]), &short_recording(SHORT));
+        sandbox.refused(&REPLAY, 2, &[&format!("healthy.csv:1: no such column: {missing}{hint}, {columns}")]);
     }
 }
 
@@ -130,7 +130,7 @@ fn clipped_probe() {
         vec![if clipped { with_cell(row, DE_X, &format!("{rail:.3}")) } else { row.into() }]
     });
     for (text, is_clipped) in [(&plain, false), (&clipped, true)] {
-        let outcome = Desk::with(DEMO_SCENE, text).replay("scene.toml", &[]);
+        let outcome = Sandbox::with(DEMO_SCENE, text).replay("scene.toml", &[]);
         let flaws = list(&outcome, "flaws");
         let found = flaws.iter().any(|flaw| flaw["kind"] == "clipped_probe" && flaw["column"] == "DE_X_um");
         assert_eq!(found, is_clipped, "{flaws:?}");
@@ -142,7 +142,7 @@ fn clipped_probe() {
 fn lines_above_the_rows() {
     let plain = short_recording(SHORT);
     let (names, rows) = plain.split_once('\n').unwrap();
-    let expected = Desk::with(DEMO_SCENE, &plain).replay("scene.toml", &[]);
+    let expected = Sandbox::with(DEMO_SCENE, &plain).replay("scene.toml", &[]);
     let units = "s,um,um,um,um,um,V";
     for text in [
         format!("# logger 5\n# rate: 12800 Hz\n{plain}"),
@@ -152,12 +152,14 @@ fn lines_above_the_rows() {
         format!("{names}\n{units}\n,DE,DE,NDE,NDE,NDE,shaft\n{rows}"),
         format!("# {names}\n{rows}"),
     ] {
-        let found = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+        let found = Sandbox::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
         assert_eq!(found["probes"], expected["probes"], "{}", &text[..200]);
     }
-    let desk =
-        Desk::with(&scene(&[("rate = \"12.8 kHz\"", "rate = \"12.8 kHz\"\nskip = 2")]), &format!("1,2\n3,4\n{plain}"));
-    assert_eq!(desk.replay("scene.toml", &[])["probes"], expected["probes"]);
+    let sandbox = Sandbox::with(
+        &scene(&[("rate = \"12.8 kHz\"", "rate = \"12.8 kHz\"\nskip = 2")]),
+        &format!("1,2\n3,4\n{plain}"),
+    );
+    assert_eq!(sandbox.replay("scene.toml", &[])["probes"], expected["probes"]);
 }
 
 /// Time stamps in another unit than seconds are refused by name, and read with their unit.
@@ -170,26 +172,26 @@ fn time_in_another_unit() {
     };
     let milliseconds = text(&|time| format!("{:.4}", 1_764_151_872_000.0 + 1e3 * time));
     let days = text(&|time| format!("{:.15}", 45_983.4 + time / 86_400.0));
-    let desk = Desk::with(&timed(), &milliseconds);
-    desk.refused(
+    let sandbox = Sandbox::with(&timed(), &milliseconds);
+    sandbox.refused(
         &REPLAY,
         2,
         &["milliseconds since 1970, expected seconds, or time = { column = \"time_s\", unit = \"ms\" }"],
     );
-    let desk = Desk::with(&timed(), &days);
+    let sandbox = Sandbox::with(&timed(), &days);
     let said = "time stamps of 45983.4, days since 1900 as Excel counts them, expected seconds, or time = {";
-    desk.refused(&REPLAY, 2, &[said]);
+    sandbox.refused(&REPLAY, 2, &[said]);
     // `check` does not look for another number of marks.
-    desk.refused(&["check", "scene.toml"], 2, &[said]);
+    sandbox.refused(&["check", "scene.toml"], 2, &[said]);
     let nanoseconds = text(&|time| format!("{:.0}", 1e9 * time));
-    let desk = Desk::with(&timed(), &nanoseconds);
+    let sandbox = Sandbox::with(&timed(), &nanoseconds);
     for command in [&REPLAY[..], &["check", "scene.toml"]] {
         let said = ["sampling rate from its time stamps: implausible rate", "in ns the rate is plausible"];
-        desk.refused(command, 1, &said);
+        sandbox.refused(command, 1, &said);
     }
     for (unit, text) in [("ms", &milliseconds), ("d", &days)] {
         let time = format!("time = {{ column = \"time_s\", unit = \"{unit}\" }}");
-        let outcome = Desk::with(&scene(&[("rate = \"12.8 kHz\"", &time)]), text).replay("scene.toml", &[]);
+        let outcome = Sandbox::with(&scene(&[("rate = \"12.8 kHz\"", &time)]), text).replay("scene.toml", &[]);
         assert_eq!(number(&outcome, "/record/samples"), SHORT as f64);
         assert!((number(&outcome, "/record/duration_s") - (SHORT - 1) as f64 / 12_800.0).abs() < 1e-5, "{unit}");
     }
@@ -204,10 +206,10 @@ fn more_cells_than_names() {
 #[test]
 fn time_that_does_not_run() {
     let still = edited_recording(|line, row| vec![if line > 1 { with_cell(row, 0, "0.5") } else { row.into() }]);
-    let desk = Desk::with(&timed(), &still);
+    let sandbox = Sandbox::with(&timed(), &still);
     let said = "healthy.csv: column time_s: a clock with a resolution coarser than a sample: the first 1000 time stamps are \
                 equal, expected time stamps in seconds";
-    desk.refused(&REPLAY, 1, &[said]);
+    sandbox.refused(&REPLAY, 1, &[said]);
 }
 
 /// Blocks of equal stamps from a clock of 1 ms, as numbers and as times: the error names resolution, rate and key.
@@ -220,11 +222,11 @@ fn time_from_a_clock_coarser_than_a_sample() {
         let stamped = |line: usize, row: &str| {
             vec![if line > 1 { with_cell(row, 0, &stamp((line - 2) as f64 / 12_800.0)) } else { row.into() }]
         };
-        let desk = Desk::with(&timed(), &edited_recording(stamped));
+        let sandbox = Sandbox::with(&timed(), &edited_recording(stamped));
         let said = "healthy.csv: column time_s: a clock with a resolution of 0.001 s, coarser than a sample: 921 of the first 1000 \
                     time stamps repeat the one before (about 12800 rows a second), expected time stamps in seconds that rise from \
                     row to row, or `rate` instead of `time` in the scene";
-        desk.refused(&REPLAY, 1, &[said]);
+        sandbox.refused(&REPLAY, 1, &[said]);
     }
 }
 
@@ -243,9 +245,9 @@ type Flaw<'a> = (&'a str, Option<&'a str>, u64, u64, u64, &'a str);
 
 /// Replays a recording to its end; its flaws are exactly those wanted, in JSON, in the text and in the report.
 fn flawed(scene: &str, recording: &str, wanted: &[Flaw]) -> Value {
-    let desk = Desk::with(scene, recording);
-    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv"]);
-    let text = desk.done(&["replay", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sandbox = Sandbox::with(scene, recording);
+    let outcome = sandbox.replay("scene.toml", &["--forces", "forces.csv"]);
+    let text = sandbox.done(&["replay", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
     let flaws = list(&outcome, "flaws");
     assert_eq!(flaws.len(), wanted.len(), "{flaws:#?}");
     for (flaw, (kind, column, line, count, samples, sentence)) in flaws.iter().zip(wanted) {
@@ -255,9 +257,9 @@ fn flawed(scene: &str, recording: &str, wanted: &[Flaw]) -> Value {
         let said = flaw["sentence"].as_str().unwrap();
         assert!(said.contains(sentence), "{said}");
         assert!(text.contains(said), "the text lacks {said:?}: {text}");
-        assert!(desk.read("scene-report.html").contains(said), "the report lacks {said:?}");
+        assert!(sandbox.read("scene-report.html").contains(said), "the report lacks {said:?}");
     }
-    let rows = desk.read("forces.csv").lines().count() as f64 - 1.0;
+    let rows = sandbox.read("forces.csv").lines().count() as f64 - 1.0;
     assert_eq!(rows, number(&outcome, "/record/samples"), "a row of forces for every sample");
     outcome
 }

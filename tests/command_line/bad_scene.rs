@@ -1,6 +1,6 @@
 //! Scenes that are wrong: exit code 2 and one line with file, line, key, the value found and the values expected.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, scene, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, scene, short_recording, swap};
 
 /// Every command that reads a scene, with every output that it has.
 const COMMANDS: [&[&str]; 3] = [
@@ -11,11 +11,11 @@ const COMMANDS: [&[&str]; 3] = [
 
 /// Every command rejects this scene with one line that has all `parts`.
 fn refused(scene: impl AsRef<[u8]>, parts: &[&str]) {
-    let desk = Desk::rig();
-    desk.put("scene.toml", scene);
-    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    let sandbox = Sandbox::rig();
+    sandbox.put("scene.toml", scene);
+    sandbox.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
     for command in COMMANDS {
-        desk.refused(command, 2, parts);
+        sandbox.refused(command, 2, parts);
     }
 }
 
@@ -28,13 +28,13 @@ fn refused_with(from: &str, to: &str, parts: &[&str]) {
 
 #[test]
 fn the_commands_accept_the_unchanged_scene() {
-    let desk = Desk::rig();
-    desk.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
+    let sandbox = Sandbox::rig();
+    sandbox.put("u.csv", "u,v,w,thu,thv\n0,0,6e-5,0,0\n");
     for command in COMMANDS {
-        desk.done(command);
+        sandbox.done(command);
     }
     assert_eq!(
-        desk.files(),
+        sandbox.files(),
         ["forces.csv", "healthy.csv", "motion.csv", "report.html", "scene.toml", "u.csv"],
         "outputs and nothing besides"
     );
@@ -42,18 +42,18 @@ fn the_commands_accept_the_unchanged_scene() {
 
 #[test]
 fn missing() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for command in COMMANDS {
-        desk.refused(command, 2, &["scene.toml: no file of this name, expected a scene file"]);
+        sandbox.refused(command, 2, &["scene.toml: no file of this name, expected a scene file"]);
     }
 }
 
 #[test]
 fn folder() {
-    let desk = Desk::empty();
-    std::fs::create_dir(desk.path("scene.toml")).unwrap();
+    let sandbox = Sandbox::empty();
+    std::fs::create_dir(sandbox.path("scene.toml")).unwrap();
     for command in COMMANDS {
-        desk.refused(command, 2, &["scene.toml: a directory, expected a scene file"]);
+        sandbox.refused(command, 2, &["scene.toml: a directory, expected a scene file"]);
     }
 }
 
@@ -213,9 +213,9 @@ fn film_without_oil() {
 
 #[test]
 fn a_rotor_that_replay_does_not_take() {
-    let desk = Desk::with(&swap(DEMO_SCENE, "\"angular\"", "\"dynamic\""), &short_recording(600));
+    let sandbox = Sandbox::with(&swap(DEMO_SCENE, "\"angular\"", "\"dynamic\""), &short_recording(600));
     let wants = "scene.toml: bearing DE: model = \"dynamic\" in replay, expected another model";
-    desk.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
+    sandbox.refused(&["replay", "scene.toml", "--report", "report.html"], 2, &[wants]);
 }
 
 /// `replay` rejects the demonstration's scene with these probes, naming `why`.
@@ -226,10 +226,10 @@ fn not_observable(probes: &[(&str, &str, &str)], why: &str) {
     let list: Vec<String> = probes.iter().map(entry).collect();
     let (before, rest) = DEMO_SCENE.split_once("probes = [").unwrap();
     let (_, after) = rest.split_once("]\n").unwrap();
-    let desk = Desk::with(&format!("{before}probes = [{}]\n{after}", list.join(", ")), &short_recording(600));
+    let sandbox = Sandbox::with(&format!("{before}probes = [{}]\n{after}", list.join(", ")), &short_recording(600));
     let found = "scene.toml: recording.probes: probes that do not determine the shaft's position: ";
     let expected = "expected two planes, each with two directions that are not parallel";
-    desk.refused(COMMANDS[0], 2, &[found, why, expected]);
+    sandbox.refused(COMMANDS[0], 2, &[found, why, expected]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use ballrace::bearing::Bearing;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use serde_json::Value;
 
-use crate::support::{DEMO_SCENE, Desk, changed, numbers, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, changed, numbers, short_recording, swap};
 
 #[path = "../target/baked/src/bearings.rs"]
 #[rustfmt::skip]
@@ -25,14 +25,14 @@ const BAKED: [(&str, &str, &[&str]); 3] = [
 #[test]
 fn the_firmware_has_the_constants_of_its_scene() {
     for (name, scene, files) in BAKED {
-        let desk = Desk::empty();
-        desk.put(name, scene);
+        let sandbox = Sandbox::empty();
+        sandbox.put(name, scene);
         let own = |file: &'static str| file.rsplit('/').next().unwrap();
         // Constants in C are baked into a header, the source of its name beside it.
         let language = if own(files[0]).ends_with(".h") { "c" } else { "rust" };
-        desk.done(&["bake", name, "--language", language, "-o", own(files[0])]);
+        sandbox.done(&["bake", name, "--language", language, "-o", own(files[0])]);
         for file in files {
-            let fresh = desk.read(own(file));
+            let fresh = sandbox.read(own(file));
             let path = format!("{}/target/{file}", env!("CARGO_MANIFEST_DIR"));
             if std::env::var_os("BALLRACE_WRITE").is_some() {
                 std::fs::write(path, fresh).unwrap();
@@ -67,23 +67,23 @@ fn force_computes_the_log_of_the_firmware() {
             input += &format!("{}\n", displacement.join(","));
             forces += &format!("{}\n", force.join(","));
         }
-        let desk = Desk::empty();
-        desk.put("scene.toml", SCENE);
-        desk.put("log.csv", input);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", SCENE);
+        sandbox.put("log.csv", input);
         let args = ["force", "scene.toml", "--bearing", name, "--precision", "f32", "--bits", "--format", "csv"];
-        assert_eq!(desk.done(&[&args[..], &["--displacements", "log.csv"]].concat()).out, forces, "{name}");
+        assert_eq!(sandbox.done(&[&args[..], &["--displacements", "log.csv"]].concat()).out, forces, "{name}");
     }
 }
 
 #[test]
 fn constants_give_the_forces_of_the_scene() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", SCENE);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", SCENE);
     let rows = ["1e-6,2e-6,1e-5,0,0", "-3e-6,0,8e-6,1e-4,-5e-5", "0,5e-6,4e-6,0,2e-4", "2e-5,0,1e-5,0,0"];
-    desk.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
+    sandbox.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
     let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", "DE", "--precision", "f32"];
     let (_, forces) = numbers(
-        &desk.done(&[&args[..], &["--format", "csv"]].concat()).out.replace(",ok", "").replace(",out-of-table", ""),
+        &sandbox.done(&[&args[..], &["--format", "csv"]].concat()).out.replace(",ok", "").replace(",out-of-table", ""),
     );
     let bearing = bearings::bearing_de::bearing();
     for (row, force) in rows.iter().zip(&forces) {
@@ -154,21 +154,21 @@ diametral_clearance = "10 um"
 /// Baked constants compile without `std` and give the bits of `force --precision f32`.
 #[test]
 fn every_model_of_firmware_is_baked() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DIRECT);
-    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DIRECT);
+    sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
     let rows = ["1e-6,2e-6,1e-5,0.0,0.0", "-3e-6,4e-6,-8e-6,1e-4,-5e-5", "2e-5,0.0,-1e-5,0.0,2e-4"];
     let lines: String = rows.iter().map(|row| format!("[{row}],")).collect();
     let calls: String = ["a", "b", "c", "d"].map(|name| format!("told(&bearing_{name}::bearing());")).concat();
-    let mut found = desk.compiled(&format!(
+    let mut found = sandbox.compiled(&format!(
             "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse ballrace::{{Bearing, Displacement, Phase}};\nuse bearings::*;\n\
              fn told(bearing: &impl Bearing<f32>) {{ for u in [{lines}] {{\n\
              let f = bearing.reaction(&Displacement::from_array(u), &Phase::ZERO.into()).wrench.to_array();\n\
              println!(\"{{}}\", f.map(|x: f32| (x + 0.0).to_bits().to_string()).join(\",\")); }} }}\nfn main() {{ {calls} }}\n"));
-    desk.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
+    sandbox.put("u.csv", format!("u,v,w,thu,thv\n{}\n", rows.join("\n")));
     for name in ["A", "B", "C", "D"] {
         let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", name, "--precision", "f32"];
-        let out = desk.done(&[&args[..], &["--format", "csv"]].concat()).out;
+        let out = sandbox.done(&[&args[..], &["--format", "csv"]].concat()).out;
         let words = |line: &str| line.rsplit_once(',').unwrap().0.to_owned();
         for line in out.lines().skip(1).map(words) {
             let bits: Vec<String> =
@@ -182,33 +182,33 @@ fn every_model_of_firmware_is_baked() {
 
 #[test]
 fn scenes_without_firmware_constants_are_rejected() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let displaced = format!("housing_displacement = [{}]", ["[0, 0, 0]"; 9].join(", "));
     for ring in [&displaced, "outer_ring = { radius = \"30 mm\", width = \"15 mm\", thickness = \"4 mm\" }"] {
         let scene = DIRECT.replacen("radial_play = \"2 um\"", &format!("radial_play = \"2 um\"\n{ring}"), 1);
         let scene = scene.lines().filter(|line| !line.starts_with("defect")).collect::<Vec<_>>().join("\n");
-        desk.put("scene.toml", scene);
+        sandbox.put("scene.toml", scene);
         let message = "bearing A: model with a displaced housing, a bending outer ring or balls that move: lumped, expected any other";
-        desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &[message]);
+        sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &[message]);
     }
-    assert!(!desk.files().contains(&"out.rs".to_owned()));
+    assert!(!sandbox.files().contains(&"out.rs".to_owned()));
 }
 
 /// The observer in `f32` from what was baked stands where that of `replay` does at the end of a recording.
 #[test]
 fn the_observer_is_baked() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let samples = 1024;
-    desk.put("healthy.csv", short_recording(samples));
-    desk.put("scene.toml", format!("{DEMO_SCENE}\n[observer]\nprocess_noise = 0.2\n"));
-    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
-    desk.replay("scene.toml", &["--forces", "forces.csv"]);
-    let (_, told) = numbers(&desk.read("forces.csv"));
-    let (head, rows) = numbers(&desk.read("healthy.csv"));
+    sandbox.put("healthy.csv", short_recording(samples));
+    sandbox.put("scene.toml", format!("{DEMO_SCENE}\n[observer]\nprocess_noise = 0.2\n"));
+    sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    sandbox.replay("scene.toml", &["--forces", "forces.csv"]);
+    let (_, told) = numbers(&sandbox.read("forces.csv"));
+    let (head, rows) = numbers(&sandbox.read("healthy.csv"));
     assert_eq!(head[1..=5].join(","), "DE_X_um,DE_Y_um,NDE_X_um,NDE_Y_um,axial_um");
     let readings: String =
         rows.iter().map(|row| format!("{:?},", row[1..=5].iter().map(|x| x * 1e-6).collect::<Vec<_>>())).collect();
-    let found = desk.compiled(&format!(
+    let found = sandbox.compiled(&format!(
         "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\n\
          use ballrace::rotor::*; use ballrace::twin::*; use ballrace::*;\nuse bearings::{{*, observer::*}};\n\
          const READINGS: [[f32; 5]; {samples}] = [{readings}];\n\
@@ -242,13 +242,13 @@ fn the_observer_is_baked() {
 /// The constants of a checksum compile and give the value of the certificate, in every model.
 #[test]
 fn the_checksum_of_every_model_is_that_of_the_certificate() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DIRECT);
-    let baked: Value = desk.done(&["bake", "scene.toml", "-o", "bearings.rs", "--format", "json"]).json();
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DIRECT);
+    let baked: Value = sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs", "--format", "json"]).json();
     let calls = ["a", "b", "c", "d"].map(|name| {
         format!("println!(\"{{:#018x}} {{:#018x}}\", bearing_{name}::checksum(), bearing_{name}::CHECKSUM);")
     });
-    let found = desk.compiled(&format!(
+    let found = sandbox.compiled(&format!(
         "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\nuse bearings::*;\nfn main() {{ {} }}\n",
         calls.concat()
     ));
@@ -302,15 +302,15 @@ fn main() {
 /// The baked equations of a flexible rotor on a support move as in `simulate`, and the baked observer follows that motion.
 #[test]
 fn a_flexible_rotor_and_its_observer_are_baked() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", FLEXIBLE);
-    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
-    desk.done(&["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "12.8 kHz", "-o", "motion.csv"]);
-    let (head, rows) = numbers(&desk.read("motion.csv"));
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", FLEXIBLE);
+    sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    sandbox.done(&["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    let (head, rows) = numbers(&sandbox.read("motion.csv"));
     let order = head.iter().position(|name| name == "u_dot").unwrap() - 1;
     assert_eq!(head[1..=order].join(","), "u,v,w,thu,thv,bending_1_x,bending_1_y,NDE_support_u,NDE_support_v");
     let motion: String = rows.iter().map(|row| format!("{:?},", &row[1..=order])).collect();
-    let found = desk.compiled(&format!(
+    let found = sandbox.compiled(&format!(
         "#![allow(dead_code, unused_imports)]\n#[path = \"../bearings.rs\"]\nmod bearings;\n\
          use ballrace::rotor::*; use ballrace::twin::*; use ballrace::*;\nuse bearings::{{bearing_de, bearing_nde, observer::*}};\n\
          const MOTION: [[f32; bearings::rotor::COORDINATES]; {}] = [{motion}];\n{FLEXIBLE_FIRMWARE}",
@@ -330,47 +330,47 @@ fn a_flexible_rotor_and_its_observer_are_baked() {
 /// Nothing certifies a rotor that its bearings do not hold, a load beyond the static rating, or the gap of the probes as a position.
 #[test]
 fn nonsense_is_not_certified() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let (bare, _) = DEMO_SCENE.split_once("[recording]").unwrap();
-    desk.put("sound.toml", bare);
+    sandbox.put("sound.toml", bare);
     // The lumped model carries no axial load.
-    desk.put("unsupported.toml", bare.replace("model = \"angular\"", "model = \"lumped\""));
-    desk.put("overload.toml", bare.replace("\"60 N\"", "\"60 kN\""));
-    let bake = |scene: &str, parts: &[&str]| desk.refused(&["bake", scene, "-o", "out.rs"], 2, parts);
+    sandbox.put("unsupported.toml", bare.replace("model = \"angular\"", "model = \"lumped\""));
+    sandbox.put("overload.toml", bare.replace("\"60 N\"", "\"60 kN\""));
+    let bake = |scene: &str, parts: &[&str]| sandbox.refused(&["bake", scene, "-o", "out.rs"], 2, parts);
     bake("unsupported.toml", &["unsupported.toml: no equilibrium: ", "expected at most 1e-6 in bake"]);
     bake("overload.toml", &["overload.toml: bearing ", "on an element", "the static limit of ISO 76"]);
     // A motion that overflows has no poses, of which the error could be stated.
     let coarse = swap(bare, "\"3000 rpm\"", "\"200 rpm\"") + "[integration]\nstep = \"1 ms\"\n";
-    desk.put("coarse.toml", coarse);
-    desk.refused(&["bake", "coarse.toml", "-o", "out.rs"], 1, &["the motion overflows: ", "us is beyond "]);
-    assert!(!desk.files().contains(&"out.rs".to_owned()));
-    desk.done(&["bake", "sound.toml", "-o", "sound.rs"]);
-    let verify = |scene: &str, part: &str| desk.refused(&["verify", "sound.rs", "--scene", scene], 2, &[part]);
+    sandbox.put("coarse.toml", coarse);
+    sandbox.refused(&["bake", "coarse.toml", "-o", "out.rs"], 1, &["the motion overflows: ", "us is beyond "]);
+    assert!(!sandbox.files().contains(&"out.rs".to_owned()));
+    sandbox.done(&["bake", "sound.toml", "-o", "sound.rs"]);
+    let verify = |scene: &str, part: &str| sandbox.refused(&["verify", "sound.rs", "--scene", scene], 2, &[part]);
     verify("unsupported.toml", "no equilibrium");
     verify("overload.toml", "static limit");
 
     let gap = changed(2048, |_, k, x| if (1..5).contains(&k) { x + 55.0 } else { x });
-    let desk = Desk::with(DEMO_SCENE, &gap);
+    let sandbox = Sandbox::with(DEMO_SCENE, &gap);
     let parts = ["healthy.csv: bearing DE: median force of ", "10 times the loads on the rotor", "(offset)"];
-    desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &parts);
+    sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &parts);
 }
 
 /// The language of the constants is that of the name of their file.
 #[test]
 fn the_name_of_the_file_gives_the_language() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DEMO_SCENE);
-    desk.put("healthy.csv", crate::support::DEMO_RECORDING);
-    desk.done(&["bake", "scene.toml", "-o", "bearings.h"]);
-    assert!(desk.read("bearings.h").contains("#include") && desk.read("bearings.c").contains("bearings.h"));
-    desk.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
-    assert!(desk.read("bearings.rs").contains("// language: rust"));
-    desk.refused(
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DEMO_SCENE);
+    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    sandbox.done(&["bake", "scene.toml", "-o", "bearings.h"]);
+    assert!(sandbox.read("bearings.h").contains("#include") && sandbox.read("bearings.c").contains("bearings.h"));
+    sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs"]);
+    assert!(sandbox.read("bearings.rs").contains("// language: rust"));
+    sandbox.refused(
         &["bake", "scene.toml", "-o", "bearings.txt"],
         2,
         &["--output: no language for this name: bearings.txt, expected a name that ends in .rs, .h or .c"],
     );
-    desk.refused(
+    sandbox.refused(
         &["bake", "scene.toml", "--language", "rust", "-o", "one.h"],
         2,
         &["--output: invalid name for --language rust: one.h"],

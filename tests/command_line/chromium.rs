@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
-use crate::support::{DEMO_SCENE, Desk, recorded};
+use crate::support::{DEMO_SCENE, Sandbox, recorded};
 
 /// Largest file that one sends by mail.
 const MAX_BYTES: usize = 3_000_000;
@@ -15,7 +15,7 @@ const MAX_BYTES: usize = 3_000_000;
 const MAX_SCRIPT: usize = 60_000;
 /// Most pages of a printed report.
 const MAX_PAGES: usize = 6;
-/// A telephone's screen, a tablet's and a desk's.
+/// A telephone's screen, a tablet's and a sandbox's.
 const WIDTHS: [u32; 3] = [400, 800, 1400];
 /// Largest loss of a peak between two bins under a Hann window: 1.42 dB.
 const SCALLOPING: f64 = 0.16;
@@ -74,9 +74,9 @@ fn looks_right(browser: &mut Browser, path: &Path, expected: &[&str]) {
 }
 
 /// Replays, and returns the outcome; the report is `report.html`.
-fn replayed(desk: &Desk, args: &[&str]) -> Value {
+fn replayed(sandbox: &Sandbox, args: &[&str]) -> Value {
     let args = [&["replay"], args, &["--report", "report.html", "--format", "json"]].concat();
-    desk.done(&args).json()
+    sandbox.done(&args).json()
 }
 
 const OF_PROBES: [&str; 9] = [
@@ -422,9 +422,9 @@ fn has_a_dark_style(browser: &mut Browser) {
 #[test]
 #[ignore = "needs chromium; tests/run runs it"]
 fn demonstration_in_a_browser() {
-    let desk = Desk::empty();
-    let outcome = replayed(&desk, &[]);
-    let path = desk.path("report.html");
+    let sandbox = Sandbox::empty();
+    let outcome = replayed(&sandbox, &[]);
+    let path = sandbox.path("report.html");
     let mut browser = Browser::open("about:blank");
     let expected = [&OF_PROBES[..], &["Waterfall of DE_X_um / DE_Y_um over time"]].concat();
     looks_right(&mut browser, &path, &expected);
@@ -454,25 +454,25 @@ fn demonstration_in_a_browser() {
 #[ignore = "needs chromium; tests/run runs it"]
 fn run_up_and_vibration_in_a_browser() {
     let mut browser = Browser::open("about:blank");
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     // A limit that is not reached, drawn in the trends.
     let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nmax = \"2 um\"\n";
-    desk.put("scene.toml", std::fs::read_to_string(recorded("run-up.toml")).unwrap() + limit);
+    sandbox.put("scene.toml", std::fs::read_to_string(recorded("run-up.toml")).unwrap() + limit);
     let over_speed = ["Bode plot of DE_X_um", "Polar plot of NDE_Y_um", "Cascade of NDE_X_um / NDE_Y_um over speed"];
-    replayed(&desk, &["scene.toml", "--recording", &recorded("run-up.csv")]);
-    looks_right(&mut browser, &desk.path("report.html"), &[&OF_PROBES[..], &over_speed].concat());
+    replayed(&sandbox, &["scene.toml", "--recording", &recorded("run-up.csv")]);
+    looks_right(&mut browser, &sandbox.path("report.html"), &[&OF_PROBES[..], &over_speed].concat());
     let file = recorded("real/support_force_306rpm_6400Hz.csv");
     let scene = crate::vibration::scene(306.0, [7.0, 2.770, 10.514], &file, "6400 Hz", "force_N", "N");
-    desk.put("scene.toml", scene);
-    replayed(&desk, &["scene.toml"]);
-    looks_right(&mut browser, &desk.path("report.html"), &["Envelope spectrum of force_N"]);
+    sandbox.put("scene.toml", scene);
+    replayed(&sandbox, &["scene.toml"]);
+    looks_right(&mut browser, &sandbox.path("report.html"), &["Envelope spectrum of force_N"]);
 }
 
 #[test]
 #[ignore = "needs chromium; tests/run runs it"]
 fn other_reports_in_a_browser() {
     let mut browser = Browser::open("about:blank");
-    let desk = Desk::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
     let report = ["--report", "report.html"];
     let cases: [(&[&str], &[&str]); 4] = [
         (&["equilibrium", "scene.toml"], &["Bearing DE: load on each element", "Rotor with bearings"]),
@@ -481,10 +481,10 @@ fn other_reports_in_a_browser() {
         (&["trade", "scene.toml", "--forces-only"], &["Forces on a Cortex-M4F", "Forces on this machine"]),
     ];
     for (args, expected) in cases {
-        desk.done(&[args, &report].concat());
-        looks_right(&mut browser, &desk.path("report.html"), expected);
+        sandbox.done(&[args, &report].concat());
+        looks_right(&mut browser, &sandbox.path("report.html"), expected);
     }
-    desk.done(&[
+    sandbox.done(&[
         "sweep",
         "scene.toml",
         "--over",
@@ -496,12 +496,12 @@ fn other_reports_in_a_browser() {
     ]);
     looks_right(
         &mut browser,
-        &desk.path("sweep.html"),
+        &sandbox.path("sweep.html"),
         &["Response", "Bifurcation diagram", "Waterfall of the motion"],
     );
     // A critical speed is in table and diagram.
-    desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..60000rpm:13", "--report", "report.html"]);
-    browser.go(&address(&desk.path("report.html")));
+    sandbox.done(&["campbell", "scene.toml", "--speeds", "0rpm..60000rpm:13", "--report", "report.html"]);
+    browser.go(&address(&sandbox.path("report.html")));
     let named = browser.evaluate(
         "[...document.querySelectorAll('svg text')].map((t) => t.textContent).filter((t) => /^N\\d+$/.test(t)).length",
     );

@@ -1,6 +1,6 @@
 //! Operating clearance by fits and temperatures, from the scene and from a temperature channel.
 
-use crate::support::{DEMO_SCENE, Desk, TURN, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, number, short_recording, swap};
 use serde_json::Value;
 
 const CLEARANCE: &str = "diametral_clearance = \"10 um\"\n";
@@ -20,20 +20,20 @@ fn notes(outcome: &Value) -> String {
 fn every_command_reports_the_operating_clearance() {
     let fit = "fit = { shaft_interference = \"5 um\", bore = \"25 mm\", outside_diameter = \"52 mm\" }\n\
                temperatures = { inner = \"55 degC\", outer = \"45 degC\" }";
-    let desk = Desk::with(&scene(fit), &short_recording(20 * TURN));
+    let sandbox = Sandbox::with(&scene(fit), &short_recording(20 * TURN));
     let [by_fits, by_temperature] = [5.0 * 25.0 / 31.1, 12e-6 * 39.04e3 * 10.0];
     let expected = 16.0 - by_fits - by_temperature;
     for command in ["check", "equilibrium"] {
-        let found = desk.done(&[command, "scene.toml", "--format", "json"]).json();
+        let found = sandbox.done(&[command, "scene.toml", "--format", "json"]).json();
         let clearance = |key: &str| number(&found, &format!("/bearings/0/operating_clearance/{key}"));
         assert!((clearance("operating_um") - expected).abs() < 1e-9, "{command}");
         assert!((clearance("by_fits_um") - by_fits).abs() < 1e-9 && clearance("unmounted_um") == 16.0);
         assert!((clearance("by_temperature_um") - by_temperature).abs() < 1e-9);
         assert!(found.pointer("/bearings/1/operating_clearance").is_none());
-        let text = desk.done(&[command, "scene.toml"]).out;
+        let text = sandbox.done(&[command, "scene.toml"]).out;
         assert!(text.contains("7.30 um: 16.00 um before mounting"), "{command}: {text}");
     }
-    let outcome = desk.replay("scene.toml", &[]);
+    let outcome = sandbox.replay("scene.toml", &[]);
     assert!(notes(&outcome).contains("Bearing DE: operating clearance 7.30 um: 16.00 um before mounting, less 4.02 um by the fits and 4.68 um by temperature."));
     // The recording is of a machine with 10 um.
     let is_of_clearance = |f: &Value| f["kind"] == "clearance" && f["bearing"] == "DE";
@@ -51,11 +51,11 @@ fn a_channel_corrects_the_clearance_of_a_replay() {
         _ => format!("{line},42.81,{}\n", 42.81 + 6.0 / (12e-6 * 39.04e3)),
     };
     let recording: String = short_recording(20 * TURN).lines().enumerate().map(add).collect();
-    let desk = Desk::with(&cold, &recording);
+    let sandbox = Sandbox::with(&cold, &recording);
     // At equal temperatures the bearing would carry no load.
-    assert_eq!(desk.run(&["replay", "scene.toml", "--report", "r.html"]).code, Some(4));
-    desk.put("scene.toml", swap(&cold, "keyphasor = {", channels));
-    let outcome = desk.replay("scene.toml", &[]);
+    assert_eq!(sandbox.run(&["replay", "scene.toml", "--report", "r.html"]).code, Some(4));
+    sandbox.put("scene.toml", swap(&cold, "keyphasor = {", channels));
+    let outcome = sandbox.replay("scene.toml", &[]);
     assert_eq!(outcome["findings"].as_array().map(Vec::len), Some(0), "{}", outcome["findings"]);
     let notes = notes(&outcome);
     assert!(notes.contains("Bearing DE: operating clearance 10.00 um: 16.00 um before mounting"), "{notes}");
@@ -80,7 +80,7 @@ fn pair(keys: &str) -> String {
 
 /// Axial force of each bearing of [`pair`] at rest, N.
 fn axial_forces(keys: &str) -> [f64; 2] {
-    let found = Desk::with(&pair(keys), "").done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+    let found = Sandbox::with(&pair(keys), "").done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     [0, 1].map(|i| number(&found, &format!("/bearings/{i}/force/2")).abs())
 }
 
@@ -136,7 +136,7 @@ fn a_press_fit_raises_a_preload_that_is_set_before_it() {
     assert!((before[0] / expected - 1.0).abs() < TOLERANCE, "{before:?} N, {expected} N expected");
     let after = axial_forces(&keys(", set = \"fitted\""));
     assert!((after[0] / 500.0 - 1.0).abs() < 1e-6, "{after:?}");
-    let text = Desk::with(&pair(&keys("")), "").done(&["check", "scene.toml"]).out;
+    let text = Sandbox::with(&pair(&keys("")), "").done(&["check", "scene.toml"]).out;
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let note =
         format!("a preload of 500 N before mounting is {expected:.0} N in operation; the rings are locked axially");
@@ -145,8 +145,8 @@ fn a_press_fit_raises_a_preload_that_is_set_before_it() {
     let alone = pair(&keys("")).replace("\n[rotor]", "\n[other]");
     let alone = alone[..alone.find("[other]").unwrap()].to_owned() + &alone[alone.find("[[bearing]]").unwrap()..];
     let alone = &alone[..alone.rfind("[[bearing]]").unwrap()];
-    let found = Desk::with(alone, "").done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+    let found = Sandbox::with(alone, "").done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     assert!((number(&found, "/force/2").abs() / expected - 1.0).abs() < TOLERANCE, "{}", found["force"]);
-    let error = Desk::with(&pair(&keys(", set = \"hot\"")), "").run(&["check", "scene.toml"]);
+    let error = Sandbox::with(&pair(&keys(", set = \"hot\"")), "").run(&["check", "scene.toml"]);
     assert!(error.code == Some(2) && error.err.contains("\"unmounted\""), "{}", error.err);
 }

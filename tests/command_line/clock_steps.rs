@@ -1,7 +1,7 @@
 //! The clock of the computer is set forward and back while a monitor runs.
 
 use crate::frames_source::{RATE, Rig, connected, plateau, port, signal};
-use crate::support::{Desk, number};
+use crate::support::{Sandbox, number};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -24,9 +24,9 @@ pub fn get(port: u16, path: &str) -> Value {
     serde_json::from_str(body).unwrap()
 }
 
-/// Gives a program the clock of the file `clock` on the desk, such as `+1h`.
-pub fn set_clock(command: &mut Command, desk: &Desk, library: &Path) {
-    command.env("LD_PRELOAD", library).env("FAKETIME_TIMESTAMP_FILE", desk.path("clock"));
+/// Gives a program the clock of the file `clock` on the sandbox, such as `+1h`.
+pub fn set_clock(command: &mut Command, sandbox: &Sandbox, library: &Path) {
+    command.env("LD_PRELOAD", library).env("FAKETIME_TIMESTAMP_FILE", sandbox.path("clock"));
     // The monotonic clock and the times of files stay those of the computer.
     command.envs(
         ["FAKETIME_NO_CACHE", "FAKETIME_DONT_FAKE_MONOTONIC", "DONT_FAKE_MONOTONIC", "NO_FAKE_STAT"]
@@ -47,16 +47,16 @@ fn a_clock_that_is_set_loses_nothing() {
     let page = port();
     let address = format!("127.0.0.1:{page}");
     let rig = Rig::new(&[&FILES[..], &["--http", &address]].concat());
-    rig.desk.put("clock", "+0");
+    rig.sandbox.put("clock", "+0");
     let mut command = rig.command();
-    set_clock(&mut command, &rig.desk, &library);
+    set_clock(&mut command, &rig.sandbox, &library);
     let child = command.spawn().unwrap();
     let mut steps = [(4, "+1h"), (8, "-2h")].into_iter().peekable();
     rig.feed(u64::MAX, |rig| {
         if let Some((_, offset)) = steps.next_if(|(second, _)| rig.acknowledged() >= second * RATE) {
             let history = get(page, "/history?hours=1");
             assert_eq!(history.as_array().map(Vec::len), Some(5), "{history}");
-            rig.desk.put("clock", offset);
+            rig.sandbox.put("clock", offset);
         }
         rig.acknowledged() >= 12 * RATE
     });
@@ -80,7 +80,7 @@ fn a_clock_that_is_set_loses_nothing() {
     let is_once = starts.iter().zip(expected).all(|(start, at)| (at - 0.34..at + 0.01).contains(start));
     assert!(starts.len() >= 2 && is_once, "{starts:?}");
     let events: Vec<Value> =
-        rig.desk.read("events.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        rig.sandbox.read("events.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let kinds: Vec<&str> = events.iter().map(|event| event["kind"].as_str().unwrap()).collect();
     // On a busy machine the source waits for acknowledgements, and is silent meanwhile.
     assert!(!kinds.contains(&"samples-skipped"), "{kinds:?}");

@@ -1,11 +1,11 @@
 //! Shell completions and manual pages: every command and option of `--help`, in its words.
 
-use crate::support::{Desk, program};
+use crate::support::{Sandbox, program};
 use std::process::{Command, Stdio};
 
 /// Standard output of the program, which must succeed.
 fn printed(arguments: &[&str]) -> String {
-    let answer = Desk::empty().run(arguments);
+    let answer = Sandbox::empty().run(arguments);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     assert!(answer.err.is_empty(), "{answer:?}");
     answer.out
@@ -45,10 +45,10 @@ fn completions_name_every_command_and_option() {
 #[test]
 fn bash_completes_commands() {
     let script = printed(&["completions", "bash"]);
-    let desk = Desk::empty();
-    desk.put("script", &script);
+    let sandbox = Sandbox::empty();
+    sandbox.put("script", &script);
     let line = "source ./script; COMP_WORDS=(ballrace equi); COMP_CWORD=1; _ballrace ballrace equi ballrace; echo \"${COMPREPLY[@]}\"";
-    let output = Command::new("bash").args(["-c", line]).current_dir(desk.path("")).stdin(Stdio::null()).output();
+    let output = Command::new("bash").args(["-c", line]).current_dir(sandbox.path("")).stdin(Stdio::null()).output();
     let output = output.expect("bash");
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "equilibrium", "{output:?}");
 }
@@ -83,7 +83,7 @@ fn manual_pages_describe_the_options_as_the_help_does() {
 
 #[test]
 fn an_unknown_command_has_no_manual_page() {
-    let answer = Desk::empty().run(&["man", "nonsense"]);
+    let answer = Sandbox::empty().run(&["man", "nonsense"]);
     assert_eq!(answer.code, Some(2), "{answer:?}");
     assert!(
         answer.err.starts_with("ballrace: man: unknown command: \"nonsense\", expected one of replay, "),

@@ -1,6 +1,6 @@
 //! One definition of the contact angle that the orders use, printed beside the angle under load.
 
-use crate::support::{Desk, number};
+use crate::support::{Sandbox, number};
 use serde_json::Value;
 
 /// A deep-groove bearing with radial clearance under a radial load alone: it presses at 0 degrees.
@@ -10,10 +10,10 @@ const RADIAL: &str = "name = \"6204\"\n[shaft]\nspeed = \"3000 rpm\"\n[[bearing]
 
 #[test]
 fn equilibrium_states_the_angle_of_the_orders_and_that_under_load() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", RADIAL);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", RADIAL);
     let args = ["equilibrium", "scene.toml", "--load", "0,-500,0,0,0"];
-    let json: Value = desk.done(&[&args[..], &["--format", "json"]].concat()).json();
+    let json: Value = sandbox.done(&[&args[..], &["--format", "json"]].concat()).json();
     let bearing = &json["bearings"][0];
     // cos(alpha_0) = 1 - s/(2 A), A = 0.04 * 7.94 mm.
     let free = (1.0 - 10e-6_f64 / (2.0 * 0.04 * 7.94e-3)).acos();
@@ -22,7 +22,7 @@ fn equilibrium_states_the_angle_of_the_orders_and_that_under_load() {
     assert!(number(bearing, "/contact_angle/loaded").abs() < 1e-9);
     assert!((number(bearing, "/orders/outer_race") - order(free)).abs() < 1e-12);
     assert!((number(bearing, "/orders_under_load/outer_race") - order(0.0)).abs() < 1e-9);
-    let text = desk.done(&args).out;
+    let text = sandbox.done(&args).out;
     let (free_order, loaded_order) = (order(free), order(0.0));
     for part in [
         format!("free contact angle {:.2} deg, used for cage speed and orders", free.to_degrees()),
@@ -37,10 +37,10 @@ fn equilibrium_states_the_angle_of_the_orders_and_that_under_load() {
 /// `cage_ratio` of the scene overrides the angle, and the text states this.
 #[test]
 fn a_cage_ratio_of_the_scene_is_stated() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", format!("{RADIAL}cage_ratio = 0.39\n"));
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", format!("{RADIAL}cage_ratio = 0.39\n"));
     let args = ["equilibrium", "scene.toml", "--load", "0,-500,0,0,0"];
-    let text = desk.done(&args).out;
+    let text = sandbox.done(&args).out;
     assert!(text.contains("cage_ratio 0.39 of the scene, used for cage speed and orders"), "{text}");
     assert!(text.contains("outer race 3.120"), "{text}");
 }

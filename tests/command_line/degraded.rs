@@ -1,6 +1,6 @@
 //! Effect of flaws of a recording on force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, numbers};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, numbers};
 use serde_json::Value;
 
 /// Numbers that look random and are the same everywhere.
@@ -56,14 +56,14 @@ struct Verdict {
 
 /// Replays; the radial force on DE at every sample, and what is found.
 fn verdict(scene: &str, recording: &str) -> Option<Verdict> {
-    let desk = Desk::with(scene, recording);
-    let answer = desk.run(&["replay", "scene.toml", "--forces", "f.csv", "--format", "json"]);
+    let sandbox = Sandbox::with(scene, recording);
+    let answer = sandbox.run(&["replay", "scene.toml", "--forces", "f.csv", "--format", "json"]);
     if answer.code != Some(0) {
         assert!(answer.code == Some(1) && answer.err.lines().count() == 1, "{answer:?}");
         return None;
     }
     let outcome: Value = answer.json();
-    let (header, rows) = numbers(&desk.read("f.csv"));
+    let (header, rows) = numbers(&sandbox.read("f.csv"));
     let [x, y] = ["DE_FX_N", "DE_FY_N"].map(|name| header.iter().position(|h| h == name).unwrap());
     let diagnoses = outcome["findings"].as_array().unwrap().iter().map(|f| f["kind"].as_str().unwrap().to_owned());
     let flaws = outcome["flaws"].as_array().map_or(0, Vec::len);

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::frames_source::{RATE, Rig, connected, port, signal, wait_until};
-use crate::support::{Desk, program, swap};
+use crate::support::{Sandbox, program, swap};
 use serde_json::Value;
 use std::fs;
 use std::io::{Read, Write};
@@ -55,17 +55,17 @@ fn the_alert_rules_fire_when_they_should() {
 fn prometheus_scrapes_the_monitor_and_its_alert_fires() {
     let (metrics, web) = (port(), port());
     let rig = Rig::new(&["--prometheus", &metrics.to_string(), "--no-report"]);
-    let desk = &rig.desk;
-    desk.put("prometheus.yml", swap(&deployed("prometheus.yml"), "127.0.0.1:9101", &format!("127.0.0.1:{metrics}")));
-    desk.put("prometheus-rules.yml", deployed("prometheus-rules.yml"));
+    let sandbox = &rig.sandbox;
+    sandbox.put("prometheus.yml", swap(&deployed("prometheus.yml"), "127.0.0.1:9101", &format!("127.0.0.1:{metrics}")));
+    sandbox.put("prometheus-rules.yml", deployed("prometheus-rules.yml"));
     let _monitor = Process(rig.start());
     let prometheus = Command::new("prometheus")
         .arg("--config.file=prometheus.yml")
         .args(["--storage.tsdb.path=data", &format!("--web.listen-address=127.0.0.1:{web}")])
-        .current_dir(desk.path(""))
+        .current_dir(sandbox.path(""))
         .stdin(Stdio::null())
         .stdout(Stdio::null())
-        .stderr(fs::File::create(desk.path("prometheus.log")).unwrap())
+        .stderr(fs::File::create(sandbox.path("prometheus.log")).unwrap())
         .spawn();
     let _prometheus = Process(prometheus.unwrap_or_else(|e| panic!("prometheus: {e}; type: tests/run tools")));
     let is_firing = || {
@@ -100,7 +100,7 @@ fn prometheus_scrapes_the_monitor_and_its_alert_fires() {
 #[test]
 fn the_service_manager_is_notified() {
     let rig = Rig::new(&["--no-report"]);
-    let path = rig.desk.path("notify");
+    let path = rig.sandbox.path("notify");
     let socket = UnixDatagram::bind(&path).unwrap();
     socket.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     let mut command = rig.command();
@@ -131,13 +131,13 @@ fn the_service_manager_is_notified() {
 /// systemd accepts the unit, and its sandbox leaves little to a monitor that is taken over.
 #[test]
 fn systemd_accepts_the_unit() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let unit = swap(&deployed("ballrace@.service"), "/usr/local/bin/ballrace", &program().display().to_string());
     // `verify` reads the files of an instance.
-    desk.put("pump.env", deployed("pump.env"));
-    let unit = swap(&unit, "/etc/ballrace/%i.env", &desk.path("pump.env").display().to_string());
-    desk.put("ballrace@pump.service", unit);
-    let path = desk.path("ballrace@pump.service").display().to_string();
+    sandbox.put("pump.env", deployed("pump.env"));
+    let unit = swap(&unit, "/etc/ballrace/%i.env", &sandbox.path("pump.env").display().to_string());
+    sandbox.put("ballrace@pump.service", unit);
+    let path = sandbox.path("ballrace@pump.service").display().to_string();
     let output = Command::new("systemd-analyze").args(["verify", "--man=no", "--recursive-errors=no", &path]).output();
     let output = output.unwrap_or_else(|e| panic!("systemd-analyze: {e}; type: tests/run tools"));
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -149,7 +149,7 @@ fn systemd_accepts_the_unit() {
 /// The options of the unit, the environment and the container are those of the program.
 #[test]
 fn deployed_command_lines_are_accepted() {
-    let help = Desk::empty().done(&["replay", "--help"]).out;
+    let help = Sandbox::empty().done(&["replay", "--help"]).out;
     for file in ["ballrace@.service", "Containerfile"] {
         let text = deployed(file);
         let lines = text.lines().filter(|line| line.contains("ballrace replay"));

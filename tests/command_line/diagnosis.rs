@@ -3,7 +3,7 @@
 
 use crate::frames_source::signal;
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{DEMO_SCENE, Desk, changed, list, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, changed, list, number, short_recording, swap};
 use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
@@ -18,21 +18,21 @@ const AZIMUTH: f64 = -70.0;
 const DEPTH: f64 = 3.0;
 
 /// `scene.toml` and a recording of `turns` of the rotor with slipping cages; `defect` is a line of bearing A.
-fn desk(defect: &str, turns: usize) -> Desk {
-    let desk = Desk::empty();
+fn sandbox(defect: &str, turns: usize) -> Sandbox {
+    let sandbox = Sandbox::empty();
     let generating = rotor("angular", &format!("{}{defect}", CAGES[0]), "Z");
     let of_b = format!("name = \"B\"\n{}", CAGES[1]);
-    desk.put("generating.toml", swap(&generating, "name = \"B\"\n", &of_b));
-    desk.put("scene.toml", rotor("angular", "", "Z"));
-    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..20 + turns), TURN));
-    desk
+    sandbox.put("generating.toml", swap(&generating, "name = \"B\"\n", &of_b));
+    sandbox.put("scene.toml", rotor("angular", "", "Z"));
+    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..20 + turns), TURN));
+    sandbox
 }
 
 /// The diagnoses on 40 turns, and the HTML report.
 fn diagnoses(defect: &str) -> (Vec<Value>, String) {
-    let desk = desk(defect, 40);
-    let diagnoses = list(&desk.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
-    (diagnoses, desk.read("report.html"))
+    let sandbox = sandbox(defect, 40);
+    let diagnoses = list(&sandbox.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
+    (diagnoses, sandbox.read("report.html"))
 }
 
 /// A spall on the outer race.
@@ -84,16 +84,16 @@ fn a_spall_on_the_outer_race_is_named_with_bearing_azimuth_and_depth() {
 /// The unbalance moves the rotor axially by 1.4 um, which no probe measures.
 #[test]
 fn axial_motion_that_is_not_measured_is_no_fault() {
-    let desk = desk("", 40);
+    let sandbox = sandbox("", 40);
     let changed = |scene: &str| {
-        let heavier = swap(&desk.read(scene), "moment = \"200 g mm\"", "moment = \"1200 g mm\"");
+        let heavier = swap(&sandbox.read(scene), "moment = \"200 g mm\"", "moment = \"1200 g mm\"");
         swap(&heavier, "load = [0, 0, 100, 0, 0]", "load = [0, 0, 60, 0, 0]")
     };
-    desk.put("generating.toml", changed("generating.toml"));
-    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
+    sandbox.put("generating.toml", changed("generating.toml"));
+    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..60), TURN));
     let axial = "{ column = \"Z\", unit = \"um\", axial = true, noise = \"0.03 um\" }";
-    desk.put("scene.toml", swap(&changed("scene.toml"), axial, ""));
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("scene.toml", swap(&changed("scene.toml"), axial, ""));
+    let outcome = sandbox.replay("scene.toml", &[]);
     assert!(list(&outcome, "findings").is_empty(), "{outcome:#}");
     assert!(number(&outcome, "/diagnosis/chi_square_before") < 1.5, "{outcome:#}");
 }
@@ -126,9 +126,9 @@ fn a_wave_beside_one_of_the_scene_has_its_own_size() {
     let wave = |order: i32, amplitude: f64| {
         format!("{{ surface = \"outer\", order = {order}, amplitude = \"{amplitude} um\", phase = \"40 deg\" }}")
     };
-    let desk = desk(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), 40);
-    desk.put("scene.toml", rotor("angular", &format!("waviness = [{}]\n", wave(9, 0.1)), "Z"));
-    let outcome = desk.replay("scene.toml", &[]);
+    let sandbox = sandbox(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), 40);
+    sandbox.put("scene.toml", rotor("angular", &format!("waviness = [{}]\n", wave(9, 0.1)), "Z"));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {outcome:#}") };
     assert_eq!((&diagnosis["form"], &diagnosis["waviness_order"]), (&"waviness".into(), &16.into()), "{diagnosis:#}");
     // Normal to the race: the free contact angle of 10 um clearance is 9.7 deg.
@@ -168,11 +168,11 @@ fn waves_of_the_balls_are_plausible() {
 /// Both bearings are damaged: the cages that the healthy machine shows are wrong at first.
 #[test]
 fn spalls_on_both_outer_races_are_named() {
-    let desk = desk(&spall(), 40);
+    let sandbox = sandbox(&spall(), 40);
     let of_b = spall().replace(&format!("azimuth = \"{AZIMUTH} deg\""), "azimuth = \"60 deg\"");
-    desk.put("generating.toml", swap(&desk.read("generating.toml"), CAGES[1], &format!("{}{of_b}", CAGES[1])));
-    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("generating.toml", swap(&sandbox.read("generating.toml"), CAGES[1], &format!("{}{of_b}", CAGES[1])));
+    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..60), TURN));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let mut named: Vec<(&str, &str, f64)> = list(&outcome, "findings")
         .iter()
         .map(|of| (of["bearing"].as_str().unwrap(), of["kind"].as_str().unwrap(), number(of, "/azimuth_deg/value")))
@@ -184,37 +184,37 @@ fn spalls_on_both_outer_races_are_named() {
 }
 
 /// Deviations of the calibrated parameters in a baseline.
-fn deviations(desk: &Desk, baseline: &str) -> Vec<f64> {
-    let baseline: Value = serde_json::from_str(&desk.read(baseline)).unwrap();
+fn deviations(sandbox: &Sandbox, baseline: &str) -> Vec<f64> {
+    let baseline: Value = serde_json::from_str(&sandbox.read(baseline)).unwrap();
     list(&baseline["calibration"], "parameters").iter().map(|p| number(p, "/deviation")).collect()
 }
 
 #[test]
 fn a_further_recording_refines_the_calibration_of_a_baseline() {
-    let desk = desk("", 40);
-    desk.done(&["replay", "scene.toml", "--learn", "first.json"]);
-    desk.done(&["replay", "scene.toml", "--baseline", "first.json", "--learn", "second.json"]);
-    let (first, second) = (deviations(&desk, "first.json"), deviations(&desk, "second.json"));
+    let sandbox = sandbox("", 40);
+    sandbox.done(&["replay", "scene.toml", "--learn", "first.json"]);
+    sandbox.done(&["replay", "scene.toml", "--baseline", "first.json", "--learn", "second.json"]);
+    let (first, second) = (deviations(&sandbox, "first.json"), deviations(&sandbox, "second.json"));
     assert!(first.len() == 10 && first.len() == second.len());
     // Two recordings of the same content halve the variance; the damping, which they determine to 17 %, stays that of the scene.
     let ratios: Vec<f64> = first.iter().zip(&second).map(|(first, second)| second / first).collect();
     let expected = |i: usize| if i == 4 || i == 5 { 1.0 } else { 0.5_f64.sqrt() };
     assert!(ratios.iter().enumerate().all(|(i, ratio)| (ratio - expected(i)).abs() < 0.05), "{ratios:?}");
-    let outcome = desk.replay("scene.toml", &["--baseline", "second.json"]);
+    let outcome = sandbox.replay("scene.toml", &["--baseline", "second.json"]);
     assert!(list(&outcome, "findings").is_empty(), "{outcome:#}");
 }
 
 /// Clearances a quarter larger than those of the machine, with which no ball touches its race, and another modulus and damping.
 #[test]
 fn a_rough_scene_is_calibrated() {
-    let desk = desk("", 40);
-    let rough = desk
+    let sandbox = sandbox("", 40);
+    let rough = sandbox
         .read("scene.toml")
         .replace("diametral_clearance = \"10 um\"", "diametral_clearance = \"12.5 um\"\nyoungs_modulus = \"190 GPa\"")
         .replace("damping = [800, 800, 800, 2, 2]", "damping = [560, 560, 560, 1.4, 1.4]");
-    desk.put("rough.toml", rough);
-    desk.done(&["replay", "rough.toml", "--learn", "baseline.json"]);
-    let baseline: Value = serde_json::from_str(&desk.read("baseline.json")).unwrap();
+    sandbox.put("rough.toml", rough);
+    sandbox.done(&["replay", "rough.toml", "--learn", "baseline.json"]);
+    let baseline: Value = serde_json::from_str(&sandbox.read("baseline.json")).unwrap();
     let calibration = &baseline["calibration"];
     assert!(number(calibration, "/chi_square_per_value") < 1.1, "{calibration:#}");
     let truth = [("diametral_clearance", 10e-6), ("youngs_modulus", 206e9), ("translation_damping", 800.0)];
@@ -229,8 +229,8 @@ fn a_rough_scene_is_calibrated() {
 /// 20 s at 3000 rpm from a source that then is silent, ended by the event, however long the diagnosis takes.
 #[test]
 fn a_spall_is_reported_while_the_monitor_runs() {
-    let desk = desk(&spall(), 1000);
-    let mut monitor = desk
+    let sandbox = sandbox(&spall(), 1000);
+    let mut monitor = sandbox
         .command(
             &[
                 &["replay", "scene.toml", "--paced", "--source", "-", "--events", "events.jsonl"][..],
@@ -242,9 +242,9 @@ fn a_spall_is_reported_while_the_monitor_runs() {
         .spawn()
         .unwrap();
     let mut source = monitor.stdin.take().unwrap();
-    source.write_all(desk.read("recording.csv").as_bytes()).unwrap();
+    source.write_all(sandbox.read("recording.csv").as_bytes()).unwrap();
     let found = loop {
-        let log = std::fs::read_to_string(desk.path("events.jsonl")).unwrap_or_default();
+        let log = std::fs::read_to_string(sandbox.path("events.jsonl")).unwrap_or_default();
         let whole = log.split_inclusive('\n').filter(|line| line.ends_with('\n'));
         let mut events = whole.map(|line| serde_json::from_str::<Value>(line).unwrap());
         if let Some(found) = events.find(|event| event["kind"] == "fault-found") {
@@ -270,7 +270,7 @@ fn a_spall_is_reported_while_the_monitor_runs() {
 #[test]
 fn a_short_recording_is_not_diagnosed() {
     let text = short_recording(2560);
-    let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+    let outcome = Sandbox::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
     let notes = list(&outcome, "notes");
     let said = |note: &Value| {
         note.as_str().unwrap().starts_with("The shaft motion is not diagnosed: 10.0 revolutions in a row")
@@ -290,8 +290,8 @@ fn an_unexplained_line_has_order_bearing_precession_and_frame() {
             _ => value,
         }
     });
-    let desk = Desk::with(DEMO_SCENE, &recording);
-    let outcome = desk.replay("scene.toml", &[]);
+    let sandbox = Sandbox::with(DEMO_SCENE, &recording);
+    let outcome = sandbox.replay("scene.toml", &[]);
     let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {outcome:#}") };
     assert_eq!(diagnosis["kind"], "other", "{diagnosis:#}");
     let lines = list(diagnosis, "lines");

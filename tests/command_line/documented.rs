@@ -1,6 +1,6 @@
 //! Every command line that stands in a README or in `docs`, run as it stands.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, program, short_recording};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, program, short_recording};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ const EXCEPTIONS: [(&str, &str); 17] = [
     ("BALLRACE_WRITE=1 cargo test", "rewrites a file of the repository"),
 ];
 
-/// Values for the words that stand for a value. `SCENE`, `NAME` and `F.csv` are names of files of the desk.
+/// Values for the words that stand for a value. `SCENE`, `NAME` and `F.csv` are names of files of the sandbox.
 const VALUES: [(&str, &str); 5] = [
     ("completions SHELL", "completions bash"),
     // The demonstration has two.
@@ -155,21 +155,21 @@ fn kind_of(line: &str) -> Kind {
 }
 
 /// A folder with the files that the documented lines name.
-fn desk(recording: &str) -> Desk {
-    let desk = Desk::with(DEMO_SCENE, recording);
+fn sandbox(recording: &str) -> Sandbox {
+    let sandbox = Sandbox::with(DEMO_SCENE, recording);
     for name in ["SCENE", "machine.toml", "my-machine.toml", "rig.toml", "pump.toml", "spalled.toml"] {
-        desk.put(name, DEMO_SCENE);
+        sandbox.put(name, DEMO_SCENE);
     }
-    desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
-    desk.put(
+    sandbox.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
+    sandbox.put(
         "log.csv",
         "u,v,w,thu,thv,cage_phase\n0x36a7c5ac,0x00000000,0x378637bd,0x00000000,0x00000000,0x1000000000000000\n",
     );
-    desk.put("machines.csv", "machine,scene\nrig,machine.toml\n");
+    sandbox.put("machines.csv", "machine,scene\nrig,machine.toml\n");
     // The lines run in any order; this recording is the output of one of them.
     let spalled = ["simulate", "spalled.toml", "--duration", "0.1 s", "--as-recording", "-o", "spalled.parquet"];
-    desk.done(&spalled);
-    desk
+    sandbox.done(&spalled);
+    sandbox
 }
 
 /// The folders of commands, the program's own first.
@@ -180,9 +180,9 @@ fn path() -> std::ffi::OsString {
 }
 
 /// `line` in a shell that finds the program as an installed one.
-fn shell(desk: &Desk, line: &str) -> Command {
+fn shell(sandbox: &Sandbox, line: &str) -> Command {
     let mut shell = Command::new("sh");
-    shell.arg("-c").arg(line).current_dir(desk.path("")).env("PATH", path());
+    shell.arg("-c").arg(line).current_dir(sandbox.path("")).env("PATH", path());
     shell.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     shell
 }
@@ -194,17 +194,17 @@ fn assert_done(line: &str, output: &Output) {
 
 /// Runs all lines in one folder: what one writes another may read.
 fn run_all(recording: &str, smaller: &[(&str, &str)]) {
-    let desk = desk(recording);
+    let sandbox = sandbox(recording);
     let lines = documented(Kind::Plain);
     // A line that writes a file for others comes first.
     let (first, then): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.contains(" > "));
     for line in first.into_iter().chain(then) {
         let line = smaller.iter().fold(line.clone(), |line, (from, to)| line.replace(from, to));
-        let output = shell(&desk, &line).output().unwrap();
+        let output = shell(&sandbox, &line).output().unwrap();
         assert_done(&line, &output);
         // `simulate` writes where `force` reads.
-        desk.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
-        let _ = fs::remove_file(desk.path("NAME.journal"));
+        sandbox.put("F.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\n");
+        let _ = fs::remove_file(sandbox.path("NAME.journal"));
     }
 }
 
@@ -229,10 +229,10 @@ fn unknown_commands_are_found_in_text_and_blocks() {
 #[cfg(unix)]
 #[test]
 fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
-    let desk = desk(DEMO_RECORDING);
+    let sandbox = sandbox(DEMO_RECORDING);
     for line in documented(Kind::Terminal) {
         let command = pty_process::blocking::Command::new("sh").args(["-c", &format!("ulimit -s 1024; exec {line}")]);
-        let command = command.env("PATH", path()).env("RUST_MIN_STACK", "1048576").current_dir(desk.path(""));
+        let command = command.env("PATH", path()).env("RUST_MIN_STACK", "1048576").current_dir(sandbox.path(""));
         let (mut screen, mut child) = crate::terminal::Screen::start(120, 40, command);
         // The demonstration has no end.
         screen.wait_for(if line == "ballrace watch" { "ALARM" } else { "ENDED" });
@@ -247,11 +247,11 @@ fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
 #[test]
 fn the_documented_monitor_follows_a_source_until_a_signal() {
     use std::io::{BufRead, BufReader, Write};
-    let desk = desk(DEMO_RECORDING);
+    let sandbox = sandbox(DEMO_RECORDING);
     for line in documented(Kind::Monitor) {
         let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let line = line.replace("tcp:9000", &format!("tcp:{port}"));
-        let child = shell(&desk, &format!("exec {line}")).spawn().unwrap();
+        let child = shell(&sandbox, &format!("exec {line}")).spawn().unwrap();
         let mut stream = crate::live::connected(port);
         let acknowledged = BufReader::new(stream.try_clone().unwrap());
         let rows = crate::live::rows(12_800);
@@ -263,7 +263,7 @@ fn the_documented_monitor_follows_a_source_until_a_signal() {
         let killed = Command::new("kill").arg("-TERM").arg(child.id().to_string()).status().unwrap();
         assert!(killed.success());
         assert_done(&line, &child.wait_with_output().unwrap());
-        assert!(desk.read("rig.jsonl").contains("source-connected"));
+        assert!(sandbox.read("rig.jsonl").contains("source-connected"));
     }
 }
 

@@ -1,6 +1,6 @@
 //! README and the chapters under `docs/src`: structure, links, scenes and keys, and figures that the program prints.
 
-use crate::support::{Desk, program};
+use crate::support::{Sandbox, program};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -222,9 +222,9 @@ fn the_worked_example_prints_what_the_readme_shows() {
     let example = text.split_once("## A worked example").expect("an example").1;
     let commands = blocks(example, "sh")[0];
     let shown = blocks(example, "text")[0];
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let script = commands.replace("ballrace ", &format!("{} ", program().display()));
-    let output = Command::new("sh").args(["-e", "-c", &script]).current_dir(desk.path("")).output().unwrap();
+    let output = Command::new("sh").args(["-e", "-c", &script]).current_dir(sandbox.path("")).output().unwrap();
     let printed = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut lines = printed.lines();
@@ -248,9 +248,9 @@ fn every_documented_scene_is_accepted() {
     let scenes = scenes();
     assert!(scenes.len() >= 2, "{} scenes", scenes.len());
     for (document, scene) in scenes {
-        let desk = Desk::empty();
-        desk.put("scene.toml", &scene);
-        let answer = desk.run(&["equilibrium", "scene.toml"]);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", &scene);
+        let answer = sandbox.run(&["equilibrium", "scene.toml"]);
         assert_eq!(answer.code, Some(0), "{document}: {answer:?}\n{scene}");
     }
 }
@@ -331,9 +331,9 @@ fn every_key_of_a_scene_is_documented() {
     let reference = read("docs/src/scene.md");
     let mut seen = 0;
     for (heading, table, scene) in tables_of_a_scene() {
-        let desk = Desk::empty();
-        desk.put("scene.toml", &scene);
-        let answer = desk.run(&["equilibrium", "scene.toml"]);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", &scene);
+        let answer = sandbox.run(&["equilibrium", "scene.toml"]);
         let (_, keys) = answer.err.split_once("unknown key, expected one of ").unwrap_or_else(|| panic!("{answer:?}"));
         let section = reference.split_once(&format!("\n{heading}\n")).expect(heading).1;
         let section = section.split("\n## ").next().unwrap();
@@ -362,9 +362,9 @@ fn percent(share: f64) -> String {
 fn trade_rows() -> String {
     let (_, spindle) =
         scenes().into_iter().find(|(_, scene)| scene.starts_with("name = \"spindle\"")).expect("a spindle");
-    let desk = Desk::empty();
-    desk.put("spindle.toml", spindle);
-    let answer = desk.run(&["trade", "spindle.toml", "--forces-only", "--format", "csv"]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("spindle.toml", spindle);
+    let answer = sandbox.run(&["trade", "spindle.toml", "--forces-only", "--format", "csv"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     let mut reader = csv_rows(&answer.out);
     let header = reader.remove(0);
@@ -485,9 +485,9 @@ fn labels(svg: &str) -> Vec<String> {
 fn the_figure_of_the_readme_is_one_of_the_report() {
     let (caption, path) = FIGURE;
     assert!(read("README.md").contains(path));
-    let desk = Desk::empty();
-    desk.done(&["replay", "--report", "report.html"]);
-    let figure = standalone(&desk.read("report.html"), caption);
+    let sandbox = Sandbox::empty();
+    sandbox.done(&["replay", "--report", "report.html"]);
+    let figure = standalone(&sandbox.read("report.html"), caption);
     if rewrites() {
         fs::write(root().join(path), &figure).unwrap();
     }

@@ -1,6 +1,6 @@
 //! Natural frequencies of badly scaled systems: an answer or an error, always within seconds.
 
-use crate::support::{Desk, list, swap};
+use crate::support::{Sandbox, list, swap};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::time::Duration;
@@ -9,12 +9,12 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(10);
 
 /// The shipped scene with moving balls, with another rotor mass.
-fn moving_balls(mass: &str) -> Desk {
-    let desk = Desk::empty();
-    let text = desk.done(&["scenes", "harsha-clearance"]).out;
+fn moving_balls(mass: &str) -> Sandbox {
+    let sandbox = Sandbox::empty();
+    let text = sandbox.done(&["scenes", "harsha-clearance"]).out;
     let from = text.lines().find(|line| line.starts_with("mass = ")).unwrap().to_owned();
-    desk.put("scene.toml", swap(&text, &from, &format!("mass = \"{mass}\"")));
-    desk
+    sandbox.put("scene.toml", swap(&text, &from, &format!("mass = \"{mass}\"")));
+    sandbox
 }
 
 /// 0.4 g of ball stand beside the rotor, and the undamped state matrix has a zero diagonal: the plain Schur iteration never
@@ -22,8 +22,8 @@ fn moving_balls(mass: &str) -> Desk {
 #[test]
 fn natural_frequencies_with_moving_balls() {
     for (mass, kilograms) in [("1 g", 1e-3_f64), ("1 kg", 1.0), ("100 kg", 100.0)] {
-        let desk = moving_balls(mass);
-        let answer = desk.run_within(LIMIT, &["equilibrium", "scene.toml", "--format", "json"]);
+        let sandbox = moving_balls(mass);
+        let answer = sandbox.run_within(LIMIT, &["equilibrium", "scene.toml", "--format", "json"]);
         assert_eq!(answer.code, Some(0), "{mass}: {answer:?}");
         let found: Value = answer.json();
         let frequencies = list(&found, "natural_frequencies_hz");
@@ -43,13 +43,13 @@ fn natural_frequencies_with_moving_balls() {
 
 #[test]
 fn every_command_on_such_a_scene_ends() {
-    let desk = moving_balls("1 kg");
+    let sandbox = moving_balls("1 kg");
     for args in [
         &["campbell", "scene.toml", "--speeds", "0rpm..3000rpm:4"][..],
         &["simulate", "scene.toml", "--duration", "10 ms", "--rate", "10 kHz", "-o", "m.csv"],
         &["sweep", "scene.toml", "--over", "shaft.speed=30000rpm", "--settle", "1 ms", "--periods", "16", "-o", "s"],
     ] {
-        let answer = desk.run_within(LIMIT, args);
+        let answer = sandbox.run_within(LIMIT, args);
         assert_eq!(answer.code, Some(0), "{answer:?}");
     }
 }
@@ -58,8 +58,8 @@ fn every_command_on_such_a_scene_ends() {
 #[test]
 fn masses_of_any_size_end_in_frequencies_or_in_an_error() {
     for mass in ["1e-12 kg", "1e12 kg", "1e-300 kg", "1e300 kg"] {
-        let desk = moving_balls(mass);
-        let answer = desk.run_within(LIMIT, &["equilibrium", "scene.toml"]);
+        let sandbox = moving_balls(mass);
+        let answer = sandbox.run_within(LIMIT, &["equilibrium", "scene.toml"]);
         let ended = match answer.code {
             Some(0) => answer.out.contains("Natural frequencies"),
             Some(1 | 2) => answer.err.starts_with("ballrace: ") && answer.err.lines().count() == 1,

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::f64::consts::TAU;
 
-use crate::support::{Desk, list, number};
+use crate::support::{Sandbox, list, number};
 
 const BALLS: &str = "model = \"quasi-static\"\nelements = 14\nball_diameter = \"7 mm\"\npitch_diameter = \"38.5 mm\"\n\
                      inner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"25 deg\"\n";
@@ -24,9 +24,9 @@ fn rotor(rpm: u32, facing: [&str; 2], more: &str) -> String {
 }
 
 fn settled(scene: &str, more: &[&str]) -> Value {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene);
-    desk.done(&[&["equilibrium", "scene.toml", "--format", "json"], more].concat()).json()
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene);
+    sandbox.done(&[&["equilibrium", "scene.toml", "--format", "json"], more].concat()).json()
 }
 
 #[test]
@@ -99,28 +99,32 @@ fn table_and_balls_have_one_equilibrium() {
 
 #[test]
 fn text_and_page() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let oil =
         "lubricant = { viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\", roughness = \"0.1 um\" }\n";
-    desk.put("scene.toml", harris(&format!("effects = [\"film\"]\n{oil}")));
-    let out = desk.done(&["equilibrium", "scene.toml", "--report", "page.html"]).out;
+    sandbox.put("scene.toml", harris(&format!("effects = [\"film\"]\n{oil}")));
+    let out = sandbox.done(&["equilibrium", "scene.toml", "--report", "page.html"]).out;
     for part in ["Bearing A", "film, um", "ratio", "when one effect is switched off", "Solved in", "Written: page.html"]
     {
         assert!(out.contains(part), "{part}: {out}");
     }
-    assert!(desk.read("page.html").contains("<svg"));
-    let csv = desk.done(&["equilibrium", "scene.toml", "--format", "csv"]).out;
+    assert!(sandbox.read("page.html").contains("<svg"));
+    let csv = sandbox.done(&["equilibrium", "scene.toml", "--format", "csv"]).out;
     assert_eq!(csv.lines().count(), 17);
 }
 
 #[test]
 fn scenes_without_equilibrium() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let scene = harris("");
-    desk.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
-    desk.refused(&["equilibrium", "scene.toml"], 2, &["neither a rotor, a preload nor --load, expected one of them"]);
-    desk.put("scene.toml", &scene);
-    desk.refused(
+    sandbox.put("scene.toml", scene.replace("preload = { force = \"17800 N\" }\n", ""));
+    sandbox.refused(
+        &["equilibrium", "scene.toml"],
+        2,
+        &["neither a rotor, a preload nor --load, expected one of them"],
+    );
+    sandbox.put("scene.toml", &scene);
+    sandbox.refused(
         &["equilibrium", "scene.toml", "--load", "1,2,3"],
         2,
         &["--load: invalid load: \"1,2,3\", expected five numbers"],
@@ -130,9 +134,9 @@ fn scenes_without_equilibrium() {
 /// The natural frequencies over speed: the tilting pair splits, backward below and forward above; the others stay.
 #[test]
 fn campbell_table_of_the_reference_rotor() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", rotor(0, ["+z", "-z"], ""));
-    let all: Value = desk
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", rotor(0, ["+z", "-z"], ""));
+    let all: Value = sandbox
         .done(&[
             "campbell",
             "scene.toml",
@@ -157,27 +161,27 @@ fn campbell_table_of_the_reference_rotor() {
         assert_eq!(modes[0]["whirl"], "straight");
     }
     // With the opposite sense of rotation, the forward direction is the other one.
-    let back: Value = desk.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();
+    let back: Value = sandbox.done(&["campbell", "scene.toml", "--speeds=-12000rpm", "--format", "json"]).json();
     assert_eq!((&back[0]["modes"][3]["whirl"], &back[0]["modes"][4]["whirl"]), (&"forward".into(), &"backward".into()));
-    let text = desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..30000rpm:1000rpm"]).out;
+    let text = sandbox.done(&["campbell", "scene.toml", "--speeds", "0rpm..30000rpm:1000rpm"]).out;
     let (table, rest) = text.split_once("\nNo mode crosses 1X or 2X in this range of speeds.\n").unwrap();
     assert_eq!(table.lines().count(), 33, "heading, blank line and a line of each speed: {text}");
     let words = rest.lines().filter(|line| line.contains("effects of this scene")).count();
     assert_eq!(words, 2, "one line a bearing says which effects matter: {text}");
-    assert_eq!(desk.read("c.html").matches("<svg").count(), 2, "diagram and rotor");
-    desk.refused(&["campbell", "scene.toml", "--speeds", "0mm..1mm:3"], 2, &["--speeds", "a speed of rotation"]);
+    assert_eq!(sandbox.read("c.html").matches("<svg").count(), 2, "diagram and rotor");
+    sandbox.refused(&["campbell", "scene.toml", "--speeds", "0mm..1mm:3"], 2, &["--speeds", "a speed of rotation"]);
     let two =
         "--speeds: invalid value: \"0..3000:4\" (has no unit), expected \"0rpm..3000rpm:4\" or \"0rad/s..3000rad/s:4\"";
-    desk.refused(&["campbell", "scene.toml", "--speeds", "0..3000:4"], 2, &[two]);
-    desk.refused(&["campbell", "scene.toml", "--speeds", "0,3000"], 2, &["\"0rpm,3000rpm\" or"]);
+    sandbox.refused(&["campbell", "scene.toml", "--speeds", "0..3000:4"], 2, &[two]);
+    sandbox.refused(&["campbell", "scene.toml", "--speeds", "0,3000"], 2, &["\"0rpm,3000rpm\" or"]);
 }
 
 /// Damping by hand: one spring and one damper, `c/(2 sqrt(k m))`.
 #[test]
 fn campbell_table_contains_damping() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", Desk::empty().done(&["scenes", "two-spring-rotor"]).out);
-    let all: Value = desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm", "--format", "json"]).json();
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", Sandbox::empty().done(&["scenes", "two-spring-rotor"]).out);
+    let all: Value = sandbox.done(&["campbell", "scene.toml", "--speeds", "3000rpm", "--format", "json"]).json();
     let along = 2.0 * 1.009_062_69e8_f64;
     let expected = 1000.0 / (2.0 * (along * 100.0).sqrt());
     let modes = all[0]["modes"].as_array().unwrap();
@@ -215,13 +219,13 @@ fn rollers_beyond_their_static_limit() {
     );
     // A line contact: the pressure grows with the root of the load.
     assert!((higher / pressure / (large / small).sqrt() - 1.0).abs() < 1e-12);
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene("400 kN", catalogue));
-    let text = desk.done(&["equilibrium", "scene.toml"]).out;
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene("400 kN", catalogue));
+    let text = sandbox.done(&["equilibrium", "scene.toml"]).out;
     assert!(text.contains("GPa of peak pressure, the static limit of ISO 76 is 4.0 GPa."), "{text}");
-    let text = desk.run(&["check", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = sandbox.run(&["check", "scene.toml"]).out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("the static limit of ISO 76 (4.0 GPa)"), "{text}");
-    desk.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &["bearing A: load of ", "the static limit of ISO 76"]);
+    sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &["bearing A: load of ", "the static limit of ISO 76"]);
     let law = "model = \"lumped\"\nelements = 13\nstiffness = 5.4e8\nexponent = 1.1111\nradial_play = \"16 um\"\ncage_ratio = 0.4";
     let found = settled(&scene("400 kN", law), &[]);
     assert!(found["bearings"][0]["pressure_limit"].is_null() && found["elements"][0]["inner_pressure"].is_null());

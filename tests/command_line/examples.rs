@@ -1,11 +1,11 @@
 //! The help of each command: examples that run as they stand, exit codes, and only options that the command has.
 
-use crate::support::{DEMO_SCENE, Desk, TURN, program, short_recording};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, program, short_recording};
 use std::process::{Command, Stdio};
 
 /// Commands of the program without `help`, by the list of its help.
 fn commands() -> Vec<String> {
-    let help = Desk::empty().done(&["--help"]).out;
+    let help = Sandbox::empty().done(&["--help"]).out;
     let list = help.split_once("Commands:").unwrap().1.split_once("Options:").unwrap().0.to_owned();
     let names = list.lines().filter_map(|line| line.split_whitespace().next().map(str::to_owned));
     names.filter(|name| name != "help").collect()
@@ -19,7 +19,7 @@ fn examples(help: &str) -> Vec<String> {
 
 #[test]
 fn examples_of_every_help_run() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     // Long enough to be diagnosed.
     let recording = short_recording(20 * TURN);
     for (name, content) in [
@@ -29,11 +29,11 @@ fn examples_of_every_help_run() {
         ("u.csv", "u,v,w,thu,thv\n0,-15e-6,0,0,0\n"),
         ("machines.csv", "machine,scene\npump,machine.toml\n"),
     ] {
-        desk.put(name, content);
+        sandbox.put(name, content);
     }
-    let mut of_all = examples(&desk.done(&["--help"]).out);
+    let mut of_all = examples(&sandbox.done(&["--help"]).out);
     for name in commands() {
-        let help = desk.done(&[&name, "--help"]).out;
+        let help = sandbox.done(&[&name, "--help"]).out;
         let own = examples(&help);
         let is_own = |line: &String| line.starts_with(&format!("ballrace {name}"));
         assert!(!own.is_empty() && own.iter().all(is_own), "{name}: {own:?}");
@@ -48,7 +48,11 @@ fn examples_of_every_help_run() {
     // `verify` reads what `bake` has written, `--baseline` what `--learn` has: the order of the help.
     for line in of_all {
         let mut shell = Command::new("sh");
-        shell.args(["-c", &line]).current_dir(desk.path("")).env("PATH", path.as_ref().unwrap()).stdin(Stdio::null());
+        shell
+            .args(["-c", &line])
+            .current_dir(sandbox.path(""))
+            .env("PATH", path.as_ref().unwrap())
+            .stdin(Stdio::null());
         let output = shell.output().unwrap();
         assert!(output.status.success(), "{line}: {output:?}");
     }
@@ -57,7 +61,7 @@ fn examples_of_every_help_run() {
 /// The help has the exit codes of the guide.
 #[test]
 fn exit_codes_are_in_the_help() {
-    let help = Desk::empty().done(&["replay", "--help"]).out;
+    let help = Sandbox::empty().done(&["replay", "--help"]).out;
     for code in ["  1    ", "  2    ", "  3    a limit", "  4    the recording is not plausible", "  130  "] {
         assert!(help.contains(code), "{code:?}: {help}");
     }
@@ -66,14 +70,14 @@ fn exit_codes_are_in_the_help() {
 /// An option that does nothing in a command is not offered by it.
 #[test]
 fn the_error_of_force_is_offered_only_where_it_counts() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for name in commands() {
         let counts =
             ["check", "verify", "fit", "new", "scenes", "completions", "man"].iter().all(|other| *other != name);
-        let help = desk.done(&[&name, "--help"]).out;
+        let help = sandbox.done(&[&name, "--help"]).out;
         assert_eq!(help.contains("--error <E>"), counts, "{name}: {help}");
         if !counts {
-            let run = desk.run(&[&name, "--error", "1%"]);
+            let run = sandbox.run(&[&name, "--error", "1%"]);
             assert!(run.code == Some(2) && run.err.contains("unexpected argument '--error'"), "{name}: {run:?}");
         }
     }
@@ -82,7 +86,7 @@ fn the_error_of_force_is_offered_only_where_it_counts() {
 /// `replay --help` lists the options of live operation apart from those of a recording.
 #[test]
 fn options_of_live_operation_stand_apart() {
-    let help = Desk::empty().done(&["replay", "--help"]).out;
+    let help = Sandbox::empty().done(&["replay", "--help"]).out;
     let (own, live) = help.split_once("\nLive operation, only with --paced:\n").unwrap();
     for option in ["--learn", "--baseline", "--paced", "--error", "--format"] {
         assert!(own.contains(&format!("{option} <")) || own.contains(&format!("{option}\n")), "{option}: {own}");

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{Desk, list, number, scene, swap};
+use crate::support::{Sandbox, list, number, scene, swap};
 
 /// The rig's scene without its unbalance and with another clearance, modulus and damping.
 fn wrong() -> String {
@@ -27,10 +27,10 @@ fn interval(found: &Value, name: &str) -> [f64; 3] {
 /// scene leaves the probes' noise.
 #[test]
 fn fit_finds_the_parameters_of_the_rig() {
-    let desk = Desk::rig();
-    desk.put("healthy.csv", crate::support::DEMO_RECORDING);
-    desk.put("wrong.toml", wrong());
-    let found = desk.done(&["fit", "wrong.toml", "--turns", "40", "--format", "json"]);
+    let sandbox = Sandbox::rig();
+    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    sandbox.put("wrong.toml", wrong());
+    let found = sandbox.done(&["fit", "wrong.toml", "--turns", "40", "--format", "json"]);
     let found: Value = serde_json::from_str(&found.out).unwrap();
     let facts = [
         ("unbalance: moment", 120.0),
@@ -62,7 +62,7 @@ fn fit_finds_the_parameters_of_the_rig() {
     // A transient that decays in a tenth of the recording determines the radial damping poorly, and the report states this.
     let notes = found["notes"].to_string();
     assert!(notes.contains("damping along X and Y is not identifiable"), "{notes}");
-    let outcome = desk.replay("wrong-fitted.toml", &[]);
+    let outcome = sandbox.replay("wrong-fitted.toml", &[]);
     for i in 0..5 {
         // The recording begins with a transient, which a replay does not know: see tests/recordings/README.md.
         let left = number(&outcome, &format!("/probes/{i}/residual_rms_um"));
@@ -83,13 +83,13 @@ fn light_rotor(of_bearings: [&str; 2]) -> String {
 }
 
 /// 40 turns of the rotor with slipping cages; `defect` is a line of bearing A. Young's modulus in the scene to fit is wrong.
-fn slipping(defect: &str) -> Desk {
-    let desk = Desk::empty();
+fn slipping(defect: &str) -> Sandbox {
+    let sandbox = Sandbox::empty();
     let [a, b] = CAGE_ANGLES.map(|deg| format!("cage_ratio = {SLIPPING}\nfirst_element_azimuth = \"{deg} deg\"\n"));
-    desk.put("generating.toml", light_rotor([&(a + defect), &b]));
-    desk.put("scene.toml", light_rotor(["youngs_modulus = \"195 GPa\"\n", "youngs_modulus = \"215 GPa\"\n"]));
-    desk.put("recording.csv", recording(&motion(&desk, "generating.toml", 20..60), TURN));
-    desk
+    sandbox.put("generating.toml", light_rotor([&(a + defect), &b]));
+    sandbox.put("scene.toml", light_rotor(["youngs_modulus = \"195 GPa\"\n", "youngs_modulus = \"215 GPa\"\n"]));
+    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..60), TURN));
+    sandbox
 }
 
 #[test]
@@ -128,16 +128,16 @@ fn a_recording_that_the_model_does_not_describe_gets_no_intervals() {
 /// The demonstration's axial load hides the passing of its elements; eight turns are too few to search it.
 #[test]
 fn cages_that_cannot_be_estimated_are_named() {
-    let desk = Desk::rig();
-    let notes = |desk: &Desk| {
+    let sandbox = Sandbox::rig();
+    let notes = |sandbox: &Sandbox| {
         let found: Value =
-            desk.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "json"]).json();
+            sandbox.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "json"]).json();
         found["notes"].to_string()
     };
-    let short = notes(&desk);
+    let short = notes(&sandbox);
     assert!(short.contains("The cages are not estimated: 8.0 revolutions in a row"), "{short}");
-    desk.put("healthy.csv", crate::support::DEMO_RECORDING);
-    let whole = notes(&desk);
+    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    let whole = notes(&sandbox);
     for bearing in ["DE", "NDE"] {
         assert!(whole.contains(&format!("{bearing}: the cage is not observable in this recording")), "{whole}");
     }
@@ -145,13 +145,13 @@ fn cages_that_cannot_be_estimated_are_named() {
 
 #[test]
 fn parameters_that_cannot_be_fitted_are_rejected() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let scene = wrong();
-    desk.put("bare.toml", scene.split("[recording]").next().unwrap());
-    desk.put("scene.toml", &scene);
+    sandbox.put("bare.toml", scene.split("[recording]").next().unwrap());
+    sandbox.put("scene.toml", &scene);
     let (before, after) = scene.split_once("probes = [").unwrap();
     let after = after.split_once("\n]").unwrap().1;
-    desk.put("deaf.toml", format!("{before}sensors = [{{ column = \"DE_X_um\", unit = \"g\" }}]{after}"));
+    sandbox.put("deaf.toml", format!("{before}sensors = [{{ column = \"DE_X_um\", unit = \"g\" }}]{after}"));
     for (args, says) in [
         (&["fit", "deaf.toml"][..], "[recording]: no probes, expected probes in fit"),
         (&["fit", "bare.toml"][..], "[recording]"),
@@ -159,7 +159,7 @@ fn parameters_that_cannot_be_fitted_are_rejected() {
         (&["fit", "scene.toml", "-o", "scene.toml"][..], "--output"),
         (&["fit", "scene.toml", "--only", "weight"][..], "possible values"),
     ] {
-        let run = desk.run(args);
+        let run = sandbox.run(args);
         assert!(run.code == Some(2) && run.err.contains(says), "{args:?}: {run:?}");
     }
 }

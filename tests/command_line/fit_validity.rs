@@ -1,20 +1,20 @@
 //! `ballrace fit`: intervals only where the scene describes the recording, and a search within physical bounds.
 
-use crate::support::{Desk, number, scene};
+use crate::support::{Sandbox, number, scene};
 use serde_json::Value;
 
 const UNBALANCE: &str = "unbalance = [{ moment = \"120 g mm\", angle = \"0.3 rad\", station = \"20 mm\" }]";
 
-fn fitted(desk: &Desk, more: &[&str]) -> Value {
-    desk.done(&[&["fit", "scene.toml", "--turns", "4", "--format", "json"], more].concat()).json()
+fn fitted(sandbox: &Sandbox, more: &[&str]) -> Value {
+    sandbox.done(&[&["fit", "scene.toml", "--turns", "4", "--format", "json"], more].concat()).json()
 }
 
 #[test]
 fn no_intervals_where_the_model_does_not_describe_the_data() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     // An unbalance that is not there, and only the clearance is free: the twin cannot follow.
-    desk.put("scene.toml", scene(&[(UNBALANCE, "unbalance = []")]));
-    let found = fitted(&desk, &["--only", "clearance"]);
+    sandbox.put("scene.toml", scene(&[(UNBALANCE, "unbalance = []")]));
+    let found = fitted(&sandbox, &["--only", "clearance"]);
     assert!(number(&found, "/chi_square_per_reading") > 2.0, "{found}");
     assert_eq!(found["consistent"], false);
     let parameters = found["parameters"].as_array().unwrap();
@@ -22,18 +22,18 @@ fn no_intervals_where_the_model_does_not_describe_the_data() {
     for p in parameters {
         assert!(p["value"].is_f64() && p["low"].is_null() && p["high"].is_null(), "{p}");
     }
-    let text = desk.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance"]).out;
+    let text = sandbox.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance"]).out;
     assert!(text.contains("WARNING: the scene does not describe the recording: chi-squared per reading"), "{text}");
     assert!(text.contains("No intervals are given") && !text.contains("95 of 100"), "{text}");
-    let csv = desk.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "csv"]).out;
+    let csv = sandbox.done(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "csv"]).out;
     assert!(csv.lines().nth(1).unwrap().contains(",,"), "{csv}");
 }
 
 #[test]
 fn intervals_where_it_does() {
-    let desk = Desk::rig();
-    desk.put("scene.toml", scene(&[("diametral_clearance = \"10 um\"", "diametral_clearance = \"14 um\"")]));
-    let found = fitted(&desk, &["--only", "clearance"]);
+    let sandbox = Sandbox::rig();
+    sandbox.put("scene.toml", scene(&[("diametral_clearance = \"10 um\"", "diametral_clearance = \"14 um\"")]));
+    let found = fitted(&sandbox, &["--only", "clearance"]);
     assert_eq!(found["consistent"], true);
     for p in found["parameters"].as_array().unwrap() {
         let [low, high] = ["/low", "/high"].map(|key| number(p, key));
@@ -44,12 +44,12 @@ fn intervals_where_it_does() {
 /// Differences and steps stay within what a bearing can have: no clearance below 0, none beyond the groove distance.
 #[test]
 fn a_search_at_the_bound_of_the_clearance_goes_on() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let clearance = "diametral_clearance = \"10 um\"";
     for start in ["0 um", "1 nm", "300 um"] {
         let other = format!("diametral_clearance = \"{start}\"");
-        desk.put("scene.toml", scene(&[(clearance, &other), (clearance, &other)]));
-        let answer = desk.run(&["fit", "scene.toml", "--turns", "2", "--only", "clearance", "--format", "json"]);
+        sandbox.put("scene.toml", scene(&[(clearance, &other), (clearance, &other)]));
+        let answer = sandbox.run(&["fit", "scene.toml", "--turns", "2", "--only", "clearance", "--format", "json"]);
         assert_eq!(answer.code, Some(0), "{start}: {answer:?}");
         let found: Value = answer.json();
         for p in found["parameters"].as_array().unwrap() {
@@ -57,8 +57,8 @@ fn a_search_at_the_bound_of_the_clearance_goes_on() {
         }
     }
     // The true clearance is found from the bound.
-    desk.put("scene.toml", scene(&[(clearance, "diametral_clearance = \"0 um\""); 2]));
-    let found = fitted(&desk, &["--only", "clearance"]);
+    sandbox.put("scene.toml", scene(&[(clearance, "diametral_clearance = \"0 um\""); 2]));
+    let found = fitted(&sandbox, &["--only", "clearance"]);
     for p in found["parameters"].as_array().unwrap() {
         assert!((number(p, "/value") - 10.0).abs() < 0.1, "{p}");
     }
@@ -67,11 +67,11 @@ fn a_search_at_the_bound_of_the_clearance_goes_on() {
 /// The opposite case: a recording of a bearing without clearance leads the search to the bound from above.
 #[test]
 fn a_bearing_without_clearance_is_fitted_at_the_bound() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let clearance = "diametral_clearance = \"10 um\"";
-    desk.put("truth.toml", scene(&[(clearance, "diametral_clearance = \"0 um\""); 2]));
+    sandbox.put("truth.toml", scene(&[(clearance, "diametral_clearance = \"0 um\""); 2]));
     // The tightest bearing that the twin can be: its probes at the truth's own displacements.
-    desk.done(&[
+    sandbox.done(&[
         "simulate",
         "truth.toml",
         "--settle",
@@ -83,9 +83,9 @@ fn a_bearing_without_clearance_is_fitted_at_the_bound() {
         "-o",
         "m.csv",
     ]);
-    let (header, rows) = crate::support::numbers(&desk.read("m.csv"));
+    let (header, rows) = crate::support::numbers(&sandbox.read("m.csv"));
     assert_eq!(header[1..6].join(","), "u,v,w,thu,thv");
-    let table = desk.read("healthy.csv");
+    let table = sandbox.read("healthy.csv");
     let mut lines = table.lines();
     let head = lines.next().unwrap();
     let mut out = format!("{head}\n");
@@ -100,9 +100,9 @@ fn a_bearing_without_clearance_is_fitted_at_the_bound() {
         }
         out += &(cells.join(",") + "\n");
     }
-    desk.put("healthy.csv", out);
-    desk.put("scene.toml", scene(&[(clearance, "diametral_clearance = \"2 um\""); 2]));
-    let answer = desk.run(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "json"]);
+    sandbox.put("healthy.csv", out);
+    sandbox.put("scene.toml", scene(&[(clearance, "diametral_clearance = \"2 um\""); 2]));
+    let answer = sandbox.run(&["fit", "scene.toml", "--turns", "4", "--only", "clearance", "--format", "json"]);
     assert_eq!(answer.code, Some(0), "{answer:?}");
     let found: Value = answer.json();
     for p in found["parameters"].as_array().unwrap() {

@@ -1,6 +1,6 @@
 //! `ballrace fleet`: a table of machines to a table of outcomes, whatever is wrong with one of them and whenever it is stopped.
 
-use crate::support::{Answer, DEMO_SCENE, Desk, TURN, numbers, recorded, scene, short_recording};
+use crate::support::{Answer, DEMO_SCENE, Sandbox, TURN, numbers, recorded, scene, short_recording};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
@@ -14,9 +14,9 @@ fn limit(max: &str) -> String {
     format!("\n[[limit]]\nindicator = \"1X\"\nmax = \"{max}\"\n")
 }
 
-fn fleet(desk: &Desk, output: &str, more: &[&str]) -> (Answer, Vec<Value>) {
+fn fleet(sandbox: &Sandbox, output: &str, more: &[&str]) -> (Answer, Vec<Value>) {
     let args = [&["fleet", "machines.csv", "-o", output, "--format", "json"], more].concat();
-    let answer = desk.run(&args);
+    let answer = sandbox.run(&args);
     assert!(matches!(answer.code, Some(0 | 3)) && answer.err.is_empty(), "{answer:?}");
     let rows = answer.json();
     (answer, rows)
@@ -58,19 +58,19 @@ fn evaluated(answer: &Answer) -> [usize; 2] {
 
 #[test]
 fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
-    let desk = Desk::rig();
-    desk.put("spall.csv", std::fs::read(recorded("outer-spall.csv")).unwrap());
-    desk.put("twenty.csv", short_recording(20 * TURN));
-    desk.put("limited.toml", DEMO_SCENE.to_owned() + &limit("0.01 um"));
-    desk.put("broken.toml", scene(&[("mass = \"6 kg\"", "mass = \"6 kgs\"")]));
-    desk.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"9000 rpm\"")]));
+    let sandbox = Sandbox::rig();
+    sandbox.put("spall.csv", std::fs::read(recorded("outer-spall.csv")).unwrap());
+    sandbox.put("twenty.csv", short_recording(20 * TURN));
+    sandbox.put("limited.toml", DEMO_SCENE.to_owned() + &limit("0.01 um"));
+    sandbox.put("broken.toml", scene(&[("mass = \"6 kg\"", "mass = \"6 kgs\"")]));
+    sandbox.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"9000 rpm\"")]));
     let text = DEMO_SCENE.replace('"', "\"\"");
     let table = format!(
         "machine,scene,recording,hall\nfan/1,scene.toml,,A\nfan 1,\"{text}\",,A\nmill,scene.toml,spall.csv,<B>\n\
          saw,limited.toml,twenty.csv,A\nlost,scene.toml,nowhere.csv,B\ntypo,broken.toml,,B\nwrong,fast.toml,,B\n"
     );
-    desk.put("machines.csv", table);
-    let (answer, rows) = fleet(&desk, "out", &[]);
+    sandbox.put("machines.csv", table);
+    let (answer, rows) = fleet(&sandbox, "out", &[]);
     assert_eq!(answer.code, Some(3));
     let expected = [
         ("fan/1", "normal"),
@@ -83,7 +83,7 @@ fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     ];
     assert_eq!(states(&rows), expected);
     // Verdicts and diagnoses are those of a replay.
-    let mill = desk.replay("scene.toml", &["--recording", "spall.csv"]);
+    let mill = sandbox.replay("scene.toml", &["--recording", "spall.csv"]);
     assert_eq!(rows[2]["verdict"], mill["verdict"]);
     let (found, expected) = (&rows[2]["diagnoses"][0], &mill["findings"][0]);
     assert_eq!((&found["fault"], &found["bearing"]), (&expected["kind"], &expected["bearing"]));
@@ -96,33 +96,33 @@ fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     assert!(rows[5]["error"].as_str().unwrap().contains("broken.toml:9: rotor.mass"), "{}", rows[5]);
     assert_eq!(rows[2]["tags"]["hall"], "<B>");
     // Every outcome has its report, and the overview its link.
-    let mut reports: Vec<String> = std::fs::read_dir(desk.path("out/reports"))
+    let mut reports: Vec<String> = std::fs::read_dir(sandbox.path("out/reports"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     reports.sort();
     assert_eq!(reports.len(), 5, "{reports:?}");
-    let page = desk.read("out/index.html");
+    let page = sandbox.read("out/index.html");
     assert!(reports.iter().all(|name| page.contains(&format!("href=\"reports&#x2f;{name}\""))), "{reports:?}");
     assert!(page.contains("hall: &lt;B&gt;") && !page.contains("<B>"));
     let place = |machine: &str| page.rfind(&format!(">{machine}<")).unwrap();
     assert!(place("saw") < place("mill") && place("mill") < place("wrong") && place("wrong") < place("lost"));
     assert!(place("lost") < place("fan 1"));
-    assert_eq!(stored(&desk.path("out/outcomes")).len(), rows.len());
+    assert_eq!(stored(&sandbox.path("out/outcomes")).len(), rows.len());
 
     // A second start computes nothing; one file that changes and one that appears are read again.
     let args = ["fleet", "machines.csv", "-o", "out"];
-    assert_eq!(evaluated(&desk.run(&args)), [0, 7]);
-    desk.put("nowhere.csv", short_recording(8 * TURN));
-    desk.put("twenty.csv", short_recording(8 * TURN));
-    let (_, again) = fleet(&desk, "out", &[]);
+    assert_eq!(evaluated(&sandbox.run(&args)), [0, 7]);
+    sandbox.put("nowhere.csv", short_recording(8 * TURN));
+    sandbox.put("twenty.csv", short_recording(8 * TURN));
+    let (_, again) = fleet(&sandbox, "out", &[]);
     assert_eq!([&again[3]["state"], &again[4]["state"]], ["normal", "normal"]);
-    assert_eq!(stored(&desk.path("out/outcomes")).len(), rows.len());
-    std::fs::remove_file(desk.path("out/reports/lost-nowhere.html")).unwrap();
-    assert_eq!(evaluated(&desk.run(&[&args[..], &["--no-report"]].concat())), [0, 7]);
-    assert_eq!(evaluated(&desk.run(&args)), [1, 6]);
+    assert_eq!(stored(&sandbox.path("out/outcomes")).len(), rows.len());
+    std::fs::remove_file(sandbox.path("out/reports/lost-nowhere.html")).unwrap();
+    assert_eq!(evaluated(&sandbox.run(&[&args[..], &["--no-report"]].concat())), [0, 7]);
+    assert_eq!(evaluated(&sandbox.run(&args)), [1, 6]);
     // CSV has the same rows.
-    let csv = desk.run(&["fleet", "machines.csv", "-o", "out", "--format", "csv"]).out;
+    let csv = sandbox.run(&["fleet", "machines.csv", "-o", "out", "--format", "csv"]).out;
     let first = csv.lines().next().unwrap();
     assert!(first.starts_with("machine,recording,time,state,verdict,error,diagnoses_json,indicators_json,tags_json"));
     assert!(csv.contains("\nlost,nowhere.csv,,normal,"), "{csv}");
@@ -131,44 +131,44 @@ fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
 /// Names from a table that a spreadsheet would take for formulas.
 #[test]
 fn no_cell_of_csv_is_a_formula() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let table = "machine,scene,recording,=hall\n\"=cmd|' /C calc'!A0\",scene.toml,healthy.csv,-1+2\n@SUM(1),scene.toml,+x.csv,\n";
-    desk.put("machines.csv", table);
-    let csv = desk.run(&["fleet", "machines.csv", "-o", "out", "--format", "csv"]).out;
+    sandbox.put("machines.csv", table);
+    let csv = sandbox.run(&["fleet", "machines.csv", "-o", "out", "--format", "csv"]).out;
     assert!(csv.contains("\n'=cmd|' /C calc'!A0,") && csv.contains("\n'@SUM(1),'+x.csv,"), "{csv}");
-    for csv in [csv, desk.read("out/trends.csv")] {
+    for csv in [csv, sandbox.read("out/trends.csv")] {
         let cells = csv.lines().flat_map(|line| line.split(','));
         let formulas: Vec<&str> = cells.filter(|cell| cell.starts_with(['=', '+', '@'])).collect();
         assert!(formulas.is_empty(), "{formulas:?}");
     }
     // The names stay what they are.
-    let (_, rows) = fleet(&desk, "out", &[]);
+    let (_, rows) = fleet(&sandbox, "out", &[]);
     assert_eq!([&rows[0]["machine"], &rows[1]["machine"]], ["=cmd|' /C calc'!A0", "@SUM(1)"]);
     // A column that was written so is found by its name.
-    desk.put("scene.toml", DEMO_SCENE.replace("\"DE_X_um\"", "\"=DE\""));
+    sandbox.put("scene.toml", DEMO_SCENE.replace("\"DE_X_um\"", "\"=DE\""));
     for name in ["=DE", "'=DE"] {
-        desk.put("healthy.csv", short_recording(8 * TURN).replace(",DE_X_um,", &format!(",{name},")));
-        desk.done(&["replay", "scene.toml", "--no-report"]);
+        sandbox.put("healthy.csv", short_recording(8 * TURN).replace(",DE_X_um,", &format!(",{name},")));
+        sandbox.done(&["replay", "scene.toml", "--no-report"]);
     }
 }
 
 /// Killed at several moments and started again, the rows are those of a run without interruption.
 #[test]
 fn a_killed_run_continues_without_a_lost_or_doubled_row() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let recordings = 13;
     let mut table = "machine,scene,recording,time\n".to_owned();
     for i in 0..recordings {
-        desk.put(&format!("r{i}.csv"), short_recording(4 * TURN + i));
+        sandbox.put(&format!("r{i}.csv"), short_recording(4 * TURN + i));
         table += &format!("m{:02},scene.toml,r{i}.csv,2026-01-01\n", i % 8);
     }
-    desk.put("machines.csv", table + "lost,scene.toml,nowhere.csv,\n");
-    let parts = || std::fs::read_dir(desk.path("out/outcomes")).map_or(0, |entries| entries.count());
+    sandbox.put("machines.csv", table + "lost,scene.toml,nowhere.csv,\n");
+    let parts = || std::fs::read_dir(sandbox.path("out/outcomes")).map_or(0, |entries| entries.count());
     let args = ["fleet", "machines.csv", "-o", "out", "--jobs", "1"];
     let mut kept = 0;
     for _ in 0..3 {
         let before = parts();
-        let mut child = desk.command(&args).spawn().unwrap();
+        let mut child = sandbox.command(&args).spawn().unwrap();
         let start = Instant::now();
         // A part is written after two seconds; the kill comes in the work on the next one.
         while parts() <= before && child.try_wait().unwrap().is_none() && start.elapsed() < Duration::from_secs(60) {
@@ -178,34 +178,34 @@ fn a_killed_run_continues_without_a_lost_or_doubled_row() {
         // The process may have ended on a fast computer.
         let _ = child.kill();
         child.wait().unwrap();
-        let mut rows = stored(&desk.path("out/outcomes"));
+        let mut rows = stored(&sandbox.path("out/outcomes"));
         // Killed while the parts are replaced by one, the process leaves both.
         rows.dedup();
         assert!(rows.len() >= kept, "a stored row is lost: {} of {kept}", rows.len());
         kept = rows.len();
     }
-    let end = desk.run(&args);
+    let end = sandbox.run(&args);
     let [new, old] = evaluated(&end);
     println!("{old} rows from the killed runs, {new} from the last one");
     assert!(old == kept && kept > 0 && new + old == recordings + 1, "{end:?}");
     let rows_and_distinct = || {
-        let keys = stored(&desk.path("out/outcomes"));
+        let keys = stored(&sandbox.path("out/outcomes"));
         let mut distinct = keys.clone();
         distinct.dedup();
         (keys.len(), distinct.len())
     };
     assert_eq!(rows_and_distinct(), (recordings + 1, recordings + 1));
     // As left by a process that is killed while the parts are replaced by one.
-    let part = desk.path("out/outcomes").read_dir().unwrap().next().unwrap().unwrap().path();
-    std::fs::copy(part, desk.path("out/outcomes/part-999998.parquet")).unwrap();
-    assert_eq!(evaluated(&desk.run(&args)), [0, recordings + 1]);
+    let part = sandbox.path("out/outcomes").read_dir().unwrap().next().unwrap().unwrap().path();
+    std::fs::copy(part, sandbox.path("out/outcomes/part-999998.parquet")).unwrap();
+    assert_eq!(evaluated(&sandbox.run(&args)), [0, recordings + 1]);
     assert_eq!(rows_and_distinct(), (recordings + 1, recordings + 1));
-    let (_, continued) = fleet(&desk, "out", &[]);
-    let (_, whole) = fleet(&desk, "whole", &[]);
+    let (_, continued) = fleet(&sandbox, "out", &[]);
+    let (_, whole) = fleet(&sandbox, "whole", &[]);
     assert_eq!(continued, whole);
-    assert_eq!(desk.read("out/trends.csv"), desk.read("whole/trends.csv"));
-    assert_eq!(desk.read("out/index.html"), desk.read("whole/index.html"));
-    let entries = desk.path("out/reports").read_dir().unwrap().map(|entry| entry.unwrap().path());
+    assert_eq!(sandbox.read("out/trends.csv"), sandbox.read("whole/trends.csv"));
+    assert_eq!(sandbox.read("out/index.html"), sandbox.read("whole/index.html"));
+    let entries = sandbox.path("out/reports").read_dir().unwrap().map(|entry| entry.unwrap().path());
     let rests = entries.filter(|path| path.extension().is_none_or(|end| end != "html")).count();
     assert_eq!(rests, 0, "temporary files are left");
 }
@@ -229,22 +229,22 @@ fn unbalanced(amplitude_um: f64) -> String {
 /// 1X grows by 0.9 um a day: it crosses 3 um on day 4, and the line through the first three days reaches 3 um within day 3.
 #[test]
 fn a_growing_unbalance_crosses_its_limit_on_the_right_day() {
-    let desk = Desk::rig();
-    desk.put("scene.toml", DEMO_SCENE.to_owned() + &limit("3 um"));
+    let sandbox = Sandbox::rig();
+    sandbox.put("scene.toml", DEMO_SCENE.to_owned() + &limit("3 um"));
     let mut table = "machine,scene,recording,time\n".to_owned();
     // The order of the table does not matter.
     for day in (1..=5).rev() {
-        desk.put(&format!("day{day}.csv"), unbalanced(0.9 * f64::from(day)));
+        sandbox.put(&format!("day{day}.csv"), unbalanced(0.9 * f64::from(day)));
         table += &format!("grows,scene.toml,day{day}.csv,2026-03-{day:02}\n");
         if day <= 3 {
             table += &format!("will cross,scene.toml,day{day}.csv,2026-03-{day:02}\n");
         }
     }
-    desk.put("machines.csv", table);
-    let answer = desk.run(&["fleet", "machines.csv", "-o", "out"]);
+    sandbox.put("machines.csv", table);
+    let answer = sandbox.run(&["fleet", "machines.csv", "-o", "out"]);
     assert_eq!(answer.code, Some(3), "{answer:?}");
     let (header, trends) = {
-        let text = desk.read("out/trends.csv");
+        let text = sandbox.read("out/trends.csv");
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         (lines.next().unwrap(), lines.collect::<Vec<_>>())
     };
@@ -268,7 +268,7 @@ fn a_growing_unbalance_crosses_its_limit_on_the_right_day() {
     // The diagnosed unbalance grows with it.
     let size = trend("grows", "diagnosis", "unbalance", "");
     assert!(size["slope_low"].parse::<f64>().unwrap() > 0.0 && size["unit"] == "g mm", "{size:?}");
-    let page = desk.read("out/index.html");
+    let page = sandbox.read("out/index.html");
     assert!(page.contains("crossed on 2026-03-04") && page.contains("expected on 2026-03-03"));
     assert!(page.find(">grows<") < page.find(">will cross<"));
     assert!(answer.out.contains("2 machines, 8 recordings"), "{answer:?}");
@@ -276,10 +276,10 @@ fn a_growing_unbalance_crosses_its_limit_on_the_right_day() {
 
 #[test]
 fn a_wrong_table_is_one_error() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let refused = |table: &str, parts: &[&str]| {
-        desk.put("machines.csv", table);
-        desk.refused(&["fleet", "machines.csv", "-o", "out"], 2, parts);
+        sandbox.put("machines.csv", table);
+        sandbox.refused(&["fleet", "machines.csv", "-o", "out"], 2, parts);
     };
     refused("machine,recording\na,b\n", &["machines.csv:1: missing column \"scene\"", "found machine, recording"]);
     refused(
@@ -294,9 +294,9 @@ fn a_wrong_table_is_one_error() {
     );
     refused("machine,scene\na\n", &["machines.csv:2: wrong number of cells: 1, expected 2"]);
     refused("PAR1 is no Parquet", &["machines.csv: unreadable table"]);
-    desk.refused(&["fleet", "absent.csv", "-o", "out"], 2, &["absent.csv: this file cannot be read"]);
-    desk.put("machines.csv", "machine,scene\na,scene.toml\n");
-    desk.refused(&["fleet", "machines.csv", "-o", "scene.toml"], 1, &["scene.toml"]);
+    sandbox.refused(&["fleet", "absent.csv", "-o", "out"], 2, &["absent.csv: this file cannot be read"]);
+    sandbox.put("machines.csv", "machine,scene\na,scene.toml\n");
+    sandbox.refused(&["fleet", "machines.csv", "-o", "scene.toml"], 1, &["scene.toml"]);
 }
 
 /// Prints the processor time of single replays over that of a fleet with one job.
@@ -312,12 +312,12 @@ fn long_a_fleet_costs_no_more_than_its_replays() {
         let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
         fields[13].parse::<f64>().unwrap() / 100.0
     }
-    let desk = Desk::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
     let rows: String = (0..MACHINES).map(|i| format!("m{i},scene.toml\n")).collect();
-    desk.put("machines.csv", format!("machine,scene\n{rows}"));
+    sandbox.put("machines.csv", format!("machine,scene\n{rows}"));
     let timed = |args: &[&str]| {
         let before = user_time();
-        assert_eq!(desk.run(args).code, Some(0));
+        assert_eq!(sandbox.run(args).code, Some(0));
         user_time() - before
     };
     let fleet = timed(&["fleet", "machines.csv", "-o", "out", "--jobs", "1"]);

@@ -1,7 +1,7 @@
 //! A rotor that bends, with probes away from its bearings (`tests/recordings/flexible`): motion, forces and diagnosis against an
 //! independent program.
 
-use crate::support::{Desk, list, recorded, swap};
+use crate::support::{Sandbox, list, recorded, swap};
 use serde_json::Value;
 use std::fs;
 
@@ -30,13 +30,13 @@ fn head(recording: &str) -> Vec<u8> {
 
 /// Replays a recording; returns the outcome and the estimated forces.
 fn replayed(recording: &str) -> (Value, Vec<Vec<f64>>) {
-    let desk = Desk::empty();
-    desk.put("head.npy", head(recording));
+    let sandbox = Sandbox::empty();
+    sandbox.put("head.npy", head(recording));
     let scene = recorded("flexible/scene.toml");
     let arguments =
         ["replay", &scene, "--recording", "head.npy", "--no-report", "--forces", "f.csv", "--format", "json"];
-    let answer = desk.done(&arguments);
-    let rows = desk
+    let answer = sandbox.done(&arguments);
+    let rows = sandbox
         .read("f.csv")
         .lines()
         .skip(1)
@@ -98,10 +98,10 @@ fn the_twin_of_a_flexible_rotor_in_good_order() {
 /// The report shows the forces of the observer and not those of a straight line between the planes of the probes, which are seven times too large.
 #[test]
 fn forces_of_a_flexible_rotor_are_those_of_the_observer() {
-    let desk = Desk::empty();
-    desk.put("head.npy", head("healthy"));
+    let sandbox = Sandbox::empty();
+    sandbox.put("head.npy", head("healthy"));
     let scene = recorded("flexible/scene.toml");
-    let text = desk.done(&["replay", &scene, "--recording", "head.npy", "--report", "r.html"]).out;
+    let text = sandbox.done(&["replay", &scene, "--recording", "head.npy", "--report", "r.html"]).out;
     let (_, forces) = text.split_once("FORCES ON THE INNER RINGS").unwrap();
     let (forces, _) = forces.split_once("ORDERS").unwrap();
     assert!(forces.contains("observer") && !forces.contains("measured"), "{forces}");
@@ -113,7 +113,7 @@ fn forces_of_a_flexible_rotor_are_those_of_the_observer() {
         let shown: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
         assert!((shown / mean - 1.0).abs() < 0.2, "{line}: {mean} N is true");
     }
-    let html = desk.read("r.html");
+    let html = sandbox.read("r.html");
     assert!(html.contains("from the observer") && !html.contains("from measured displacement"));
 }
 
@@ -144,15 +144,15 @@ fn inner_race_spall_of_a_flexible_rotor() {
 /// The unbalance of a flexible rotor stays in the planes of the drawing: near the bearings it would bend the rotor less.
 #[test]
 fn clearance_and_unbalance_of_a_flexible_rotor_are_fitted() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let swaps = [
         ("diametral_clearance = \"11.529 um\"", "diametral_clearance = \"13 um\""),
         ("\"102.02123 g mm\"", "\"120 g mm\""),
     ];
-    desk.put("scene.toml", swaps.iter().fold(scene(), |text, (from, to)| swap(&text, from, to)));
+    sandbox.put("scene.toml", swaps.iter().fold(scene(), |text, (from, to)| swap(&text, from, to)));
     let recording = recorded("flexible/healthy.npy");
     let arguments = ["fit", "scene.toml", "--recording", &recording, "--turns", "3", "--format", "json"];
-    let found: Value = serde_json::from_str(&desk.done(&arguments).out).unwrap();
+    let found: Value = serde_json::from_str(&sandbox.done(&arguments).out).unwrap();
     assert_eq!(found["consistent"], true, "{found:#}");
     let value = |name: &str, key: &str| {
         let estimate = list(&found, "parameters").iter().find(|p| p["name"] == name);
@@ -169,8 +169,8 @@ fn clearance_and_unbalance_of_a_flexible_rotor_are_fitted() {
         list(&found, "parameters").iter().all(|p| !p["name"].as_str().unwrap().starts_with("damping")),
         "{found:#}"
     );
-    desk.done(&["equilibrium", "scene-fitted.toml"]);
-    assert_eq!(desk.read("scene-fitted.toml").matches("g mm\"").count(), 2, "{}", desk.read("scene-fitted.toml"));
+    sandbox.done(&["equilibrium", "scene-fitted.toml"]);
+    assert_eq!(sandbox.read("scene-fitted.toml").matches("g mm\"").count(), 2, "{}", sandbox.read("scene-fitted.toml"));
 }
 
 #[test]
@@ -216,18 +216,18 @@ fn wrong_drawings_are_refused() {
         ),
     ];
     for (from, to, expected) in cases {
-        let desk = Desk::empty();
-        desk.put("scene.toml", swap(&scene(), from, to));
-        desk.refused(&["equilibrium", "scene.toml"], 2, &["scene.toml:", expected]);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", swap(&scene(), from, to));
+        sandbox.refused(&["equilibrium", "scene.toml"], 2, &["scene.toml:", expected]);
     }
 }
 
 /// The critical speeds stand below the table; the first modes of the rotor cross 1X near 106 and 108 Hz.
 #[test]
 fn critical_speeds_are_printed() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene());
-    let text = desk.done(&["campbell", "scene.toml", "--speeds", "0 rpm..12000 rpm:5"]).out;
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene());
+    let text = sandbox.done(&["campbell", "scene.toml", "--speeds", "0 rpm..12000 rpm:5"]).out;
     let (_, critical) = text.split_once("\nCritical speeds").unwrap();
     let first = critical.lines().find(|line| line.contains(" rpm  1X ")).unwrap();
     let rpm: f64 = first.split_whitespace().next().unwrap().parse().unwrap();
@@ -247,31 +247,31 @@ fn a_rotor_of_many_sections() {
         swap(&scene(), whole, &(0..count).map(section).collect::<String>())
     };
     let frequencies = |text: &str| {
-        let desk = Desk::empty();
-        desk.put("scene.toml", text);
-        let found = desk.done(&["campbell", "scene.toml", "--speeds", "3000 rpm", "--format", "json"]);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", text);
+        let found = sandbox.done(&["campbell", "scene.toml", "--speeds", "3000 rpm", "--format", "json"]);
         let found: Value = serde_json::from_str(&found.out).unwrap();
         found[0]["modes"].as_array().unwrap().iter().map(|m| m["frequency_hz"].as_f64().unwrap()).collect::<Vec<_>>()
     };
     for (few, many) in frequencies(&scene()).iter().zip(&frequencies(&pieces(2000))).take(8) {
         assert!((few / many - 1.0).abs() < 5e-3, "{few} {many} Hz");
     }
-    let desk = Desk::empty();
-    desk.put("scene.toml", pieces(10_001));
-    desk.refused(&["check", "scene.toml"], 2, &["scene.toml:", "10005 sections", "at most 10000"]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", pieces(10_001));
+    sandbox.refused(&["check", "scene.toml"], 2, &["scene.toml:", "10005 sections", "at most 10000"]);
 }
 
 /// A rigid rotor on supports is replayed and diagnosed too: its recording is the program's own.
 #[test]
 fn supports_are_observed() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let support = "support = { mass = \"3 kg\", stiffness_x = 2e7, stiffness_y = 3e7, damping = 800 }";
     let text =
         crate::observer::rotor("angular", support, "Z").replace("name = \"B\"", &format!("name = \"B\"\n{support}"));
-    desk.put("scene.toml", &text);
-    let motion = crate::observer::motion(&desk, "scene.toml", 20..60);
-    desk.put("recording.csv", crate::observer::recording(&motion, crate::observer::TURN));
-    let outcome = desk.done(&["replay", "scene.toml", "--report", "r.html", "--format", "json"]);
+    sandbox.put("scene.toml", &text);
+    let motion = crate::observer::motion(&sandbox, "scene.toml", 20..60);
+    sandbox.put("recording.csv", crate::observer::recording(&motion, crate::observer::TURN));
+    let outcome = sandbox.done(&["replay", "scene.toml", "--report", "r.html", "--format", "json"]);
     let outcome: Value = serde_json::from_str(&outcome.out).unwrap();
     assert!(diagnoses(&outcome).is_empty(), "{}", outcome["findings"]);
     for probe in list(&outcome, "probes") {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Desk, list, number};
+use crate::support::{Sandbox, list, number};
 
 /// A shaft from 100 mm to 600 mm with a disk, on two ball bearings.
 fn scene() -> String {
@@ -24,16 +24,17 @@ fn scene() -> String {
     )
 }
 
-fn desk() -> Desk {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene());
-    desk
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene());
+    sandbox
 }
 
 #[test]
 fn equilibrium_states_rotor_reduction_and_bending() {
-    let desk = desk();
-    let outcome: Value = desk.done(&["equilibrium", "scene.toml", "--report", "page.html", "--format", "json"]).json();
+    let sandbox = sandbox();
+    let outcome: Value =
+        sandbox.done(&["equilibrium", "scene.toml", "--report", "page.html", "--format", "json"]).json();
     let steel = 7800.0 * std::f64::consts::FRAC_PI_4;
     let (shaft, disk) =
         (steel * (0.03_f64.powi(2) - 0.01_f64.powi(2)) * 0.5, steel * (0.15_f64.powi(2) - 0.03_f64.powi(2)) * 0.03);
@@ -52,11 +53,11 @@ fn equilibrium_states_rotor_reduction_and_bending() {
         list(&outcome, "effect_significance").iter().filter(|need| need["effect"] == "bending").collect();
     assert_eq!(bending.len(), 2, "one for each bearing");
     assert!(bending.iter().all(|need| need["modelled"] == true && need["change"].as_f64().unwrap() > 0.0));
-    let page = desk.page("page.html");
+    let page = sandbox.page("page.html");
     for there in ["Mode shapes at 3000 rpm", "centre of mass", "DE, 130.0 mm", "NDE, 570.0 mm", "200 g mm, 30°"] {
         assert!(page.contains(there), "{there}");
     }
-    let text = desk.done(&["equilibrium", "scene.toml"]).out;
+    let text = sandbox.done(&["equilibrium", "scene.toml"]).out;
     for there in ["Rotor:", "Reduced model:", "bending: first bending frequency on the bearings"] {
         assert!(text.contains(there), "{there} is not in\n{text}");
     }
@@ -64,9 +65,9 @@ fn equilibrium_states_rotor_reduction_and_bending() {
 
 #[test]
 fn campbell_draws_diagram_mode_shapes_and_rotor() {
-    let desk = desk();
-    desk.done(&["campbell", "scene.toml", "--speeds", "0rpm..6000rpm:3", "--report", "page.html"]);
-    let page = desk.page("page.html");
+    let sandbox = sandbox();
+    sandbox.done(&["campbell", "scene.toml", "--speeds", "0rpm..6000rpm:3", "--report", "page.html"]);
+    let page = sandbox.page("page.html");
     assert_eq!(page.matches("<svg").count(), 3);
     for there in ["Campbell diagram", "Mode shapes at 3000 rpm", "Station Z, mm"] {
         assert!(page.contains(there), "{there}");
@@ -76,24 +77,24 @@ fn campbell_draws_diagram_mode_shapes_and_rotor() {
 /// The page of a rigid rotor has a bar and no mode shapes.
 #[test]
 fn a_rigid_rotor_is_a_bar() {
-    let desk = Desk::rig();
-    desk.done(&["campbell", "scene.toml", "--speeds", "3000rpm,6000rpm", "--report", "page.html"]);
-    let page = desk.page("page.html");
+    let sandbox = Sandbox::rig();
+    sandbox.done(&["campbell", "scene.toml", "--speeds", "3000rpm,6000rpm", "--report", "page.html"]);
+    let page = sandbox.page("page.html");
     assert!(page.contains("Not to scale") && !page.contains("Mode shapes"));
-    let outcome: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+    let outcome: Value = sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     assert!(outcome.get("rotor").is_none());
 }
 
 /// A shaft with an overhung disk, at `rpm`; `more` are further lines of the rotor.
-fn overhung(rpm: u32, more: &str) -> Desk {
+fn overhung(rpm: u32, more: &str) -> Sandbox {
     let bearing = |name: &str, station: f64, [x, y]: [&str; 2]| {
         format!(
             "[[bearing]]\nname = \"{name}\"\nstation = {station}\nmodel = \"linear\"\nelements = 9\nstiffness_matrix = \
              [[{x}, 0, 0, 0, 0], [0, {y}, 0, 0, 0], [0, 0, 1e7, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0]]\n"
         )
     };
-    let desk = Desk::empty();
-    desk.put(
+    let sandbox = Sandbox::empty();
+    sandbox.put(
         "scene.toml",
         format!(
             "name = \"overhung\"\n[shaft]\nspeed = \"{rpm} rpm\"\n[rotor]\nsections = [\n\
@@ -107,18 +108,18 @@ fn overhung(rpm: u32, more: &str) -> Desk {
             bearing("b", 0.65, ["5e7", "4e7"])
         ),
     );
-    desk
+    sandbox
 }
 
 /// An overhung disk turns about its diameter: the reduction is within its stated error at speed, with the gyroscopic effect, and every
 /// command states the error.
 #[test]
 fn a_rotor_with_an_overhung_disk_is_reduced_by_its_error_at_speed() {
-    let desk = overhung(2400, "");
-    let few: Value = desk.done(&["campbell", "scene.toml", "--speeds", "2400rpm", "--format", "json"]).json();
+    let sandbox = overhung(2400, "");
+    let few: Value = sandbox.done(&["campbell", "scene.toml", "--speeds", "2400rpm", "--format", "json"]).json();
     assert!(number(&few, "/0/rotor/frequency_error_percent") <= 0.5, "{}", few[0]["rotor"]);
     assert!(number(&few, "/0/rotor/coordinates") > 15.0, "{}", few[0]["rotor"]);
-    let fast: Value = desk.done(&["campbell", "scene.toml", "--speeds", "12000rpm", "--format", "json"]).json();
+    let fast: Value = sandbox.done(&["campbell", "scene.toml", "--speeds", "12000rpm", "--format", "json"]).json();
     let finest = overhung(2400, "coordinates = 31");
     let many: Value =
         finest.done(&["campbell", "scene.toml", "--speeds", "2400rpm,12000rpm", "--format", "json"]).json();
@@ -137,7 +138,7 @@ fn a_rotor_with_an_overhung_disk_is_reduced_by_its_error_at_speed() {
         &["check", "scene.toml"],
         &["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "--output", "r.csv"],
     ] {
-        let text = desk.done(arguments).out;
+        let text = sandbox.done(arguments).out;
         assert!(text.contains("Reduced model: "), "{arguments:?}: {text}");
         assert!(!text.contains("by more than allowed"), "{arguments:?}: {text}");
     }
@@ -146,14 +147,14 @@ fn a_rotor_with_an_overhung_disk_is_reduced_by_its_error_at_speed() {
 /// Too few coordinates are named with their error.
 #[test]
 fn too_few_coordinates_are_a_warning() {
-    let desk = overhung(2400, "coordinates = 9");
+    let sandbox = overhung(2400, "coordinates = 9");
     for arguments in [
         &["campbell", "scene.toml", "--speeds", "2400rpm"][..],
         &["check", "scene.toml"],
         &["equilibrium", "scene.toml"],
         &["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "--output", "r.csv"],
     ] {
-        let text = desk.done(arguments).out.replace('\n', " ");
+        let text = sandbox.done(arguments).out.replace('\n', " ");
         assert!(text.contains("The reduced rotor of 9 coordinates differs"), "{arguments:?}: {text}");
     }
 }

@@ -5,7 +5,7 @@ use serde_json::Value;
 use ballrace_tests::compare::relative_to_largest;
 use ballrace_tests::lumped::{Axial, Case, cases};
 
-use crate::support::{DEMO_SCENE, Desk, scene};
+use crate::support::{DEMO_SCENE, Sandbox, scene};
 
 /// A case as a scene, with element 1 back by `back` rad.
 fn case_scene(case: &Case, back: f64) -> String {
@@ -45,10 +45,10 @@ fn row(line: &str, digits: usize) -> ([f64; 5], &str) {
 }
 
 /// Forces of `force --format csv` for displacements with their header line.
-fn forces(desk: &Desk, displacements: &str, digits: usize, more: &[&str]) -> Vec<([f64; 5], String)> {
-    desk.put("u.csv", displacements);
+fn forces(sandbox: &Sandbox, displacements: &str, digits: usize, more: &[&str]) -> Vec<([f64; 5], String)> {
+    sandbox.put("u.csv", displacements);
     let args = [&["force", "scene.toml", "--displacements", "u.csv", "--format", "csv"], more].concat();
-    let out = desk.done(&args).out;
+    let out = sandbox.done(&args).out;
     let (header, rows) = out.split_once('\n').unwrap();
     assert_eq!(header, "FX,FY,FZ,MX,MY,status");
     rows.lines().map(|line| row(line, digits)).map(|(force, status)| (force, status.to_owned())).collect()
@@ -57,10 +57,10 @@ fn forces(desk: &Desk, displacements: &str, digits: usize, more: &[&str]) -> Vec
 /// The largest error of `cases` in the program, with the cage turned by `cage` rad and element 1 back by as much.
 fn largest_error(cases: &[&Case], cage: f64, digits: usize, options: &[&str]) -> f64 {
     let error = |case: &&Case| {
-        let desk = Desk::empty();
-        desk.put("scene.toml", case_scene(case, cage));
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", case_scene(case, cage));
         let rows = format!("u,v,w,thu,thv,cage_angle\n{},{cage:?}\n", displacements(case));
-        let found = forces(&desk, &rows, digits, options);
+        let found = forces(&sandbox, &rows, digits, options);
         assert_eq!(found.len(), 1);
         relative_to_largest(&found[0].0, &case.force)
     };
@@ -87,8 +87,8 @@ fn balls_pass_the_points_of_a_housing() {
         } else {
             format!("waviness = [{{ surface = \"outer\", order = 2, amplitude = {amplitude:?} }}]")
         };
-        let desk = Desk::empty();
-        desk.put(
+        let sandbox = Sandbox::empty();
+        sandbox.put(
             "scene.toml",
             format!(
                 "[shaft]\nspeed = \"1500 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\nelements = 8\n\
@@ -97,7 +97,7 @@ fn balls_pass_the_points_of_a_housing() {
         );
         let row = |angle: f64| format!("1e-6,-2e-6,0,0,0,{angle:?}\n");
         let rows: String = (0..12).map(|i| row(0.13 * f64::from(i))).collect();
-        forces(&desk, &format!("u,v,w,thu,thv,cage_angle\n{rows}"), 17, &["--precision", "f64"])
+        forces(&sandbox, &format!("u,v,w,thu,thv,cage_angle\n{rows}"), 17, &["--precision", "f64"])
     });
     assert_eq!(wave.len(), 12);
     for ((wave, _), (housing, _)) in wave.iter().zip(&housing) {
@@ -111,7 +111,7 @@ fn balls_pass_the_points_of_a_housing() {
 /// A bending outer ring in a scene: the heaviest loaded balls are relieved, and both precisions agree.
 #[test]
 fn an_outer_ring_bends() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let scene = |ring: &str| {
         format!(
             "[shaft]\nspeed = \"1500 rpm\"\n[rotor]\nmass = \"300 kg\"\ndiametral_inertia = 2\npolar_inertia = 1\n\
@@ -121,16 +121,16 @@ fn an_outer_ring_bends() {
     };
     let ring = "outer_ring = { radius = \"60 mm\", width = \"22 mm\", thickness = \"6 mm\" }";
     let loads = [("rigid.toml", ""), ("bending.toml", ring)].map(|(name, ring)| {
-        desk.put(name, scene(ring));
-        let json: Value = desk.done(&["equilibrium", name, "--format", "json"]).json();
+        sandbox.put(name, scene(ring));
+        let json: Value = sandbox.done(&["equilibrium", name, "--format", "json"]).json();
         let elements = json["elements"].as_array().unwrap_or_else(|| panic!("{json}"));
         elements.iter().map(|element| element["inner_load"].as_f64().unwrap()).fold(0.0, f64::max)
     });
     assert!(loads[1] < 0.95 * loads[0], "{loads:?}");
     let rows = "u,v,w,thu,thv,cage_angle\n0,-30e-6,0,0,0,0.1\n10e-6,-12e-6,0,0,0,2.3\n";
-    desk.put("scene.toml", scene(ring));
-    let [double, single] =
-        [("f64", 17), ("f32", 9)].map(|(precision, digits)| forces(&desk, rows, digits, &["--precision", precision]));
+    sandbox.put("scene.toml", scene(ring));
+    let [double, single] = [("f64", 17), ("f32", 9)]
+        .map(|(precision, digits)| forces(&sandbox, rows, digits, &["--precision", precision]));
     for ((double, _), (single, _)) in double.iter().zip(&single) {
         let error = relative_to_largest(single, double);
         assert!(error < 1e-5, "{single:?}, expected {double:?}");
@@ -177,10 +177,10 @@ const HEAD: &str = "u,v,w,thu,thv";
 /// Two displacements of a bearing of the demonstration that load it differently.
 const GOOD: [&str; 2] = ["1e-6,-2e-6,6.4e-5,1e-5,-2e-5", "-3e-6,1e-6,6.6e-5,0,1e-5"];
 
-fn rig() -> Desk {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DEMO_SCENE);
-    desk
+fn rig() -> Sandbox {
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DEMO_SCENE);
+    sandbox
 }
 
 fn table(rows: &[&str]) -> String {
@@ -223,9 +223,9 @@ fn displacement_that_overflows() {
 #[test]
 fn no_contact_no_force() {
     let lumped = "\"lumped\"\nstiffness = 1e10\nradial_play = \"5 um\"";
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene(&[("\"angular\"", lumped)]));
-    let found = forces(&desk, &table(&["1e-6,0,0,0,0", "8e-6,0,0,0,0"]), 17, &["--bearing", "DE"]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene(&[("\"angular\"", lumped)]));
+    let found = forces(&sandbox, &table(&["1e-6,0,0,0,0", "8e-6,0,0,0,0"]), 17, &["--bearing", "DE"]);
     assert_eq!(found[0], ([0.0; 5], "contact-lost".to_owned()));
     assert_eq!(found[1].1, "ok");
     assert!(found[1].0[0] < -1.0, "a spring pushes back: {:?}", found[1].0);
@@ -234,13 +234,13 @@ fn no_contact_no_force() {
 #[test]
 fn the_cage_rotates_with_time() {
     // 3000 rpm and a cage at 0.4 of that: a tenth of a turn after 5 ms.
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene(&[("elements = 9", "elements = 9\ncage_ratio = 0.4")]));
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene(&[("elements = 9", "elements = 9\ncage_ratio = 0.4")]));
     let options = ["--bearing", "DE"];
-    let timed = forces(&desk, &format!("{HEAD},t\n{},5e-3\n", GOOD[0]), 17, &options);
+    let timed = forces(&sandbox, &format!("{HEAD},t\n{},5e-3\n", GOOD[0]), 17, &options);
     let tenth = std::f64::consts::TAU / 10.0;
-    let turned = forces(&desk, &format!("{HEAD},cage_angle\n{},{tenth:?}\n", GOOD[0]), 17, &options);
-    let still = forces(&desk, &table(&[GOOD[0]]), 17, &options);
+    let turned = forces(&sandbox, &format!("{HEAD},cage_angle\n{},{tenth:?}\n", GOOD[0]), 17, &options);
+    let still = forces(&sandbox, &table(&[GOOD[0]]), 17, &options);
     assert!(relative_to_largest(&timed[0].0, &turned[0].0) < 1e-11);
     assert!(relative_to_largest(&timed[0].0, &still[0].0) > 1e-4, "the elements have moved on");
 }
@@ -264,13 +264,13 @@ fn both_bearings_and_other_models() {
 
 #[test]
 fn the_three_formats_agree() {
-    let desk = rig();
+    let sandbox = rig();
     let rows = table(&[GOOD[0], "NaN,0,0,0,0", GOOD[1]]);
-    let csv = forces(&desk, &rows, 17, &["--bearing", "DE"]);
+    let csv = forces(&sandbox, &rows, 17, &["--bearing", "DE"]);
     let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", "DE", "--format"];
-    let json: Vec<Value> = desk.done(&[&args[..], &["json"]].concat()).json();
-    let text = desk.done(&[&args[..], &["text"]].concat()).out;
-    assert_eq!(text, desk.done(&args[..6]).out, "text is the default");
+    let json: Vec<Value> = sandbox.done(&[&args[..], &["json"]].concat()).json();
+    let text = sandbox.done(&[&args[..], &["text"]].concat()).out;
+    assert_eq!(text, sandbox.done(&args[..6]).out, "text is the default");
     let (table, needs): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| !line.starts_with("DE: "));
     assert_eq!((json.len(), table.len()), (3, 4));
     assert!(needs[0].starts_with("DE: effects of this scene, as change of force if omitted: contact-angle"), "{text}");
@@ -301,8 +301,8 @@ fn bits(x: f32) -> String {
 #[test]
 fn a_log_of_bits_gives_the_bits_of_the_kernel() {
     use ballrace::{Bearing, BearingKinematicState, Displacement, LumpedRadial, Phase};
-    let desk = Desk::empty();
-    desk.put(
+    let sandbox = Sandbox::empty();
+    sandbox.put(
         "scene.toml",
         "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nmodel = \"lumped\"\ncage_ratio = 0.4\n\
          elements = 9\nstiffness = 8e9\nradial_play = \"2 um\"\n",
@@ -327,25 +327,25 @@ fn a_log_of_bits_gives_the_bits_of_the_kernel() {
         expected += &format!("{},{status}\n", reaction.wrench.to_array().map(bits).join(","));
     }
     assert!(expected.contains("0x04") && expected.contains("0x00\n"));
-    desk.put("log.csv", log);
+    sandbox.put("log.csv", log);
     let args = ["force", "scene.toml", "--displacements", "log.csv", "--precision", "f32", "--bits"];
-    let out = desk.done(&[&args[..], &["--format", "csv"]].concat()).out;
+    let out = sandbox.done(&[&args[..], &["--format", "csv"]].concat()).out;
     assert_eq!(out, format!("FX,FY,FZ,MX,MY,status\n{expected}"));
-    let json: Value = desk.done(&[&args[..], &["--format", "json"]].concat()).json();
+    let json: Value = sandbox.done(&[&args[..], &["--format", "json"]].concat()).json();
     let first: Vec<&str> = expected.lines().next().unwrap().split(',').collect();
     assert_eq!([&json[0]["FX"], &json[0]["FY"], &json[0]["status"]], [first[0], first[1], first[5]]);
     // Double precision has sixteen digits.
     let args = ["force", "scene.toml", "--displacements", "log.csv", "--bits", "--format", "csv"];
-    assert_eq!(desk.done(&args).out.lines().nth(1).unwrap().split(',').next().unwrap().len(), 18);
+    assert_eq!(sandbox.done(&args).out.lines().nth(1).unwrap().split(',').next().unwrap().len(), 18);
 }
 
 #[test]
 fn invalid_cells_of_a_log_are_refused() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let refused = |text: &str, code: i32, part: &str| {
-        desk.put("u.csv", text);
+        sandbox.put("u.csv", text);
         let args = ["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv"];
-        desk.refused(&args, code, &["u.csv:", part]);
+        sandbox.refused(&args, code, &["u.csv:", part]);
     };
     let header = "u,v,w,thu,thv,cage_phase\n";
     for phase in ["-1", "0.5", "0x", "0x1g", "18446744073709551616", ""] {

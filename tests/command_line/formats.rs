@@ -7,7 +7,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use serde_json::Value;
 
-use crate::support::{DEMO_SCENE, Desk, SHORT, numbers, scene, short_recording, swap};
+use crate::support::{DEMO_SCENE, SHORT, Sandbox, numbers, scene, short_recording, swap};
 
 /// Names and columns of the recording on a rig.
 fn table() -> (Vec<String>, Vec<Vec<f64>>) {
@@ -118,27 +118,27 @@ fn wav() -> Vec<u8> {
 }
 
 /// The outcome but for how long it took and what the file is called.
-fn figures(desk: &Desk, recording: &str) -> Value {
-    let mut outcome = desk.replay("scene.toml", &["--recording", recording]);
+fn figures(sandbox: &Sandbox, recording: &str) -> Value {
+    let mut outcome = sandbox.replay("scene.toml", &["--recording", recording]);
     let all = outcome.as_object_mut().unwrap();
     assert_eq!(all.remove("recording").unwrap(), recording);
     all.remove("timing").unwrap();
     let file = all.remove("file").unwrap();
-    assert_eq!(file["bytes"], std::fs::metadata(desk.path(recording)).unwrap().len());
+    assert_eq!(file["bytes"], std::fs::metadata(sandbox.path(recording)).unwrap().len());
     outcome
 }
 
 #[test]
 fn the_same_figures_from_every_format() {
-    let desk = Desk::rig();
-    let text = figures(&desk, "healthy.csv");
+    let sandbox = Sandbox::rig();
+    let text = figures(&sandbox, "healthy.csv");
     let files = [("r.npy", npy()), ("r.parquet", parquet()), ("r.mat", mat()), ("r.tdms", tdms("V"))];
     for (name, bytes) in files {
-        desk.put(name, &bytes);
-        assert_eq!(figures(&desk, name), text, "{name}");
+        sandbox.put(name, &bytes);
+        assert_eq!(figures(&sandbox, name), text, "{name}");
         // Content comes before the name.
-        desk.put("r.dat", &bytes);
-        assert_eq!(figures(&desk, "r.dat"), text, "{name} as r.dat");
+        sandbox.put("r.dat", &bytes);
+        assert_eq!(figures(&sandbox, "r.dat"), text, "{name} as r.dat");
     }
 }
 
@@ -151,41 +151,41 @@ fn the_same_figures_from_sound() {
     let header: Vec<String> = (0..names.len()).map(|place| format!("c{place}")).collect();
     let row = |row: usize| columns.iter().map(|column| (f64::from(column[row] as f32)).to_string()).collect::<Vec<_>>();
     let rows: String = (0..SHORT).map(|at| row(at).join(",") + "\n").collect();
-    let desk = Desk::with(&numbered, &(header.join(",") + "\n" + &rows));
-    desk.put("r.wav", wav());
-    assert_eq!(figures(&desk, "r.wav"), figures(&desk, "healthy.csv"));
+    let sandbox = Sandbox::with(&numbered, &(header.join(",") + "\n" + &rows));
+    sandbox.put("r.wav", wav());
+    assert_eq!(figures(&sandbox, "r.wav"), figures(&sandbox, "healthy.csv"));
 }
 
 #[test]
 fn files_that_contradict_the_scene() {
-    let desk = Desk::rig();
-    desk.put("r.tdms", tdms("mm"));
+    let sandbox = Sandbox::rig();
+    sandbox.put("r.tdms", tdms("mm"));
     let replay = ["replay", "scene.toml", "--recording", "r.tdms"];
-    desk.refused(
+    sandbox.refused(
         &replay,
         2,
         &["r.tdms: column Rig/DE_X_um: unit differs from the scene's: `mm`, expected `um` or no unit"],
     );
-    desk.put("r.tdms", tdms("µm"));
-    desk.put("scene.toml", scene(&[("12.8 kHz", "25.6 kHz")]));
+    sandbox.put("r.tdms", tdms("µm"));
+    sandbox.put("scene.toml", scene(&[("12.8 kHz", "25.6 kHz")]));
     let said = "r.tdms: sampling rate differs from the scene's: 12800 Hz, expected 25600 Hz within 0.1 %";
-    desk.refused(&replay, 2, &[said]);
-    desk.put("scene.toml", swap(DEMO_SCENE, "\"DE_X_um\"", "\"DE_X\""));
-    desk.refused(&replay, 2, &["r.tdms: no such column: `DE_X`, expected one of `Rig/time_s`, `Rig/DE_X_um`"]);
+    sandbox.refused(&replay, 2, &[said]);
+    sandbox.put("scene.toml", swap(DEMO_SCENE, "\"DE_X_um\"", "\"DE_X\""));
+    sandbox.refused(&replay, 2, &["r.tdms: no such column: `DE_X`, expected one of `Rig/time_s`, `Rig/DE_X_um`"]);
 }
 
 #[test]
 fn files_cut_short() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     for (name, bytes) in [("r.npy", npy()), ("r.parquet", parquet()), ("r.mat", mat())] {
-        desk.put(name, &bytes[..bytes.len() - 100]);
+        sandbox.put(name, &bytes[..bytes.len() - 100]);
         let replay = ["replay", "scene.toml", "--recording", name];
-        desk.refused(&replay, 1, &[name, ": unreadable file: ", ", expected a"]);
+        sandbox.refused(&replay, 1, &[name, ": unreadable file: ", ", expected a"]);
     }
     // The rows that a logger wrote before it was stopped are used.
     let whole = tdms("um");
-    desk.put("r.tdms", &whole[..whole.len() - 100]);
-    let outcome = desk.replay("scene.toml", &["--recording", "r.tdms"]);
+    sandbox.put("r.tdms", &whole[..whole.len() - 100]);
+    let outcome = sandbox.replay("scene.toml", &["--recording", "r.tdms"]);
     let flaws = outcome["flaws"].as_array().unwrap();
     assert!(flaws.iter().any(|flaw| flaw["kind"] == "short_row"), "{outcome:#}");
 }
@@ -193,17 +193,17 @@ fn files_cut_short() {
 /// Text as spreadsheets write it in UTF-16, of either byte order, packed or not.
 #[test]
 fn the_same_figures_from_utf_16() {
-    let desk = Desk::rig();
-    let text = figures(&desk, "healthy.csv");
-    let table = desk.read("healthy.csv");
+    let sandbox = Sandbox::rig();
+    let text = figures(&sandbox, "healthy.csv");
+    let table = sandbox.read("healthy.csv");
     let of = |text: &str, order: fn(u16) -> [u8; 2]| -> Vec<u8> {
         "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(order).collect()
     };
     let unicode_text = table.replace(',', "\t").replace('\n', "\r\n");
-    desk.put("r.txt", of(&unicode_text, u16::to_le_bytes));
-    assert_eq!(figures(&desk, "r.txt"), text);
-    desk.put("r.csv", of(&table, u16::to_be_bytes));
-    assert_eq!(figures(&desk, "r.csv"), text);
+    sandbox.put("r.txt", of(&unicode_text, u16::to_le_bytes));
+    assert_eq!(figures(&sandbox, "r.txt"), text);
+    sandbox.put("r.csv", of(&table, u16::to_be_bytes));
+    assert_eq!(figures(&sandbox, "r.csv"), text);
 }
 
 /// A keyphasor as instants of its pulses, a vector shorter than those of the samples, gives the figures of the same instants as pulses.
@@ -224,11 +224,11 @@ fn instants_of_pulses() {
     };
     let others: Vec<(&str, &[f64])> = names.iter().map(String::as_str).zip(columns.iter().map(Vec::as_slice)).collect();
     let with = |tach: &[f64]| mat_of(&[&others[..], &[("tach", tach)]].concat());
-    let desk = Desk::rig();
-    let pulses = desk.replay("scene.toml", &[]);
-    desk.put("keyed.toml", keyed("ms"));
-    desk.put("r.mat", with(&instants));
-    let found = desk.replay("keyed.toml", &["--recording", "r.mat"]);
+    let sandbox = Sandbox::rig();
+    let pulses = sandbox.replay("scene.toml", &[]);
+    sandbox.put("keyed.toml", keyed("ms"));
+    sandbox.put("r.mat", with(&instants));
+    let found = sandbox.replay("keyed.toml", &["--recording", "r.mat"]);
     for path in ["/speed/mean_rpm", "/probes/0/one_x/amplitude_um", "/bearings/0/measured/fx/rms"] {
         let [found, pulses] = [&found, &pulses].map(|outcome| outcome.pointer(path).and_then(Value::as_f64));
         if let (Some(found), Some(pulses)) = (found, pulses) {
@@ -238,20 +238,20 @@ fn instants_of_pulses() {
     let speed = |outcome: &Value| outcome.to_string();
     assert!(speed(&found).contains("; their instants"), "{found}");
     let refused = |unit: &str, tach: &[f64], part: &str| {
-        desk.put("keyed.toml", keyed(unit));
-        desk.put("r.mat", with(tach));
-        desk.refused(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"], 1, &[part]);
+        sandbox.put("keyed.toml", keyed(unit));
+        sandbox.put("r.mat", with(tach));
+        sandbox.refused(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"], 1, &[part]);
     };
     refused("ms", &[2.0, 1.0, 3.0], "r.mat: column tach: 1 after 2, expected instants of pulses that rise");
     refused("us", &instants, "r.mat: column tach: instants that are ");
-    desk.put("keyed.toml", keyed("h"));
-    desk.put("r.mat", with(&instants));
-    let text = desk.done(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"]).out;
+    sandbox.put("keyed.toml", keyed("h"));
+    sandbox.put("r.mat", with(&instants));
+    let text = sandbox.done(&["replay", "keyed.toml", "--recording", "r.mat", "--no-report"]).out;
     assert!(text.contains("No verdict: ") && text.contains("column tach: no instant of a pulse within"), "{text}");
     // Text has one length for all its columns.
-    desk.put("keyed.toml", swap(&keyed("ms"), "\"tach\"", "\"keyphasor\""));
+    sandbox.put("keyed.toml", swap(&keyed("ms"), "\"tach\"", "\"keyphasor\""));
     let said = "healthy.csv: column keyphasor: a column of a file whose columns have equal lengths, expected instants of pulses";
-    desk.refused(&["replay", "keyed.toml", "--no-report"], 1, &[said]);
+    sandbox.refused(&["replay", "keyed.toml", "--no-report"], 1, &[said]);
     let args = ["simulate", "keyed.toml", "--duration", "0.1 s", "--as-recording", "-o", "o.csv"];
-    desk.refused(&args, 2, &["recording.keyphasor.kind: \"instants\", expected \"pulses\" or \"count\""]);
+    sandbox.refused(&args, 2, &["recording.keyphasor.kind: \"instants\", expected \"pulses\" or \"count\""]);
 }

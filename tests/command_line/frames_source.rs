@@ -1,7 +1,7 @@
 //! A source of frames over TCP that keeps what was not acknowledged, and a monitor that can be killed under it.
 
 pub use crate::live::{connected, port};
-use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, short_recording, swap};
 use serde_json::Value;
 use std::cell::Cell;
 use std::io::{BufRead, BufReader, Write};
@@ -82,9 +82,9 @@ impl Frames {
 /// Readings of a sample; none of one that the source loses.
 pub type Readings = Box<dyn Fn(u64) -> Vec<f32>>;
 
-/// A desk with a monitor's folders, and a source that stores the acknowledged sequence number.
+/// A sandbox with a monitor's folders, and a source that stores the acknowledged sequence number.
 pub struct Rig {
-    pub desk: Desk,
+    pub sandbox: Sandbox,
     pub port: u16,
     readings: Readings,
     /// Samples that may be sent beyond the last acknowledged one.
@@ -117,15 +117,15 @@ impl Rig {
     /// With `options` of the monitor besides its source.
     pub fn new(options: &[&str]) -> Self {
         let frames = Frames::new();
-        Self::with(Desk::with(&scene(), ""), Box::new(move |index| frames.readings(index)), WINDOW, options)
+        Self::with(Sandbox::with(&scene(), ""), Box::new(move |index| frames.readings(index)), WINDOW, options)
     }
 
-    /// With the scene of a desk and a source of these readings, which sends `window` samples beyond the last
+    /// With the scene of a sandbox and a source of these readings, which sends `window` samples beyond the last
     /// acknowledged one.
-    pub fn with(desk: Desk, readings: Readings, window: u64, options: &[&str]) -> Self {
+    pub fn with(sandbox: Sandbox, readings: Readings, window: u64, options: &[&str]) -> Self {
         let options = options.iter().map(|&option| option.to_owned()).collect();
         let (first_number, sent, acknowledged) = (Cell::new(0), Arc::default(), Arc::default());
-        Self { desk, port: port(), readings, window, first_number, options, sent, acknowledged }
+        Self { sandbox, port: port(), readings, window, first_number, options, sent, acknowledged }
     }
 
     /// The frame of a sample; empty for one that the source loses.
@@ -151,7 +151,7 @@ impl Rig {
         let source = format!("tcp:{}", self.port);
         let options: Vec<&str> = self.options.iter().map(String::as_str).collect();
         let args = ["replay", "scene.toml", "--paced", "--format", "json", "--source", &source, "--encoding", "frames"];
-        self.desk.command(&[&args[..], &options].concat())
+        self.sandbox.command(&[&args[..], &options].concat())
     }
 
     /// A connection whose acknowledgements are counted.
@@ -225,7 +225,7 @@ impl Rig {
 
     /// The events of the log of these kinds: kind, probe, start, s.
     pub fn limit_events(&self, log: &str) -> Vec<(String, String, f64)> {
-        let text = if self.desk.path(log).exists() { self.desk.read(log) } else { String::new() };
+        let text = if self.sandbox.path(log).exists() { self.sandbox.read(log) } else { String::new() };
         let event = |line: &str| {
             assert_eq!(line.matches("\"sentence\"").count(), 1, "a key stands twice: {line}");
             let event: Value = serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}"));
@@ -237,7 +237,7 @@ impl Rig {
 
     /// Time and samples of the seconds of every indicators file, in order.
     pub fn seconds(&self, folder: &str) -> Vec<(f64, f64)> {
-        let path = |number: u32| self.desk.path(&format!("{folder}/indicators-{number:04}.parquet"));
+        let path = |number: u32| self.sandbox.path(&format!("{folder}/indicators-{number:04}.parquet"));
         (1..).map(path).take_while(|path| path.exists()).flat_map(|path| seconds_of(&path)).collect()
     }
 }

@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::frames_source::{RATE, Rig, connected, port};
 use crate::live_start::terminate;
-use crate::support::{Desk, is_progress, number};
+use crate::support::{Sandbox, is_progress, number};
 
 /// Granularity of a tmpfs, bytes.
 const PAGE: usize = 4096;
@@ -26,11 +26,11 @@ exit $code
 
 /// True where this machine lets a user mount a disk in a namespace; prints a note where it does not.
 pub fn can_mount() -> bool {
-    let desk = Desk::empty();
-    fs::create_dir(desk.path("disk")).unwrap();
+    let sandbox = Sandbox::empty();
+    fs::create_dir(sandbox.path("disk")).unwrap();
     let mount = "mount -t tmpfs -o size=64k none disk";
     let mut unshare = Command::new("unshare");
-    let status = unshare.args(["-rm", "sh", "-c", mount]).current_dir(desk.path("")).stderr(Stdio::null()).status();
+    let status = unshare.args(["-rm", "sh", "-c", mount]).current_dir(sandbox.path("")).stderr(Stdio::null()).status();
     let can = status.as_ref().is_ok_and(std::process::ExitStatus::success);
     if !can {
         println!("skipped: no user namespace with a tmpfs on this machine (unshare -rm: {status:?})");
@@ -74,20 +74,20 @@ impl SmallDisk {
         let files = ["--state", "disk/state", "--events", "disk/events.jsonl", "--indicators", "disk/trend"];
         let others = ["--indicators-file-length", "2 s", "--report", "report.html", "--prometheus"];
         let rig = Rig::new(&[&files[..], &others, &[&metrics.to_string()]].concat());
-        fs::create_dir(rig.desk.path("disk")).unwrap();
+        fs::create_dir(rig.sandbox.path("disk")).unwrap();
         let program = rig.command();
         let mut command = Command::new("unshare");
         command.args(["-rm", "sh", "-c", SCRIPT, "sh"]).arg(program.get_program()).args(program.get_args());
-        command.current_dir(rig.desk.path("")).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.current_dir(rig.sandbox.path("")).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let monitor = command.spawn().unwrap();
         Self { rig, metrics, monitor }
     }
 
     /// A file on the disk, in the monitor's mount namespace.
     fn path(&self, name: &str) -> PathBuf {
-        let pid = self.rig.desk.read("program.pid");
-        let desk = self.rig.desk.path("disk");
-        PathBuf::from(format!("/proc/{}/root{}/{name}", pid.trim(), desk.display()))
+        let pid = self.rig.sandbox.read("program.pid");
+        let sandbox = self.rig.sandbox.path("disk");
+        PathBuf::from(format!("/proc/{}/root{}/{name}", pid.trim(), sandbox.display()))
     }
 
     /// Feeds the monitor until it acknowledges seconds, fills the disk, and feeds it until it lacks seconds on disk.
@@ -99,7 +99,7 @@ impl SmallDisk {
 
     /// Ends the monitor and returns its outcome; its files are in `copy` then.
     fn end(self) -> (Value, Rig) {
-        terminate(self.rig.desk.read("program.pid").trim().parse().unwrap());
+        terminate(self.rig.sandbox.read("program.pid").trim().parse().unwrap());
         let output = self.monitor.wait_with_output().unwrap();
         let err = String::from_utf8_lossy(&output.stderr);
         assert!(is_progress(&err), "{err}");
@@ -109,7 +109,7 @@ impl SmallDisk {
 
 fn kinds(rig: &Rig) -> Vec<String> {
     let kind = |line: &str| serde_json::from_str::<Value>(line).unwrap()["kind"].as_str().unwrap().to_owned();
-    rig.desk.read("copy/events.jsonl").lines().filter(|line| !line.trim().is_empty()).map(kind).collect()
+    rig.sandbox.read("copy/events.jsonl").lines().filter(|line| !line.trim().is_empty()).map(kind).collect()
 }
 
 /// Times and number of the seconds on the disk: each once, from the first on.
@@ -138,7 +138,7 @@ fn a_disk_that_is_full_for_a_while_loses_nothing() {
     for kind in ["output-failing", "output-recovered"] {
         assert!(kinds.iter().any(|of| of == kind), "{kind} is not in {kinds:?}");
     }
-    assert!(rig.desk.read("report.html").contains("</html>"));
+    assert!(rig.sandbox.read("report.html").contains("</html>"));
 }
 
 #[test]
@@ -152,8 +152,8 @@ fn permanently_full_disk_stops_neither_monitor_nor_report() {
     let (outcome, rig) = disk.end();
     assert!(number(&outcome, "/timing/outputs/seconds_not_written") >= 2.0, "{outcome:#}");
     assert!(number(&outcome, "/timing/outputs/events_not_written") >= 1.0, "{outcome:#}");
-    assert!(rig.desk.read("report.html").contains("Not written: "));
+    assert!(rig.sandbox.read("report.html").contains("Not written: "));
     // Every acknowledged second is on the disk.
-    let state: Value = serde_json::from_str(&rig.desk.read("copy/state/state.json")).unwrap();
+    let state: Value = serde_json::from_str(&rig.sandbox.read("copy/state/state.json")).unwrap();
     assert!(state["seconds_index"].as_u64().unwrap() >= acknowledged, "{state} {acknowledged}");
 }

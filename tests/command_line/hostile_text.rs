@@ -1,6 +1,6 @@
 //! Text from files that would steer a terminal or bury a message.
 
-use crate::support::{Answer, DEMO_SCENE, Desk, SHORT, short_recording, swap};
+use crate::support::{Answer, DEMO_SCENE, SHORT, Sandbox, short_recording, swap};
 
 /// Clears the screen, sets the window's title, writes in red; an 8-bit escape; a line that looks like the program's own.
 const HOSTILE: &str = "\u{1b}]0;title\u{7}\u{1b}[2J\u{1b}[31m\u{9b}1m\u{202e}";
@@ -16,8 +16,8 @@ fn assert_printable(answer: &Answer) {
 }
 
 /// One line, bounded and printable, that has all `parts`.
-fn refused(desk: &Desk, args: &[&str], parts: &[&str]) {
-    let answer = desk.run(args);
+fn refused(sandbox: &Sandbox, args: &[&str], parts: &[&str]) {
+    let answer = sandbox.run(args);
     assert!(matches!(answer.code, Some(1 | 2)), "{:?}", answer.code);
     assert!(answer.err.len() < LONGEST, "a message of {} bytes", answer.err.len());
     assert_eq!(answer.err.lines().count(), 1, "{answer:?}");
@@ -28,8 +28,8 @@ fn refused(desk: &Desk, args: &[&str], parts: &[&str]) {
 }
 
 /// The demonstration's recording with the column DE_X_um under another name.
-fn renamed(name: &str) -> Desk {
-    Desk::with(DEMO_SCENE, &swap(&short_recording(SHORT), "DE_X_um", name))
+fn renamed(name: &str) -> Sandbox {
+    Sandbox::with(DEMO_SCENE, &swap(&short_recording(SHORT), "DE_X_um", name))
 }
 
 #[test]
@@ -42,10 +42,10 @@ fn control_characters_of_a_column_name_are_escaped() {
 
 #[test]
 fn a_column_name_of_a_megabyte_is_cut() {
-    let desk = renamed(&"x".repeat(1 << 20));
-    refused(&desk, &["replay", "scene.toml"], &["healthy.csv"]);
-    let desk = renamed(&"\u{1b}".repeat(60_000));
-    refused(&desk, &["replay", "scene.toml"], &["healthy.csv", "no such column: `DE_X_um`"]);
+    let sandbox = renamed(&"x".repeat(1 << 20));
+    refused(&sandbox, &["replay", "scene.toml"], &["healthy.csv"]);
+    let sandbox = renamed(&"\u{1b}".repeat(60_000));
+    refused(&sandbox, &["replay", "scene.toml"], &["healthy.csv", "no such column: `DE_X_um`"]);
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn control_characters_of_a_cell_are_escaped() {
         let text = crate::support::edited_recording(|line, row| {
             vec![if line == 9 { crate::support::with_cell(row, 1, &cell) } else { row.to_owned() }]
         });
-        refused(&Desk::with(DEMO_SCENE, &text), &["replay", "scene.toml"], &["healthy.csv:9: column", "DE_X_um"]);
+        refused(&Sandbox::with(DEMO_SCENE, &text), &["replay", "scene.toml"], &["healthy.csv:9: column", "DE_X_um"]);
     }
 }
 
@@ -69,9 +69,9 @@ fn control_characters_of_displacements_are_escaped() {
         format!("u,v,w,thu,thv\n0,0,0,0,{long}\n"),
     ];
     for text in texts {
-        let desk = Desk::rig();
-        desk.put("d.csv", text);
-        refused(&desk, &args, &["d.csv:"]);
+        let sandbox = Sandbox::rig();
+        sandbox.put("d.csv", text);
+        refused(&sandbox, &args, &["d.csv:"]);
     }
 }
 
@@ -81,9 +81,9 @@ fn control_characters_of_an_array_file_are_escaped() {
     let mut npy = b"\x93NUMPY\x01\x00".to_vec();
     npy.extend(u16::try_from(head.len()).unwrap().to_le_bytes());
     npy.extend(head.bytes());
-    let desk = Desk::rig();
-    desk.put("r.npy", npy);
-    refused(&desk, &["replay", "scene.toml", "--recording", "r.npy"], &["r.npy"]);
+    let sandbox = Sandbox::rig();
+    sandbox.put("r.npy", npy);
+    refused(&sandbox, &["replay", "scene.toml", "--recording", "r.npy"], &["r.npy"]);
 }
 
 /// Names of a scene are refused with their control characters escaped.
@@ -92,7 +92,7 @@ fn control_characters_of_scene_names_are_escaped() {
     for name in ["DE", "6205 rig", "DE_X_um"] {
         let hostile = "\"\\u001b[2J\\u001b]0;title\\u0007\\u009b1m\"";
         let scene = swap(DEMO_SCENE, &format!("\"{name}\""), hostile);
-        let desk = Desk::with(&scene, &short_recording(SHORT));
-        refused(&desk, &["replay", "scene.toml"], &["scene.toml:", "[2J"]);
+        let sandbox = Sandbox::with(&scene, &short_recording(SHORT));
+        refused(&sandbox, &["replay", "scene.toml"], &["scene.toml:", "[2J"]);
     }
 }

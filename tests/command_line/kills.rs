@@ -116,7 +116,7 @@ fn a_crossing_of_an_acknowledged_second_is_reported_after_a_kill() {
         if is_killed {
             let child = rig.start();
             let has_three_seconds = |rig: &Rig| {
-                let text = std::fs::read_to_string(rig.desk.path("state/state.json")).unwrap_or_default();
+                let text = std::fs::read_to_string(rig.sandbox.path("state/state.json")).unwrap_or_default();
                 let state: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
                 state["time_s"].as_f64().is_some_and(|time| time >= 3.0)
             };
@@ -154,8 +154,8 @@ fn a_damaged_state_loses_and_doubles_nothing() {
     };
     run(3);
     for damage in DAMAGES {
-        let state = std::fs::read(rig.desk.path("state/state.json")).unwrap();
-        rig.desk.put("state/state.json", damage(state));
+        let state = std::fs::read(rig.sandbox.path("state/state.json")).unwrap();
+        rig.sandbox.put("state/state.json", damage(state));
         run(2);
     }
     let child = rig.start();
@@ -177,15 +177,15 @@ fn a_damaged_state_loses_and_doubles_nothing() {
             assert_eq!(found.count(), 1, "{kind} at {at} s: {events:#?}");
         }
     }
-    let count = rig.desk.read("events.jsonl").matches("\"file-damaged\"").count();
-    assert_eq!(count, 4, "{}", rig.desk.read("events.jsonl"));
+    let count = rig.sandbox.read("events.jsonl").matches("\"file-damaged\"").count();
+    assert_eq!(count, 4, "{}", rig.sandbox.read("events.jsonl"));
     // Without a copy the monitor starts empty.
     for name in ["state.json", "state.json.copy"] {
-        rig.desk.put(&format!("state/{name}"), "{\"cut");
+        rig.sandbox.put(&format!("state/{name}"), "{\"cut");
     }
     rig.acknowledged.store(0, Ordering::SeqCst);
     run(2);
-    assert!(rig.desk.read("events.jsonl").contains("start empty"), "{}", rig.desk.read("events.jsonl"));
+    assert!(rig.sandbox.read("events.jsonl").contains("start empty"), "{}", rig.sandbox.read("events.jsonl"));
 }
 
 /// A kill between the indicators and the state: the state is older than the seconds on disk.
@@ -194,11 +194,11 @@ fn seconds_on_disk_that_the_state_lacks_are_not_written_twice() {
     let rig = Rig::new(&["--state", "state", "--indicators", "trend", "--indicators-file-length", "3 s"]);
     let child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 2 * RATE);
-    let older = rig.desk.read("state/state.json");
+    let older = rig.sandbox.read("state/state.json");
     let state: serde_json::Value = serde_json::from_str(&older).unwrap();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 7 * RATE);
     kill(child);
-    rig.desk.put("state/state.json", older);
+    rig.sandbox.put("state/state.json", older);
     rig.acknowledged.store(state["resume"]["index"].as_u64().unwrap(), Ordering::SeqCst);
     let child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 9 * RATE);
@@ -217,7 +217,7 @@ fn frames_whose_acknowledgement_did_not_arrive_are_not_doubled() {
     let rig = Rig::new(&["--state", "state", "--events", "events.jsonl", "--indicators", "trend"]);
     let mut child = rig.start();
     let written = |rig: &Rig| {
-        let text = std::fs::read_to_string(rig.desk.path("state/state.json")).unwrap_or_default();
+        let text = std::fs::read_to_string(rig.sandbox.path("state/state.json")).unwrap_or_default();
         serde_json::from_str::<serde_json::Value>(&text).ok()?["seconds_index"].as_u64()
     };
     let since = Instant::now();
@@ -239,7 +239,7 @@ fn frames_whose_acknowledgement_did_not_arrive_are_not_doubled() {
     signal(&child, "TERM");
     let output = child.wait_with_output().unwrap();
     assert!(matches!(output.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&output.stderr));
-    let log = rig.desk.read("events.jsonl");
+    let log = rig.sandbox.read("events.jsonl");
     assert!(!log.contains("source-counts-anew"), "{log}");
     let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
     assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());

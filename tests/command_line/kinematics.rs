@@ -1,6 +1,6 @@
 //! Kinematics of a bearing whose outer ring turns: cage speed and ball-pass lines are the same in every command.
 
-use crate::support::{DEMO_RECORDING, Desk, edited_recording, number, numbers, scene};
+use crate::support::{DEMO_RECORDING, Sandbox, edited_recording, number, numbers, scene};
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -17,17 +17,17 @@ fn turning_outer_ring(bearing_line: &str) -> String {
 fn a_given_cage_ratio_holds_with_a_turning_outer_ring() {
     // With a small axial load few elements carry the weight, so the force depends on the cage angle.
     let text = turning_outer_ring("cage_ratio = 0.38").replace("\"60 N\"", "\"5 N\"");
-    let desk = Desk::with(&text, DEMO_RECORDING);
-    desk.done(&["simulate", "scene.toml", "--duration", "30 ms", "--rate", "12.8 kHz", "-o", "motion.csv"]);
-    let (_, rows) = numbers(&desk.read("motion.csv"));
+    let sandbox = Sandbox::with(&text, DEMO_RECORDING);
+    sandbox.done(&["simulate", "scene.toml", "--duration", "30 ms", "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    let (_, rows) = numbers(&sandbox.read("motion.csv"));
     let mut displacements = "t,u,v,w,thu,thv\n".to_owned();
     for row in &rows {
         let [t, u, v, w, thu, thv] = std::array::from_fn(|i| row[i]);
         displacements += &format!("{t:e},{:e},{:e},{w:e},{thu:e},{thv:e}\n", u - 0.1 * thv, v + 0.1 * thu);
     }
-    desk.put("u.csv", displacements);
+    sandbox.put("u.csv", displacements);
     let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", "DE", "--format", "json"];
-    let forces: Vec<Value> = desk.done(&args).json();
+    let forces: Vec<Value> = sandbox.done(&args).json();
     assert_eq!(forces.len(), rows.len());
     for (force, row) in forces.iter().zip(&rows) {
         for (component, simulated) in ["FX", "FY", "FZ"].iter().zip(&row[11..14]) {
@@ -35,7 +35,7 @@ fn a_given_cage_ratio_holds_with_a_turning_outer_ring() {
             assert!((force - simulated).abs() < 1e-6, "t = {} s, {component}: {force} N, {simulated} N", row[0]);
         }
     }
-    let settled: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+    let settled: Value = sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     assert!((number(&settled, "/bearings/0/orders/cage") - 0.38).abs() < 1e-12);
     assert!((number(&settled, "/bearings/0/orders/outer_race") - 9.0 * 0.58).abs() < 1e-12);
 }
@@ -55,13 +55,13 @@ fn the_outer_ball_pass_is_followed_at_its_order() {
             vec![cells.join(",")]
         })
     };
-    let desk = Desk::with(&scene, &recording(0.0, 0.0));
-    let outcome = desk.replay("scene.toml", &[]);
+    let sandbox = Sandbox::with(&scene, &recording(0.0, 0.0));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let order = number(&outcome, "/probes/0/ball_pass/0/order");
     let cage = number(&outcome, "/bearings/0/orders/cage");
     assert!((order - 9.0 * (cage + 0.2)).abs() < 1e-12, "{order} {cage}");
-    desk.put("healthy.csv", recording(2.0, order));
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("healthy.csv", recording(2.0, order));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let measured = number(&outcome, "/probes/0/ball_pass/0/measured_um");
     assert!((measured - 2.0).abs() < 0.2, "{measured} um at order {order}");
 }
@@ -77,7 +77,7 @@ fn the_cage_of_a_roller_bearing_follows_a_turning_outer_ring() {
              bearing = \"NU204\"\n",
             3000.0 * outer
         );
-        let found = Desk::with(&text, "").done(&["check", "scene.toml", "--format", "json"]).json::<Value>();
+        let found = Sandbox::with(&text, "").done(&["check", "scene.toml", "--format", "json"]).json::<Value>();
         let order = |i: usize| number(&found, &format!("/bearings/0/orders/{i}"));
         assert!((order(2) - cage).abs() < 1e-3, "{outer}: cage {}", order(2));
         assert!((order(0) - outer_race).abs() < 2e-3, "{outer}: outer race {}", order(0));
@@ -86,9 +86,9 @@ fn the_cage_of_a_roller_bearing_follows_a_turning_outer_ring() {
     // The same in firmware.
     let scene = "[shaft]\nspeed = \"3000 rpm\"\nouter_speed = \"3600 rpm\"\n[rotor]\nmass = 1\ndiametral_inertia = 1e-3\n\
                  polar_inertia = 1e-3\nstiffness = [0, 0, 1e6, 1e4, 1e4]\n[[bearing]]\nname = \"a\"\nstation = 0\nbearing = \"NU204\"\n";
-    let desk = Desk::with(scene, "");
-    desk.done(&["bake", "scene.toml", "-o", "a.h", "--language", "c"]);
-    let header = desk.read("a.h");
+    let sandbox = Sandbox::with(scene, "");
+    sandbox.done(&["bake", "scene.toml", "-o", "a.h", "--language", "c"]);
+    let header = sandbox.read("a.h");
     let ratio = header.lines().find_map(|line| line.split_once("CAGE_RATIO (")).unwrap().1;
     let ratio: f64 = ratio.trim_end_matches(')').parse().unwrap();
     assert!((ratio - 1.122).abs() < 1e-3, "{ratio}");
@@ -109,7 +109,7 @@ fn a_roller_bearing_of_the_catalogue_is_linearised() {
     };
     let stiffness = |model: &str| {
         let found =
-            Desk::with(&scene(model), "").done(&["equilibrium", "scene.toml", "--format", "json"]).json::<Value>();
+            Sandbox::with(&scene(model), "").done(&["equilibrium", "scene.toml", "--format", "json"]).json::<Value>();
         [0, 1].map(|i| number(&found, &format!("/bearings/0/stiffness/{i}/{i}")))
     };
     let (linear, lumped) = (stiffness("model = \"linear\"\nlinearise = \"lumped\""), stiffness("model = \"lumped\""));

@@ -3,10 +3,10 @@
 
 use serde_json::Value;
 
-use crate::support::{Answer, DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, scene, swap};
+use crate::support::{Answer, DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, numbers, scene, swap};
 
 /// The demonstration's scene and its first `samples` rows, with `add` to each cell: row, share of the record, column.
-fn desk(scene: &str, samples: usize, add: impl Fn(f64, usize) -> f64) -> Desk {
+fn sandbox(scene: &str, samples: usize, add: impl Fn(f64, usize) -> f64) -> Sandbox {
     let text: String = DEMO_RECORDING.split_inclusive('\n').take(1 + samples).collect();
     let (header, rows) = numbers(&text);
     let count = rows.len() as f64;
@@ -15,7 +15,7 @@ fn desk(scene: &str, samples: usize, add: impl Fn(f64, usize) -> f64) -> Desk {
         cells.collect::<Vec<String>>().join(",") + "\n"
     };
     let body: String = rows.iter().enumerate().map(line).collect();
-    Desk::with(scene, &(header.join(",") + "\n" + &body))
+    Sandbox::with(scene, &(header.join(",") + "\n" + &body))
 }
 
 /// A probe whose offset moves by 5 um over the record, far more than its noise of 0.03 um.
@@ -23,8 +23,8 @@ fn drift(share: f64, column: usize) -> f64 {
     if column == 1 { 5.0 * share } else { 0.0 }
 }
 
-fn learn(desk: &Desk, more: &[&str]) -> Answer {
-    desk.run(&[&["replay", "scene.toml", "--no-report", "--learn", "b.json"], more].concat())
+fn learn(sandbox: &Sandbox, more: &[&str]) -> Answer {
+    sandbox.run(&[&["replay", "scene.toml", "--no-report", "--learn", "b.json"], more].concat())
 }
 
 fn notes(outcome: &Value) -> String {
@@ -34,11 +34,11 @@ fn notes(outcome: &Value) -> String {
 /// Each true parameter of the rig is within its interval, and the terminal shows both.
 #[test]
 fn learned_parameters_are_printed_with_intervals() {
-    let text = learn(&desk(DEMO_SCENE, 5120, |_, _| 0.0), &[]);
+    let text = learn(&sandbox(DEMO_SCENE, 5120, |_, _| 0.0), &[]);
     assert_eq!(text.code, Some(0), "{text:?}");
     assert!(text.out.contains("LEARNED PARAMETERS\n") && text.out.contains("DE: youngs_modulus"), "{}", text.out);
     assert!(text.out.contains("joint confidence level of 95 %"), "{}", text.out);
-    let outcome: Value = learn(&desk(DEMO_SCENE, 12_800, |_, _| 0.0), &["--format", "json"]).json();
+    let outcome: Value = learn(&sandbox(DEMO_SCENE, 12_800, |_, _| 0.0), &["--format", "json"]).json();
     let learning = &outcome["learning"];
     assert!(learning["taken"] == true && learning["stored"] == true, "{learning:#}");
     let truth = [
@@ -63,10 +63,10 @@ fn learned_parameters_are_printed_with_intervals() {
 /// A drift is no property of the bearings: chi-squared refuses the parameters, and the recording as a baseline.
 #[test]
 fn a_drifting_probe_teaches_nothing() {
-    let desk = desk(DEMO_SCENE, 5120, drift);
-    let run = learn(&desk, &["--format", "json"]);
+    let sandbox = sandbox(DEMO_SCENE, 5120, drift);
+    let run = learn(&sandbox, &["--format", "json"]);
     assert_eq!(run.code, Some(4), "{run:?}");
-    assert!(!desk.files().contains(&"b.json".to_owned()), "it is no baseline");
+    assert!(!sandbox.files().contains(&"b.json".to_owned()), "it is no baseline");
     let outcome: Value = run.json();
     let learning = &outcome["learning"];
     assert!(learning["taken"] == false && learning["stored"] == false, "{learning:#}");
@@ -79,8 +79,8 @@ fn a_drifting_probe_teaches_nothing() {
     );
     assert!(said.contains("No baseline is stored in b.json: "), "{said}");
     // By force, its levels are a baseline, but not the modulus that would explain the drift.
-    let forced = learn(&desk, &["--format", "json", "--force"]);
-    let baseline: Value = serde_json::from_str(&desk.read("b.json")).unwrap();
+    let forced = learn(&sandbox, &["--format", "json", "--force"]);
+    let baseline: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
     assert!(forced.code != Some(4) && baseline["calibration"].is_null(), "{baseline:#}");
 }
 
@@ -89,12 +89,12 @@ fn a_drifting_probe_teaches_nothing() {
 fn a_fault_is_no_parameter() {
     let spall: String =
         include_str!("../../runner/demo/outer-spall.csv").split_inclusive('\n').take(1 + 6400).collect();
-    let desk = Desk::with(DEMO_SCENE, &spall);
-    let outcome: Value = learn(&desk, &["--format", "json"]).json();
+    let sandbox = Sandbox::with(DEMO_SCENE, &spall);
+    let outcome: Value = learn(&sandbox, &["--format", "json"]).json();
     let learning = &outcome["learning"];
     assert!(learning["taken"] == false && learning["stored"] == true, "{learning:#}");
     assert!(number(learning, "/chi_square_with_faults") < number(learning, "/largest_chi_square_per_value"));
-    let baseline: Value = serde_json::from_str(&desk.read("b.json")).unwrap();
+    let baseline: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
     assert!(baseline["calibration"].is_null() && !list(&baseline, "faults").is_empty(), "{baseline:#}");
 }
 
@@ -104,8 +104,8 @@ fn a_fault_is_no_parameter() {
 fn a_motion_that_no_bearing_carries_ends_without_nan() {
     let axial = "  { column = \"axial_um\", unit = \"um\", axial = true, noise = \"0.03 um\" },\n";
     let raised = |_: f64, column: usize| if column == 2 || column == 4 { 20.0 } else { 0.0 };
-    let desk = desk(&swap(DEMO_SCENE, axial, ""), 5120, raised);
-    let run = learn(&desk, &["--format", "json", "--force"]);
+    let sandbox = sandbox(&swap(DEMO_SCENE, axial, ""), 5120, raised);
+    let run = learn(&sandbox, &["--format", "json", "--force"]);
     assert!(run.code != Some(1) && !run.err.contains("NaN"), "{run:?}");
     let outcome: Value = run.json();
     for p in list(&outcome["learning"], "parameters") {
@@ -116,8 +116,8 @@ fn a_motion_that_no_bearing_carries_ends_without_nan() {
 /// A fit to a drifting probe ends, and says in a pipe how far it is.
 #[test]
 fn a_fit_to_a_drifting_probe_ends() {
-    let desk = desk(DEMO_SCENE, 2048, drift);
-    let run = desk.run(&["fit", "scene.toml"]);
+    let sandbox = sandbox(DEMO_SCENE, 2048, drift);
+    let run = sandbox.run(&["fit", "scene.toml"]);
     let is_judged = run.out.contains("the scene does not describe the recording: chi-squared per reading");
     let is_given_up = run.err.contains("does not converge because");
     assert!(is_judged || is_given_up, "{run:?}");
@@ -129,13 +129,13 @@ fn a_fit_to_a_drifting_probe_ends() {
 #[test]
 fn a_fit_ends_after_its_time() {
     let clearance = ("diametral_clearance = \"10 um\"", "diametral_clearance = \"14 um\"");
-    let desk = desk(&scene(&[clearance]), 2048, |_, _| 0.0);
-    let run = desk.run(&["fit", "scene.toml", "--time-limit", "1 ms"]);
+    let sandbox = sandbox(&scene(&[clearance]), 2048, |_, _| 0.0);
+    let run = sandbox.run(&["fit", "scene.toml", "--time-limit", "1 ms"]);
     assert_eq!(run.code, Some(1), "{run:?}");
     assert!(run.err.contains("does not converge because its time has ended: 0.001 s"), "{}", run.err);
-    assert!(!desk.files().contains(&"scene-fitted.toml".to_owned()));
+    assert!(!sandbox.files().contains(&"scene-fitted.toml".to_owned()));
     for limit in ["0 s", "1", "long", "-1 s"] {
-        let run = desk.run(&["fit", "scene.toml", &format!("--time-limit={limit}")]);
+        let run = sandbox.run(&["fit", "scene.toml", &format!("--time-limit={limit}")]);
         assert!(run.code == Some(2) && run.err.contains("expected a time above 0"), "{limit}: {run:?}");
     }
 }
@@ -143,8 +143,8 @@ fn a_fit_ends_after_its_time() {
 /// The time of `--learn` is bounded as that of `fit`, and the note states how far it came.
 #[test]
 fn learning_ends_after_its_time() {
-    let desk = desk(DEMO_SCENE, 5120, |_, _| 0.0);
-    let run = learn(&desk, &["--format", "json", "--time-limit", "1 ms"]);
+    let sandbox = sandbox(DEMO_SCENE, 5120, |_, _| 0.0);
+    let run = learn(&sandbox, &["--format", "json", "--time-limit", "1 ms"]);
     assert_eq!(run.code, Some(4), "{run:?}");
     let outcome: Value = run.json();
     let learning = &outcome["learning"];
@@ -159,16 +159,16 @@ fn learning_ends_after_its_time() {
         "{}",
         notes(&outcome)
     );
-    assert!(!desk.files().contains(&"b.json".to_owned()));
-    let whole: Value = learn(&desk, &["--format", "json"]).json();
+    assert!(!sandbox.files().contains(&"b.json".to_owned()));
+    let whole: Value = learn(&sandbox, &["--format", "json"]).json();
     let learning = &whole["learning"];
     assert!(learning["taken"] == true && learning["not_converged"].is_null(), "{learning:#}");
     assert!((1.0..=16.0).contains(&number(learning, "/rounds")), "{learning:#}");
     for limit in ["0 s", "1", "long"] {
-        let run = learn(&desk, &[&format!("--time-limit={limit}")]);
+        let run = learn(&sandbox, &[&format!("--time-limit={limit}")]);
         assert!(run.code == Some(2) && run.err.contains("expected a time above 0"), "{limit}: {run:?}");
     }
-    let run = desk.run(&["replay", "scene.toml", "--time-limit", "1 h"]);
+    let run = sandbox.run(&["replay", "scene.toml", "--time-limit", "1 h"]);
     assert!(run.code == Some(2) && run.err.contains("--learn"), "{run:?}");
 }
 
@@ -180,11 +180,11 @@ fn a_motion_that_overflows_is_not_compared() {
     let text: String = rows.map(|(_, line)| line.to_owned() + "\n").collect();
     let keyphasor = DEMO_SCENE.lines().find(|line| line.starts_with("keyphasor")).unwrap();
     let slow = scene(&[("12.8 kHz", "984.6154 Hz"), (keyphasor, "")]) + "\n[integration]\nstep = \"1 ms\"\n";
-    let desk = Desk::with(&slow, &text);
-    let run = desk.run(&["fit", "scene.toml"]);
+    let sandbox = Sandbox::with(&slow, &text);
+    let run = sandbox.run(&["fit", "scene.toml"]);
     assert!(run.code == Some(1) && run.err.contains("the motion overflows: "), "{run:?}");
-    assert!(!desk.files().contains(&"scene-fitted.toml".to_owned()));
-    let run = desk.run(&["replay", "scene.toml", "--no-report"]);
+    assert!(!sandbox.files().contains(&"scene-fitted.toml".to_owned()));
+    let run = sandbox.run(&["replay", "scene.toml", "--no-report"]);
     let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert_eq!(run.code, Some(4), "{said}");
     assert!(

@@ -2,20 +2,20 @@
 
 use serde_json::Value;
 
-use crate::support::{Desk, TURN, recorded};
+use crate::support::{Sandbox, TURN, recorded};
 
-fn desk(scene: &str, limits: &str) -> Desk {
-    let desk = Desk::empty();
+fn sandbox(scene: &str, limits: &str) -> Sandbox {
+    let sandbox = Sandbox::empty();
     let text = std::fs::read_to_string(recorded(&format!("{scene}.toml"))).unwrap();
     let folder = recorded("");
     let text = text.replace("../../runner", &format!("{folder}../../runner"));
-    desk.put("scene.toml", text.replace("file = \"run-up", &format!("file = \"{folder}run-up")) + limits);
-    desk
+    sandbox.put("scene.toml", text.replace("file = \"run-up", &format!("file = \"{folder}run-up")) + limits);
+    sandbox
 }
 
-fn events(desk: &Desk, code: i32, args: &[&str]) -> Vec<Value> {
+fn events(sandbox: &Sandbox, code: i32, args: &[&str]) -> Vec<Value> {
     let all = [&["replay", "scene.toml", "--report", "r.html", "--format", "json"], args].concat();
-    let run = desk.run(&all);
+    let run = sandbox.run(&all);
     assert_eq!(run.code, Some(code), "{run:?}");
     serde_json::from_str::<Value>(&run.out).unwrap()["events"].as_array().unwrap().clone()
 }
@@ -24,8 +24,8 @@ fn events(desk: &Desk, code: i32, args: &[&str]) -> Vec<Value> {
 #[test]
 fn unbalance_exceeds_a_1x_limit() {
     let limit = "\n[[limit]]\nindicator = \"1X\"\nmax = \"0.25 um\"\nprobe = \"DE_Y_um\"\nduration = \"0.1 s\"\n";
-    assert!(events(&desk("healthy", limit), 0, &[]).is_empty());
-    let found = events(&desk("healthy", limit), 3, &["--recording", &recorded("unbalanced.csv")]);
+    assert!(events(&sandbox("healthy", limit), 0, &[]).is_empty());
+    let found = events(&sandbox("healthy", limit), 3, &["--recording", &recorded("unbalanced.csv")]);
     let [event] = &found[..] else { panic!("{found:?}") };
     assert_eq!((event["indicator"].as_str(), event["probe"].as_str()), (Some("1X"), Some("DE_Y_um")));
     assert!(event["start_s"].as_f64().unwrap() < 0.01 && event["end_s"].is_null(), "{event}");
@@ -44,11 +44,11 @@ fn events_begin_and_end() {
             "\n[[limit]]\nindicator = \"peak-to-peak\"\nmax = \"{max}\"\nprobe = \"DE_X_um\"\nduration = \"{duration}\"\n"
         )
     };
-    let most = events(&desk("run-up", &limit("0.001 um", "0 s")), 3, &[]);
+    let most = events(&sandbox("run-up", &limit("0.001 um", "0 s")), 3, &[]);
     let [event] = &most[..] else { panic!("{most:?}") };
     let largest = event["worst"].as_f64().unwrap();
     let at = event["worst_s"].as_f64().unwrap();
-    let some = events(&desk("run-up", &limit(&format!("{} um", 0.8 * largest), "0 s")), 3, &[]);
+    let some = events(&sandbox("run-up", &limit(&format!("{} um", 0.8 * largest), "0 s")), 3, &[]);
     assert!(!some.is_empty());
     assert!(
         some.iter().any(|e| {
@@ -57,24 +57,24 @@ fn events_begin_and_end() {
         }),
         "{some:?}"
     );
-    assert!(events(&desk("run-up", &limit(&format!("{} um", 0.8 * largest), "10 s")), 0, &[]).is_empty());
+    assert!(events(&sandbox("run-up", &limit(&format!("{} um", 0.8 * largest), "10 s")), 0, &[]).is_empty());
 }
 
 /// Against a baseline: the outer race's line has grown, by 20 dB and far more, on the damaged bearing.
 #[test]
 fn growth_over_a_baseline() {
     let limits = "\n[[limit]]\nindicator = \"outer-race\"\nbearing = \"DE\"\ngrowth_db = 20\n";
-    let desk = desk("healthy", "");
+    let sandbox = sandbox("healthy", "");
     for name in ["healthy.csv", "outer-spall.csv"] {
         let text = std::fs::read_to_string(recorded(name)).unwrap();
-        desk.put(name, text.split_inclusive('\n').take(1 + 20 * TURN).collect::<String>());
+        sandbox.put(name, text.split_inclusive('\n').take(1 + 20 * TURN).collect::<String>());
     }
-    desk.replay("scene.toml", &["--recording", "healthy.csv", "--learn", "b.json"]);
-    desk.put("scene.toml", desk.read("scene.toml") + limits);
-    assert!(events(&desk, 0, &["--baseline", "b.json", "--recording", "healthy.csv"]).is_empty());
-    let found = events(&desk, 3, &["--baseline", "b.json", "--recording", "outer-spall.csv"]);
+    sandbox.replay("scene.toml", &["--recording", "healthy.csv", "--learn", "b.json"]);
+    sandbox.put("scene.toml", sandbox.read("scene.toml") + limits);
+    assert!(events(&sandbox, 0, &["--baseline", "b.json", "--recording", "healthy.csv"]).is_empty());
+    let found = events(&sandbox, 3, &["--baseline", "b.json", "--recording", "outer-spall.csv"]);
     assert!(found.iter().any(|e| e["bearing"] == "DE" && e["probe"] == "DE_Y_um"), "{found:?}");
-    let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+    let run = sandbox.run(&["replay", "scene.toml", "--report", "r.html"]);
     assert!(
         run.code == Some(2) && run.err.contains("limit: growth_db: no baseline, expected replay with --baseline"),
         "{run:?}"
@@ -97,8 +97,8 @@ fn limits_are_checked() {
         ("indicator = \"rms\"\nmax = \"1 um\"\nprobe = \"Z\"", "no such probe: \"Z\", expected a probe of [recording]"),
         ("indicator = \"rms\"\nmax = \"1 um\"\nhysteresis = 1", "below 1"),
     ] {
-        let desk = desk("healthy", &format!("\n[[limit]]\n{limit}\n"));
-        let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+        let sandbox = sandbox("healthy", &format!("\n[[limit]]\n{limit}\n"));
+        let run = sandbox.run(&["replay", "scene.toml", "--report", "r.html"]);
         assert!(run.code == Some(2) && run.err.contains(says), "{limit}: {run:?}");
     }
 }

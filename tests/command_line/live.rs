@@ -1,6 +1,6 @@
 //! The monitor in real time: sources that stall, burst, repeat, lose, die and come back; the monitor killed and started again.
 
-use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, list, number, short_recording, swap};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -41,16 +41,16 @@ pub fn connected(port: u16) -> TcpStream {
     }
 }
 
-pub fn monitor(desk: &Desk, more: &[&str]) -> Child {
+pub fn monitor(sandbox: &Sandbox, more: &[&str]) -> Child {
     let args = [&["replay", "scene.toml", "--paced", "--format", "json"], more].concat();
-    desk.command(&args).spawn().unwrap()
+    sandbox.command(&args).spawn().unwrap()
 }
 
 /// A monitor that listens at a free port for `protocol` (`tcp` or `udp`), and the port.
-pub fn listening(desk: &Desk, protocol: &str, more: &[&str]) -> (Child, u16) {
+pub fn listening(sandbox: &Sandbox, protocol: &str, more: &[&str]) -> (Child, u16) {
     let port = port();
     let source = format!("{protocol}:{port}");
-    (monitor(desk, &[&["--source", &source], more].concat()), port)
+    (monitor(sandbox, &[&["--source", &source], more].concat()), port)
 }
 
 pub fn outcome(child: Child) -> Value {
@@ -62,8 +62,8 @@ pub fn outcome(child: Child) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-pub fn desk() -> Desk {
-    Desk::with(DEMO_SCENE, &short_recording(12_800))
+pub fn sandbox() -> Sandbox {
+    Sandbox::with(DEMO_SCENE, &short_recording(12_800))
 }
 
 pub fn source(outcome: &Value, count: &str) -> f64 {
@@ -71,13 +71,13 @@ pub fn source(outcome: &Value, count: &str) -> f64 {
 }
 
 /// The kinds of the events in a log, in order.
-pub fn kinds(desk: &Desk, log: &str) -> Vec<String> {
-    desk.read(log).lines().map(kind).collect()
+pub fn kinds(sandbox: &Sandbox, log: &str) -> Vec<String> {
+    sandbox.read(log).lines().map(kind).collect()
 }
 
 /// The kinds of the complete events in the log of a monitor that runs. It listens before it creates the log.
-pub fn kinds_so_far(desk: &Desk, log: &str) -> Vec<String> {
-    let text = std::fs::read_to_string(desk.path(log)).unwrap_or_default();
+pub fn kinds_so_far(sandbox: &Sandbox, log: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(sandbox.path(log)).unwrap_or_default();
     text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(kind).collect()
 }
 
@@ -87,8 +87,8 @@ fn kind(event: &str) -> String {
 
 #[test]
 fn frames_lost_repeated_and_of_a_wrong_size_are_counted() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--for", "0.9 s"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "0.9 s"]);
     let (rows, mut stream) = (rows(12_800), connected(port));
     for sequence in 0..12_800 {
         // 40 are lost, 10 come twice.
@@ -108,17 +108,17 @@ fn frames_lost_repeated_and_of_a_wrong_size_are_counted() {
     assert!(flaws.iter().any(|f| f["kind"] == "gap" && f["samples_affected"] == 40), "{flaws:#?}");
     assert_eq!(list(&outcome, "findings").len(), 0);
     // The received samples give the outcome of the file.
-    let from_file = desk.replay("scene.toml", &[]);
+    let from_file = sandbox.replay("scene.toml", &[]);
     let one_x = |outcome: &Value| number(outcome, "/probes/0/measured/one_x_um");
     assert!((one_x(&outcome) / one_x(&from_file) - 1.0).abs() < 0.01);
 }
 
 #[test]
 fn a_source_that_stalls_dies_and_comes_back_is_followed() {
-    let (desk, port) = (desk(), port());
+    let (sandbox, port) = (sandbox(), port());
     let source_at = format!("tcp:{port}");
     let args = ["--source", &source_at, "--encoding", "frames", "--for", "2.2 s", "--events", "events.jsonl"];
-    let child = monitor(&desk, &[&args[..], &["--state", "state"]].concat());
+    let child = monitor(&sandbox, &[&args[..], &["--state", "state"]].concat());
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let send = |stream: &mut TcpStream, range: std::ops::Range<u32>| {
@@ -140,7 +140,7 @@ fn a_source_that_stalls_dies_and_comes_back_is_followed() {
     assert_eq!((source(&outcome, "connections"), source(&outcome, "malformed_frames")), (2.0, 1.0));
     assert_eq!((source(&outcome, "lost_frames"), source(&outcome, "dropped_rows")), (0.0, 0.0));
     assert!(source(&outcome, "stalls") >= 1.0 && source(&outcome, "longest_stall_s") > 1.0);
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     let at = |kind: &str| kinds.iter().position(|k| k == kind).unwrap_or_else(|| panic!("no {kind} in {kinds:?}"));
     assert!(at("source-connected") < at("source-silent") && at("source-silent") < at("source-speaks"), "{kinds:?}");
     assert_eq!(kinds.iter().filter(|k| *k == "source-connected").count(), 2, "{kinds:?}");
@@ -163,13 +163,13 @@ pub fn acknowledged(stream: &TcpStream) -> std::sync::mpsc::Receiver<u32> {
 fn killed_and_started_again_it_loses_nothing_that_was_acknowledged() {
     let scene =
         format!("{DEMO_SCENE}\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"0.1 um\"\n");
-    let (desk, port) = (Desk::with(&scene, &short_recording(12_800)), port());
+    let (sandbox, port) = (Sandbox::with(&scene, &short_recording(12_800)), port());
     let source_at = format!("tcp:{port}");
     let outputs = ["--state", "state", "--events", "events.jsonl", "--indicators", "trend"];
     let args = [&["--source", &source_at, "--encoding", "frames", "--for", "60 s"][..], &outputs].concat();
     let rows = rows(12_800);
     let frame_of = endless(&rows);
-    let mut child = monitor(&desk, &args);
+    let mut child = monitor(&sandbox, &args);
     let mut stream = connected(port);
     let told = acknowledged(&stream);
     // 3.5 s at once: much faster than the loop.
@@ -183,11 +183,11 @@ fn killed_and_started_again_it_loses_nothing_that_was_acknowledged() {
     child.wait().unwrap();
     last = told.try_iter().last().unwrap_or(last);
     drop(stream);
-    let state: Value = serde_json::from_str(&desk.read("state/state.json")).unwrap();
+    let state: Value = serde_json::from_str(&sandbox.read("state/state.json")).unwrap();
     assert!(state["resume"]["sequence"].as_u64().unwrap() > u64::from(last), "{state} {last}");
 
     let args: Vec<&str> = args.iter().map(|arg| if *arg == "60 s" { "2.5 s" } else { arg }).collect();
-    let child = monitor(&desk, &args);
+    let child = monitor(&sandbox, &args);
     let mut stream = connected(port);
     // The source repeats a second, to be safe, and goes on.
     let again = last + 1 - 12_800;
@@ -199,29 +199,29 @@ fn killed_and_started_again_it_loses_nothing_that_was_acknowledged() {
     let outcome = outcome(child);
     assert_eq!(source(&outcome, "lost_frames"), 0.0);
     assert!(source(&outcome, "repeated_frames") >= 12_800.0);
-    let times = times(&desk, "trend/indicators-0001.parquet");
+    let times = times(&sandbox, "trend/indicators-0001.parquet");
     let whole: Vec<f64> = (1..=times.len()).map(|i| i as f64).collect();
     assert_eq!(times, whole, "a second is missing or there twice");
     assert!(times.len() >= 4, "{times:?}");
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert!(kinds.contains(&"monitor-resumed".to_owned()) && kinds.contains(&"limit-crossed".to_owned()), "{kinds:?}");
-    desk.put("other.toml", swap(&scene, "name = \"6205 rig\"", "name = \"another\""));
-    let refused = desk.run(&["replay", "other.toml", "--paced", "--state", "state"]);
+    sandbox.put("other.toml", swap(&scene, "name = \"6205 rig\"", "name = \"another\""));
+    let refused = sandbox.run(&["replay", "other.toml", "--paced", "--state", "state"]);
     assert!(refused.code == Some(2) && refused.err.contains("another"), "{refused:?}");
 }
 
 /// The first column of an indicators file.
-pub fn times(desk: &Desk, name: &str) -> Vec<f64> {
+pub fn times(sandbox: &Sandbox, name: &str) -> Vec<f64> {
     use parquet::file::reader::{FileReader, SerializedFileReader};
-    let reader = SerializedFileReader::new(std::fs::File::open(desk.path(name)).unwrap()).unwrap();
+    let reader = SerializedFileReader::new(std::fs::File::open(sandbox.path(name)).unwrap()).unwrap();
     let rows = reader.get_row_iter(None).unwrap();
     rows.map(|row| parquet::record::RowAccessor::get_double(&row.unwrap(), 0).unwrap()).collect()
 }
 
 #[test]
 fn burst_of_datagrams_is_processed_or_counted() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "udp", &["--encoding", "frames", "--for", "0.9 s"]);
     let rows = rows(12_800);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
@@ -248,11 +248,11 @@ fn burst_of_datagrams_is_processed_or_counted() {
 
 #[test]
 fn lines_from_a_pipe_are_the_file() {
-    let desk = desk();
-    let mut command = desk.command(&["replay", "scene.toml", "--paced", "--format", "json", "--source", "-"]);
+    let sandbox = sandbox();
+    let mut command = sandbox.command(&["replay", "scene.toml", "--paced", "--format", "json", "--source", "-"]);
     let mut child = command.stdin(std::process::Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(short_recording(12_800).as_bytes()).unwrap();
-    let (piped, filed) = (outcome(child), desk.replay("scene.toml", &[]));
+    let (piped, filed) = (outcome(child), sandbox.replay("scene.toml", &[]));
     assert_eq!((&piped["probes"], &piped["findings"]), (&filed["probes"], &filed["findings"]));
     assert_eq!(piped["record"]["samples"], filed["record"]["samples"]);
     assert_eq!(source(&piped, "rows"), 12_800.0);
@@ -260,9 +260,9 @@ fn lines_from_a_pipe_are_the_file() {
 
 #[test]
 fn prometheus_and_only_where_asked_for() {
-    let (desk, port, at) = (desk(), port(), port());
+    let (sandbox, port, at) = (sandbox(), port(), port());
     let (source_at, at) = (format!("tcp:{port}"), at.to_string());
-    let mut child = monitor(&desk, &["--source", &source_at, "--encoding", "frames", "--prometheus", &at]);
+    let mut child = monitor(&sandbox, &["--source", &source_at, "--encoding", "frames", "--prometheus", &at]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
@@ -295,29 +295,30 @@ fn prometheus_and_only_where_asked_for() {
 
 #[test]
 fn contradictory_options_are_rejected() {
-    let desk = desk();
-    let refused = |args: &[&str], parts: &[&str]| desk.refused(&[&["replay", "scene.toml"], args].concat(), 2, parts);
+    let sandbox = sandbox();
+    let refused =
+        |args: &[&str], parts: &[&str]| sandbox.refused(&[&["replay", "scene.toml"], args].concat(), 2, parts);
     refused(&["--source", "tcp:9"], &["--source", "--paced"]);
     refused(&["--prometheus", "9"], &["--prometheus", "--paced"]);
-    desk.put("times.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\""));
+    sandbox.put("times.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\""));
     let args = ["replay", "times.toml", "--paced", "--source", "-", "--encoding", "frames"];
-    let answer = desk.run(&args);
+    let answer = sandbox.run(&args);
     assert!(answer.code == Some(2) && answer.err.contains("rate = "), "{answer:?}");
-    let answer = desk.run(&["watch", "scene.toml"]);
+    let answer = sandbox.run(&["watch", "scene.toml"]);
     assert!(answer.code == Some(2) && answer.err.contains("terminal"), "{answer:?}");
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let source_at = format!("tcp:{}", taken.local_addr().unwrap().port());
-    let answer = desk.run(&["replay", "scene.toml", "--paced", "--source", &source_at]);
+    let answer = sandbox.run(&["replay", "scene.toml", "--paced", "--source", &source_at]);
     assert!(answer.code == Some(1) && answer.err.contains("free port"), "{answer:?}");
 }
 
 /// The demonstration of a spall: a restart of the observer at 13 s is no event, and the wait for the first diagnosis is seen.
 #[test]
 fn the_demonstration_raises_its_fault_alone_and_a_wait_is_reported_without_a_terminal() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let args = ["replay", "--paced", "--source", "demonstration", "--no-report", "--events", "events.jsonl"];
-    let answer = desk.run(&[&args[..], &["--for", "16 s"]].concat());
-    let events = desk.read("events.jsonl");
+    let answer = sandbox.run(&[&args[..], &["--for", "16 s"]].concat());
+    let events = sandbox.read("events.jsonl");
     let kinds = events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["kind"].clone());
     let others: Vec<Value> = kinds.filter(|kind| !kind.as_str().unwrap().starts_with("fault-")).collect();
     assert!(others.is_empty(), "{events}");

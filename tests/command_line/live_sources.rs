@@ -1,8 +1,8 @@
 //! Sources that are not what they should be: foreign, vanished, changed, restarted, corrupted.
 
-use crate::live::{connected, desk, endless, frame, kinds, kinds_so_far, listening, outcome, rows, source};
+use crate::live::{connected, endless, frame, kinds, kinds_so_far, listening, outcome, rows, sandbox, source};
 use crate::live_start::{terminate, wait, wait_for_event};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, number, program, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, number, program, short_recording, swap};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::process::{Command, Stdio};
@@ -23,8 +23,8 @@ fn foreign(port: u16) {
 
 #[test]
 fn foreign_connections_are_logged_and_the_next_one_is_followed() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "tcp", &["--for", "1.9 s", "--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &["--for", "1.9 s", "--events", "events.jsonl"]);
     drop(connected(port));
     foreign(port);
     let mut stream = connected(port);
@@ -35,15 +35,15 @@ fn foreign_connections_are_logged_and_the_next_one_is_followed() {
     offer(&mut stream, DEMO_RECORDING.as_bytes());
     let outcome = outcome(child);
     assert!(number(&outcome, "/record/samples") > 24_000.0);
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert_eq!(kinds.iter().filter(|kind| *kind == "source-refused").count(), 3, "{kinds:?}");
 }
 
 #[test]
 fn a_source_that_vanished_does_not_block_its_successor() {
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut vanished = connected(port);
@@ -54,7 +54,7 @@ fn a_source_that_vanished_does_not_block_its_successor() {
     let outcome = outcome(child);
     assert!(number(&outcome, "/record/samples") > 24_000.0);
     assert_eq!((source(&outcome, "connections"), source(&outcome, "lost_frames")), (2.0, 0.0));
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert!(kinds.contains(&"source-replaced".to_owned()), "{kinds:?}");
     drop(vanished);
 }
@@ -68,8 +68,8 @@ fn a_source_behind_a_dead_link_is_given_up() {
         println!("omitted: no network namespace here (unshare -rn ip)");
         return;
     }
-    let desk = desk();
-    desk.put("head.csv", short_recording(6_400));
+    let sandbox = sandbox();
+    sandbox.put("head.csv", short_recording(6_400));
     let script = r#"
         ip link set lo up
         "$@" &
@@ -92,7 +92,7 @@ fn a_source_behind_a_dead_link_is_given_up() {
     let mut command = Command::new("unshare");
     command.args(["-rn", "bash", "-c", script, "bash"]).arg(program());
     command.args(["replay", "scene.toml", "--paced", "--format", "json", "--source", "tcp:9000"]);
-    command.args(["--for", "1.4 s", "--events", "events.jsonl"]).current_dir(desk.path(""));
+    command.args(["--for", "1.4 s", "--events", "events.jsonl"]).current_dir(sandbox.path(""));
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let outcome = outcome(child);
     assert_eq!(source(&outcome, "connections"), 2.0);
@@ -119,7 +119,7 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
     while since.elapsed() < Duration::from_secs(45) {
         let sent = (index..index + RATE / 10).try_for_each(|sample| stream.write_all(&rig.frame(sample)));
         if let Err(error) = sent {
-            let (after, events) = (since.elapsed(), rig.desk.read("events.jsonl"));
+            let (after, events) = (since.elapsed(), rig.sandbox.read("events.jsonl"));
             terminate(child.id());
             panic!("{error} after {after:?}: {events}{:?}", crate::live_start::ended(child));
         }
@@ -133,8 +133,8 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
 /// Datagrams at many times the rate of the scene, while the twin is started.
 #[test]
 fn a_monitor_slower_than_its_source_reports_what_it_skips() {
-    let desk = Desk::with(&swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"5 us\"\n\n[recording]"), "");
-    let (child, port) = listening(&desk, "udp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = Sandbox::with(&swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"5 us\"\n\n[recording]"), "");
+    let (child, port) = listening(&sandbox, "udp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -149,13 +149,13 @@ fn a_monitor_slower_than_its_source_reports_what_it_skips() {
             socket.send_to(&datagram, to).unwrap();
             sequence += 32;
         }
-        let text = std::fs::read_to_string(desk.path("events.jsonl")).ok()?;
+        let text = std::fs::read_to_string(sandbox.path("events.jsonl")).ok()?;
         text.contains("\"kind\":\"samples-dropped\"").then_some(())
     });
     terminate(child.id());
     let outcome = outcome(child);
     let dropped = source(&outcome, "dropped_rows");
-    let text = desk.read("events.jsonl");
+    let text = sandbox.read("events.jsonl");
     assert!(text.contains("\"kind\":\"backlog-full\""), "{text}");
     let last = text.lines().rfind(|line| line.contains("samples-dropped")).unwrap();
     assert!(last.contains(&format!(" {dropped} since the start")), "{dropped}: {last}");
@@ -164,14 +164,14 @@ fn a_monitor_slower_than_its_source_reports_what_it_skips() {
 /// A connection with another request does not end the source that pauses.
 #[test]
 fn a_foreign_connection_does_not_replace_a_source_that_pauses() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "tcp", &["--for", "0.9 s", "--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &["--for", "0.9 s", "--events", "events.jsonl"]);
     let (head, tail) = DEMO_RECORDING.split_at(DEMO_RECORDING.len() / 2);
     let mut stream = connected(port);
     stream.write_all(head.as_bytes()).unwrap();
-    wait_for_event(&desk, "events.jsonl", "source-connected");
+    wait_for_event(&sandbox, "events.jsonl", "source-connected");
     foreign(port);
-    wait_for_event(&desk, "events.jsonl", "source-refused");
+    wait_for_event(&sandbox, "events.jsonl", "source-refused");
     stream.write_all(tail.as_bytes()).unwrap();
     let outcome = outcome(child);
     assert_eq!(source(&outcome, "connections"), 1.0);
@@ -190,15 +190,15 @@ fn stamped(rate: f64, begin: f64) -> String {
 #[test]
 fn a_source_that_returns_with_another_rate_is_refused() {
     let scene = swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\"");
-    let desk = Desk::with(&scene, &short_recording(2048));
-    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl"]);
+    let sandbox = Sandbox::with(&scene, &short_recording(2048));
+    let (child, port) = listening(&sandbox, "tcp", &["--events", "events.jsonl"]);
     let send = |text: &str, events: usize| {
         let mut stream = connected(port);
         offer(&mut stream, text.as_bytes());
         drop(stream);
         wait("the end of a connection", || {
             let ends = |kind: &&String| matches!(kind.as_str(), "source-gone" | "source-refused");
-            (kinds_so_far(&desk, "events.jsonl").iter().filter(ends).count() == events).then_some(())
+            (kinds_so_far(&sandbox, "events.jsonl").iter().filter(ends).count() == events).then_some(())
         });
     };
     send(&stamped(12_800.0, 1000.0), 1);
@@ -210,16 +210,16 @@ fn a_source_that_returns_with_another_rate_is_refused() {
     assert_eq!(number(&outcome, "/record/samples"), 12_800.0);
     // Time goes on from the last sample and never back.
     assert!((number(&outcome, "/record/duration_s") - 12_799.0 / 12_800.0).abs() < 1e-4);
-    let text = desk.read("events.jsonl");
+    let text = sandbox.read("events.jsonl");
     let refused: Vec<&str> = text.lines().filter(|line| line.contains("source-refused")).collect();
     assert!(refused.len() == 2 && refused[0].contains("Hz") && refused[1].contains("DE_X_um"), "{refused:?}");
 }
 
 #[test]
 fn a_source_that_counts_from_0_again_is_followed() {
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     for count in [30_000, 15_000] {
@@ -229,15 +229,15 @@ fn a_source_that_counts_from_0_again_is_followed() {
     let outcome = outcome(child);
     assert!(number(&outcome, "/record/samples") > 43_500.0);
     assert_eq!((source(&outcome, "repeated_frames"), source(&outcome, "lost_frames")), (0.0, 0.0));
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert_eq!(kinds.iter().filter(|kind| *kind == "source-counts-anew").count(), 1, "{kinds:?}");
 }
 
 /// Where the restart falls within what a source may repeat, its pace shows that the samples are new.
 #[test]
 fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
@@ -255,7 +255,7 @@ fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
     }
     drop(stream);
     wait("both ends", || {
-        (kinds(&desk, "events.jsonl").iter().filter(|k| *k == "source-gone").count() == 2).then_some(())
+        (kinds(&sandbox, "events.jsonl").iter().filter(|k| *k == "source-gone").count() == 2).then_some(())
     });
     terminate(child.id());
     let outcome = outcome(child);
@@ -266,9 +266,9 @@ fn a_source_that_restarts_soon_is_recognised_by_its_pace() {
 
 #[test]
 fn wrong_frames_do_not_advance_the_twin() {
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "udp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
+        listening(&sandbox, "udp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
@@ -291,7 +291,7 @@ fn wrong_frames_do_not_advance_the_twin() {
     assert!(source(&outcome, "lost_frames") < 1_000.0, "{}", source(&outcome, "lost_frames"));
     assert!(source(&outcome, "malformed_frames") > 300.0);
     assert!(number(&outcome, "/probes/0/measured/peak_to_peak_um") < 1e3);
-    assert!(kinds(&desk, "events.jsonl").len() < 10, "{}", desk.read("events.jsonl"));
+    assert!(kinds(&sandbox, "events.jsonl").len() < 10, "{}", sandbox.read("events.jsonl"));
 }
 
 /// A frame of the second version: its CRC-32 at its end.
@@ -312,9 +312,9 @@ fn crc32(bytes: &[u8]) -> u32 {
 #[test]
 fn frames_with_a_checksum_are_checked() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames-crc", "--for", "0.9 s", "--events", "events.jsonl"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames-crc", "--for", "0.9 s", "--events", "events.jsonl"]);
     let (rows, mut stream) = (rows(12_800), connected(port));
     for sequence in 0..12_800 {
         let mut frame = checked(sequence, &rows[sequence as usize]);
@@ -330,14 +330,14 @@ fn frames_with_a_checksum_are_checked() {
     }
     let outcome = outcome(child);
     assert_eq!((source(&outcome, "lost_frames"), source(&outcome, "malformed_frames")), (2.0, 2.0));
-    assert_eq!(kinds(&desk, "events.jsonl"), ["source-connected"]);
+    assert_eq!(kinds(&sandbox, "events.jsonl"), ["source-connected"]);
 }
 
 #[test]
 fn events_of_one_kind_are_limited_in_number() {
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "0.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     // 170 connections within the 0.9 s; the last one sends on until the monitor ends.
@@ -348,7 +348,7 @@ fn events_of_one_kind_are_limited_in_number() {
     }
     let outcome = outcome(child);
     assert!(source(&outcome, "connections") > 120.0);
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert!(kinds.len() < 40, "{}", kinds.len());
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("source-connected"), "{notes}");

@@ -1,9 +1,9 @@
 //! The monitor before its twin runs, and where it cannot run: limits, signals, standstill, gaps, implausible rates.
 
 use crate::live::{
-    acknowledged, connected, desk, endless, frame, kinds, listening, monitor, outcome, port, rows, source,
+    acknowledged, connected, endless, frame, kinds, listening, monitor, outcome, port, rows, sandbox, source,
 };
-use crate::support::{DEMO_SCENE, Desk, list, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, list, number, short_recording, swap};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Child, Command, Output};
@@ -28,9 +28,9 @@ pub fn wait<T>(what: &str, mut get: impl FnMut() -> Option<T>) -> T {
 }
 
 /// Waits for an event of this kind in a log.
-pub fn wait_for_event(desk: &Desk, log: &str, kind: &str) {
+pub fn wait_for_event(sandbox: &Sandbox, log: &str, kind: &str) {
     let quoted = format!("\"kind\":\"{kind}\"");
-    wait(kind, || std::fs::read_to_string(desk.path(log)).ok().filter(|text| text.contains(&quoted)).map(|_| ()));
+    wait(kind, || std::fs::read_to_string(sandbox.path(log)).ok().filter(|text| text.contains(&quoted)).map(|_| ()));
 }
 
 /// Sends SIGTERM to a process.
@@ -56,9 +56,9 @@ pub fn ended(child: Child) -> Output {
 }
 
 /// The demonstration with a limit on peak-to-peak displacement.
-fn limited(max: &str) -> Desk {
+fn limited(max: &str) -> Sandbox {
     let limit = format!("\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"{max}\"\n");
-    Desk::with(&(DEMO_SCENE.to_owned() + &limit), &short_recording(12_800))
+    Sandbox::with(&(DEMO_SCENE.to_owned() + &limit), &short_recording(12_800))
 }
 
 /// The demonstration's rows with DE_X_um displaced in a range of samples.
@@ -75,15 +75,15 @@ fn displaced(range: std::ops::Range<u32>) -> impl Fn(u32) -> Vec<u8> {
 
 #[test]
 fn a_limit_is_reported_while_the_twin_is_started() {
-    let desk = limited("0.1 um");
+    let sandbox = limited("0.1 um");
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames", "--state", "state", "--events", "events.jsonl"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames", "--state", "state", "--events", "events.jsonl"]);
     let frame_of = displaced(0..0);
     let mut stream = connected(port);
     let told = acknowledged(&stream);
     let since = Instant::now();
     (0..16_000).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
-    wait_for_event(&desk, "events.jsonl", "limit-crossed");
+    wait_for_event(&sandbox, "events.jsonl", "limit-crossed");
     let reported = since.elapsed();
     // A second is acknowledged when the twin has passed through it.
     told.recv_timeout(PATIENCE).unwrap();
@@ -95,13 +95,13 @@ fn a_limit_is_reported_while_the_twin_is_started() {
 
 #[test]
 fn a_signal_while_the_twin_is_started_loses_no_event() {
-    let desk = limited("3 um");
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = limited("3 um");
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let frame_of = displaced(20_000..20_002);
     let mut stream = connected(port);
     (0..40_000).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let since = Instant::now();
     terminate(child.id());
     let outcome = outcome(child);
@@ -110,7 +110,7 @@ fn a_signal_while_the_twin_is_started_loses_no_event() {
     assert_eq!(number(&outcome, "/record/compared"), 40_000.0);
     let events = list(&outcome, "events");
     assert_eq!(events.len(), 1, "{events:#?}");
-    let kinds = kinds(&desk, "events.jsonl");
+    let kinds = kinds(&sandbox, "events.jsonl");
     assert_eq!(kinds.iter().filter(|kind| kind.starts_with("limit-")).count(), 2, "{kinds:?}");
 }
 
@@ -119,14 +119,14 @@ fn a_signal_while_the_twin_is_started_loses_no_event() {
 fn a_signal_ends_a_monitor_that_is_behind() {
     let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X_um\"\nmax = \"3 um\"\n";
     let step = swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"0.5 us\"\n\n[recording]");
-    let desk = Desk::with(&(step + limit), "");
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = Sandbox::with(&(step + limit), "");
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let count = 20 * 12_800;
     let frame_of = displaced(count - 20_000..count - 19_998);
     let mut stream = connected(port);
     (0..count).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let since = Instant::now();
     terminate(child.id());
     let outcome = outcome(child);
@@ -143,10 +143,10 @@ fn a_signal_ends_a_monitor_that_is_behind() {
 /// The indicators of a second from readings are shown before the twin has passed through it.
 #[test]
 fn metrics_are_shown_while_the_twin_is_started() {
-    let (desk, port, at) = (desk(), port(), port());
+    let (sandbox, port, at) = (sandbox(), port(), port());
     let (source_at, at) = (format!("tcp:{port}"), at.to_string());
     let args = ["--source", &source_at, "--encoding", "frames", "--state", "state", "--prometheus", &at];
-    let mut child = monitor(&desk, &args);
+    let mut child = monitor(&sandbox, &args);
     let frame_of = displaced(0..0);
     let mut stream = connected(port);
     let told = acknowledged(&stream);
@@ -170,9 +170,9 @@ fn metrics_are_shown_while_the_twin_is_started() {
 
 #[test]
 fn stopped_at_standstill_it_reports_what_was_measured() {
-    let desk = desk();
+    let sandbox = sandbox();
     let (child, port) =
-        listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl", "--report", "r.html"]);
+        listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl", "--report", "r.html"]);
     let rows = rows(12_800);
     let mut stream = connected(port);
     let turning = endless(&rows);
@@ -180,17 +180,17 @@ fn stopped_at_standstill_it_reports_what_was_measured() {
     let mut still = rows[10].clone();
     still[5] = 0.0;
     (12_800..25_600).for_each(|sequence| stream.write_all(&frame(sequence, &still)).unwrap());
-    wait_for_event(&desk, "events.jsonl", "shaft-not-turning");
+    wait_for_event(&sandbox, "events.jsonl", "shaft-not-turning");
     terminate(child.id());
     let outcome = outcome(child);
     assert!(number(&outcome, "/record/compared") > 10_000.0);
     let notes = list(&outcome, "notes");
     assert!(notes.iter().any(|note| note.as_str().unwrap().contains("no shaft angle")), "{notes:#?}");
-    assert!(desk.read("r.html").contains("</html>"));
+    assert!(sandbox.read("r.html").contains("</html>"));
 }
 
 /// The demonstration with a speed column at 0 rpm, and a gap of `gap` seconds in the middle of its time column.
-pub fn at_rest_with_gap(gap: f64) -> Desk {
+pub fn at_rest_with_gap(gap: f64) -> Sandbox {
     let keyphasor = "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }";
     let scene = swap(DEMO_SCENE, keyphasor, "speed = { column = \"keyphasor\", unit = \"rpm\" }");
     let scene = swap(&scene, "rate = \"12.8 kHz\"", "time = \"time_s\"");
@@ -204,13 +204,13 @@ pub fn at_rest_with_gap(gap: f64) -> Desk {
         }
         text += &(cells.join(",") + "\n");
     }
-    Desk::with(&scene, &text)
+    Sandbox::with(&scene, &text)
 }
 
 #[test]
 fn a_long_gap_at_standstill_is_not_integrated() {
-    let desk = at_rest_with_gap(600.0);
-    let child = desk.command(&["replay", "scene.toml", "--format", "json"]).spawn().unwrap();
+    let sandbox = at_rest_with_gap(600.0);
+    let child = sandbox.command(&["replay", "scene.toml", "--format", "json"]).spawn().unwrap();
     let output = ended(child);
     let outcome: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(number(&outcome, "/record/compared"), 4096.0);
@@ -220,46 +220,46 @@ fn a_long_gap_at_standstill_is_not_integrated() {
 
 #[test]
 fn implausible_rates_are_refused() {
-    let desk = Desk::rig();
-    desk.put("slow.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "rate = \"12.8 Hz\""));
-    desk.refused(&["replay", "slow.toml"], 2, &["rate", "12.8 Hz", "3000 rpm"]);
-    desk.refused(&["replay", "slow.toml", "--paced"], 2, &["rate", "12.8 Hz", "3000 rpm"]);
-    desk.put("stamps.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\""));
+    let sandbox = Sandbox::rig();
+    sandbox.put("slow.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "rate = \"12.8 Hz\""));
+    sandbox.refused(&["replay", "slow.toml"], 2, &["rate", "12.8 Hz", "3000 rpm"]);
+    sandbox.refused(&["replay", "slow.toml", "--paced"], 2, &["rate", "12.8 Hz", "3000 rpm"]);
+    sandbox.put("stamps.toml", swap(DEMO_SCENE, "rate = \"12.8 kHz\"", "time = \"time_s\""));
     for (step, rate) in [(10.0, "0.1 Hz"), (1e-12, "1000000000000 Hz")] {
         let stamped = |(i, line): (usize, &str)| match line.split_once(',') {
             Some((_, rest)) if i > 0 => format!("{:e},{rest}\n", (i - 1) as f64 * step),
             _ => line.to_owned() + "\n",
         };
-        desk.put("healthy.csv", short_recording(2048).lines().enumerate().map(stamped).collect::<String>());
-        desk.refused(&["replay", "stamps.toml"], 1, &["healthy.csv", rate]);
-        desk.refused(&["replay", "stamps.toml", "--paced"], 1, &["healthy.csv", rate]);
+        sandbox.put("healthy.csv", short_recording(2048).lines().enumerate().map(stamped).collect::<String>());
+        sandbox.refused(&["replay", "stamps.toml"], 1, &["healthy.csv", rate]);
+        sandbox.refused(&["replay", "stamps.toml", "--paced"], 1, &["healthy.csv", rate]);
     }
 }
 
 #[test]
 fn a_paced_start_is_not_a_silent_source() {
-    let desk = desk();
-    let child = monitor(&desk, &["--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let child = monitor(&sandbox, &["--events", "events.jsonl"]);
     outcome(child);
-    assert_eq!(desk.read("events.jsonl"), "");
+    assert_eq!(sandbox.read("events.jsonl"), "");
 }
 
 #[test]
 fn source_that_disconnects_sends_no_row_twice() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
     (0..6_400).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
-    wait_for_event(&desk, "events.jsonl", "source-silent");
+    wait_for_event(&sandbox, "events.jsonl", "source-silent");
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let mut stream = connected(port);
     (6_400..6_500).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
-    wait_for_event(&desk, "events.jsonl", "source-speaks");
+    wait_for_event(&sandbox, "events.jsonl", "source-speaks");
     assert_eq!(
-        kinds(&desk, "events.jsonl"),
+        kinds(&sandbox, "events.jsonl"),
         ["source-connected", "source-silent", "source-gone", "source-connected", "source-speaks"]
     );
     terminate(child.id());

@@ -6,18 +6,18 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number};
 
 /// The demonstration's rows over and over: 50 whole turns each time, so that the keyphasor goes on evenly. Gives the
 /// number of samples.
 ///
 /// `spare` columns that no probe uses follow the others, as in the recordings of many-channel systems.
-fn write_repeated(desk: &Desk, at_least: u64, spare: usize) -> f64 {
+fn write_repeated(sandbox: &Sandbox, at_least: u64, spare: usize) -> f64 {
     let (header, rows) = DEMO_RECORDING.split_once('\n').unwrap();
     let names: String = (0..spare).map(|i| format!(",spare_{i}")).collect();
     let cells = ",-12.345".repeat(spare);
     let rows: String = rows.lines().map(|row| format!("{row}{cells}\n")).collect();
-    let mut file = BufWriter::new(File::create(desk.path("healthy.csv")).unwrap());
+    let mut file = BufWriter::new(File::create(sandbox.path("healthy.csv")).unwrap());
     writeln!(file, "{header}{names}").unwrap();
     let times = at_least.div_ceil(rows.len() as u64);
     for _ in 0..times {
@@ -28,8 +28,8 @@ fn write_repeated(desk: &Desk, at_least: u64, spare: usize) -> f64 {
 }
 
 /// The outcome and the peak memory of the process, where the system reports it.
-fn replayed(desk: &Desk, samples: f64) -> (Value, Option<f64>) {
-    let outcome = desk.replay("scene.toml", &[]);
+fn replayed(sandbox: &Sandbox, samples: f64) -> (Value, Option<f64>) {
+    let outcome = sandbox.replay("scene.toml", &[]);
     assert_eq!(number(&outcome, "/record/compared"), samples);
     assert_eq!((list(&outcome, "flaws").len(), list(&outcome, "findings").len()), (0, 0), "{outcome:#}");
     for probe in list(&outcome, "probes") {
@@ -41,9 +41,9 @@ fn replayed(desk: &Desk, samples: f64) -> (Value, Option<f64>) {
 
 /// The peak memory of a recording of 64 000 samples, nearly the longest that is read ahead to its end.
 fn short() -> Option<f64> {
-    let desk = Desk::with(DEMO_SCENE, "");
-    let samples = write_repeated(&desk, 4 * DEMO_RECORDING.len() as u64 + 1, 0);
-    replayed(&desk, samples).1
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
+    let samples = write_repeated(&sandbox, 4 * DEMO_RECORDING.len() as u64 + 1, 0);
+    replayed(&sandbox, samples).1
 }
 
 /// The peak memory of a longer recording is below `factor` times that of a short one.
@@ -58,17 +58,17 @@ fn assert_no_larger(long: Option<f64>, factor: f64) {
 
 #[test]
 fn recording_ten_times_as_long() {
-    let desk = Desk::with(DEMO_SCENE, "");
-    let samples = write_repeated(&desk, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
+    let samples = write_repeated(&sandbox, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
     assert_eq!(samples, 128_000.0);
-    let (outcome, memory) = replayed(&desk, samples);
+    let (outcome, memory) = replayed(&sandbox, samples);
     assert!((number(&outcome, "/record/turns") - 500.0).abs() < 0.01);
     assert_no_larger(memory, 1.2);
 }
 
-/// Free bytes in the folder of the desk, by `df`.
-fn free_bytes(desk: &Desk) -> Option<u64> {
-    let output = Command::new("df").arg("-Pk").arg(desk.path("")).output().ok()?;
+/// Free bytes in the folder of the sandbox, by `df`.
+fn free_bytes(sandbox: &Sandbox) -> Option<u64> {
+    let output = Command::new("df").arg("-Pk").arg(sandbox.path("")).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     let blocks: u64 = text.lines().nth(1)?.split_whitespace().nth(3)?.parse().ok()?;
     Some(1024 * blocks)
@@ -78,14 +78,14 @@ fn free_bytes(desk: &Desk) -> Option<u64> {
 #[ignore = "writes and replays 1 GB; tests/run --all runs it"]
 fn one_gigabyte() {
     const MIN_FREE: u64 = 3_000_000_000;
-    let desk = Desk::with(DEMO_SCENE, "");
-    match free_bytes(&desk) {
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
+    match free_bytes(&sandbox) {
         Some(free) if free >= MIN_FREE => {}
         Some(free) => return println!("skipped: {:.1} GB free for temporary files, 3 GB needed", free as f64 / 1e9),
         None => return println!("skipped: df does not tell how much is free for temporary files"),
     }
-    let samples = write_repeated(&desk, 1 << 30, 12);
-    let (outcome, memory) = replayed(&desk, samples);
+    let samples = write_repeated(&sandbox, 1 << 30, 12);
+    let (outcome, memory) = replayed(&sandbox, samples);
     println!("{samples} samples, {:.0} times real time", number(&outcome, "/timing/times_real_time"));
     assert_no_larger(memory, 1.5);
 }

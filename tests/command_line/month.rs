@@ -7,7 +7,7 @@ use crate::frames_source::{Connection, Rig, connected, port, seconds_of, signal,
 use crate::full_disk::{can_mount, fill, metric};
 use crate::kills::{DAMAGES, Random, kill};
 use crate::live_start::ended;
-use crate::support::{DEMO_SCENE, Desk, number, numbers, swap};
+use crate::support::{DEMO_SCENE, Sandbox, number, numbers, swap};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -56,13 +56,13 @@ fn scene(noise: f64, step: f64, more: &str) -> String {
 }
 
 /// The readings of five turns, without noise.
-fn motion(desk: &Desk, defect: &str) -> Vec<Vec<f32>> {
+fn motion(sandbox: &Sandbox, defect: &str) -> Vec<Vec<f32>> {
     // The scene of the monitor states neither the slip of the cages nor the defect.
     let scene = scene(1e-6, 0.002, "").replace("pitch_diameter", "cage_ratio = 0.4\npitch_diameter");
-    desk.put("generating.toml", swap(&scene, "name = \"DE\"\n", &format!("name = \"DE\"\n{defect}")));
+    sandbox.put("generating.toml", swap(&scene, "name = \"DE\"\n", &format!("name = \"DE\"\n{defect}")));
     let args = ["simulate", "generating.toml", "--duration", "40 s", "--settle", "160 s", "--as-recording"];
-    desk.done(&[&args[..], &["-o", "motion.csv"]].concat());
-    let (_, rows) = numbers(&desk.read("motion.csv"));
+    sandbox.done(&[&args[..], &["-o", "motion.csv"]].concat());
+    let (_, rows) = numbers(&sandbox.read("motion.csv"));
     assert_eq!(rows.len() as u64, REPEAT);
     rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect()
 }
@@ -91,13 +91,13 @@ struct Machine {
 }
 
 impl Machine {
-    fn new(desk: &Desk, fault: u64) -> Self {
+    fn new(sandbox: &Sandbox, fault: u64) -> Self {
         let form = "half_width = \"2.5 deg\", depth = \"3 um\", shape = \"half-sine\"";
         let spall = format!("defect = [{{ surface = \"outer\", azimuth = \"-70 deg\", {form} }}]\n");
         let mut random = Random(7);
         let mut normal = || ((0..12).map(|_| random.next()).sum::<f64>() - 6.0) * NOISE;
         let noise = (0..1 << 16).map(|_| normal() as f32).collect();
-        Self { sound: motion(desk, ""), spalled: motion(desk, &spall), fault, noise }
+        Self { sound: motion(sandbox, ""), spalled: motion(sandbox, &spall), fault, noise }
     }
 
     fn readings(&self, index: u64) -> Vec<f32> {
@@ -120,20 +120,20 @@ impl Machine {
     }
 }
 
-/// A disk of its own size in a mount namespace, held by a process; `disk` on the desk leads to it.
+/// A disk of its own size in a mount namespace, held by a process; `disk` on the sandbox leads to it.
 struct Disk(Child);
 
 impl Disk {
-    fn mount(desk: &Desk) -> Self {
-        fs::create_dir(desk.path("mount")).unwrap();
+    fn mount(sandbox: &Sandbox) -> Self {
+        fs::create_dir(sandbox.path("mount")).unwrap();
         let script = format!("mount -t tmpfs -o size={DISK_MIB}m none mount && echo ready && exec sleep infinity");
         let mut command = Command::new("unshare");
-        command.args(["-rm", "sh", "-c", &script]).current_dir(desk.path("")).stdin(Stdio::null());
+        command.args(["-rm", "sh", "-c", &script]).current_dir(sandbox.path("")).stdin(Stdio::null());
         let mut holder = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut ready = [0; 5];
         holder.stdout.as_mut().unwrap().read_exact(&mut ready).unwrap();
-        let mount = format!("/proc/{}/root{}", holder.id(), desk.path("mount").display());
-        std::os::unix::fs::symlink(mount, desk.path("disk")).unwrap();
+        let mount = format!("/proc/{}/root{}", holder.id(), sandbox.path("mount").display());
+        std::os::unix::fs::symlink(mount, sandbox.path("disk")).unwrap();
         Self(holder)
     }
 }
@@ -257,19 +257,19 @@ impl Drop for Life {
 
 impl Month {
     fn new(fault: u64) -> (Self, Disk) {
-        let desk = Desk::empty();
-        desk.put("scene.toml", scene(NOISE, 1.0 / RATE as f64, ""));
-        desk.put("token", TOKEN);
-        desk.put("clock", "+0");
-        let disk = Disk::mount(&desk);
-        let machine = Machine::new(&desk, fault);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", scene(NOISE, 1.0 / RATE as f64, ""));
+        sandbox.put("token", TOKEN);
+        sandbox.put("clock", "+0");
+        let disk = Disk::mount(&sandbox);
+        let machine = Machine::new(&sandbox, fault);
         let (page, metrics) = (port(), port());
         let metrics_port = metrics.to_string();
         let files = ["--state", "disk/state", "--events", "disk/events.jsonl", "--indicators", "disk/trend"];
         let address = page.to_string();
         let others = ["--no-report", "--http", &address, "--http-token-file", "token", "--prometheus"];
         let options = [&files[..], &others, &[&metrics_port]].concat();
-        let rig = Rig::with(desk, Box::new(move |index| machine.readings(index)), WINDOW, &options);
+        let rig = Rig::with(sandbox, Box::new(move |index| machine.readings(index)), WINDOW, &options);
         let month = Self {
             rig,
             page,
@@ -289,7 +289,7 @@ impl Month {
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.rig.desk.path("disk").join(name)
+        self.rig.sandbox.path("disk").join(name)
     }
 
     /// A whole number below `below`.
@@ -303,7 +303,7 @@ impl Month {
         // A clock that may be set costs a read of a file whenever the program asks for the time.
         let has_clock = self.counts.starts % 4 == 3 && self.clock.is_some();
         if let Some(library) = self.clock.as_ref().filter(|_| has_clock) {
-            set_clock(&mut command, &self.rig.desk, library);
+            set_clock(&mut command, &self.rig.sandbox, library);
         }
         Life { child: Some(command.spawn().unwrap()), has_clock }
     }
@@ -401,7 +401,7 @@ impl Month {
             6.. if life.has_clock => {
                 self.counts.clock_steps += 1;
                 let offsets = ["+1h", "-2h", "+40d", "+0"];
-                self.rig.desk.put("clock", offsets[self.counts.clock_steps as usize % offsets.len()]);
+                self.rig.sandbox.put("clock", offsets[self.counts.clock_steps as usize % offsets.len()]);
             }
             _ => {
                 // The source is silent on its connection, and makes another one.
@@ -702,11 +702,11 @@ fn a_month_with_all_that_happens() {
 /// A source of a slow machine sends an hour that it has kept: the monitor does not take it one sample after the other.
 #[test]
 fn an_hour_of_a_slow_machine_is_followed_in_seconds() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene(NOISE, 1.0 / RATE as f64, ""));
-    let machine = Machine::new(&desk, u64::MAX);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene(NOISE, 1.0 / RATE as f64, ""));
+    let machine = Machine::new(&sandbox, u64::MAX);
     let options = ["--state", "state", "--events", "events.jsonl", "--no-report"];
-    let rig = Rig::with(desk, Box::new(move |index| machine.readings(index)), WINDOW, &options);
+    let rig = Rig::with(sandbox, Box::new(move |index| machine.readings(index)), WINDOW, &options);
     let mut life = Life { child: Some(rig.start()), has_clock: false };
     let begun = Instant::now();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= WINDOW);

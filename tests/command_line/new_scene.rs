@@ -1,6 +1,6 @@
 //! `new` and `check`: from a designation and a recording to a scene, and each wrong input with its probable cause.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, changed, list, number, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, changed, list, number, short_recording, swap};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -27,12 +27,12 @@ fn filled(draft: &str) -> String {
 }
 
 /// A scene of the demonstration's machine from the catalogue, with `recording` as `run.csv`.
-fn drafted(recording: &str) -> Desk {
-    let desk = Desk::empty();
-    desk.put("run.csv", recording);
+fn drafted(recording: &str) -> Sandbox {
+    let sandbox = Sandbox::empty();
+    sandbox.put("run.csv", recording);
     let bearings = ["new", "--bearing", "6205", "--bearing", "SKF 6205-2RS1", "--recording", "run.csv"];
-    desk.done(&[&bearings[..], &["--speed", "3000 rpm", "-o", "pump.toml"]].concat());
-    desk
+    sandbox.done(&[&bearings[..], &["--speed", "3000 rpm", "-o", "pump.toml"]].concat());
+    sandbox
 }
 
 /// The transcript of the user guide, run in its order, with a sound recording and one with a spall.
@@ -45,9 +45,9 @@ fn from_a_designation_to_a_report_in_the_documented_commands() {
     let commands: Vec<&str> = transcript.lines().filter_map(|line| line.strip_prefix("ballrace ")).collect();
     assert!((3..=6).contains(&commands.len()), "{commands:?}");
 
-    let desk = Desk::empty();
-    desk.put("run.csv", short_recording(SAMPLES));
-    desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    let sandbox = Sandbox::empty();
+    sandbox.put("run.csv", short_recording(SAMPLES));
+    sandbox.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
     for command in commands {
         let words: Vec<String> = command
             .split('"')
@@ -59,26 +59,28 @@ fn from_a_designation_to_a_report_in_the_documented_commands() {
             .collect();
         let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
         if args[0] == "check" {
-            let open = desk.run(&args);
+            let open = sandbox.run(&args);
             assert_eq!(open.code, Some(2), "{open:?}");
             assert_eq!(open.out.lines().count(), 10, "{open:?}");
             assert!(open.err.contains("unknown values"), "{open:?}");
-            desk.put("pump.toml", filled(&desk.read("pump.toml")));
+            sandbox.put("pump.toml", filled(&sandbox.read("pump.toml")));
         }
         if args[0] == "fit" {
             args.extend(["--turns", "16"]);
         }
         if args[0] == "replay" {
-            let outcome: Value = desk.run(&[&args[..], &["--format", "json"]].concat()).json();
+            let outcome: Value = sandbox.run(&[&args[..], &["--format", "json"]].concat()).json();
             let first = &list(&outcome, "findings")[0];
             assert_eq!((first["kind"].as_str(), first["bearing"].as_str()), (Some("outer-race"), Some("DE")));
-            assert!(desk.files().iter().any(|name| name.starts_with("pump-fitted-") && name.ends_with("report.html")));
+            assert!(
+                sandbox.files().iter().any(|name| name.starts_with("pump-fitted-") && name.ends_with("report.html"))
+            );
         } else {
-            desk.done(&args);
+            sandbox.done(&args);
         }
     }
     // The clearance of the catalogue is 12.5 um, that of the machine 10 um.
-    let fitted = desk.read("pump-fitted.toml");
+    let fitted = sandbox.read("pump-fitted.toml");
     let clearance = fitted.lines().find_map(|line| line.trim().strip_prefix("diametral_clearance = \"")).unwrap();
     let clearance: f64 = clearance.split(' ').next().unwrap().parse().unwrap();
     assert!((clearance - 10.0).abs() < 1.5, "{clearance}");
@@ -86,29 +88,29 @@ fn from_a_designation_to_a_report_in_the_documented_commands() {
 
 #[test]
 fn a_catalogue_bearing_is_the_bearing_of_its_numbers() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let own = "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = \"0 mm\"\n";
-    desk.put("listed.toml", format!("{own}bearing = \"6205\"\ndiametral_clearance = \"10 um\"\n"));
+    sandbox.put("listed.toml", format!("{own}bearing = \"6205\"\ndiametral_clearance = \"10 um\"\n"));
     let numbers = "model = \"angular\"\nelements = 9\nball_diameter = \"7.9375 mm\"\npitch_diameter = \"39.04 mm\"\n\
                    inner_conformity = 0.52\nouter_conformity = 0.52\ndiametral_clearance = \"10 um\"\n";
-    desk.put("numbers.toml", format!("{own}{numbers}"));
-    desk.put("F.csv", "u,v,w,thu,thv\n8e-6,-2e-6,3e-5,1e-4,0\n");
-    let force = |scene| desk.done(&["force", scene, "--displacements", "F.csv", "--format", "csv"]).out;
+    sandbox.put("numbers.toml", format!("{own}{numbers}"));
+    sandbox.put("F.csv", "u,v,w,thu,thv\n8e-6,-2e-6,3e-5,1e-4,0\n");
+    let force = |scene| sandbox.done(&["force", scene, "--displacements", "F.csv", "--format", "csv"]).out;
     assert_eq!(force("listed.toml"), force("numbers.toml"));
-    desk.put("wrong.toml", format!("{own}bearing = \"6399\"\n"));
-    desk.refused(&["check", "wrong.toml"], 2, &["wrong.toml:6: bearing[0].bearing", "6399", "ballrace new --list"]);
+    sandbox.put("wrong.toml", format!("{own}bearing = \"6399\"\n"));
+    sandbox.refused(&["check", "wrong.toml"], 2, &["wrong.toml:6: bearing[0].bearing", "6399", "ballrace new --list"]);
     // A value that does not fit the rest of the bearing names the key at the line of the designation.
-    desk.put("small.toml", format!("{own}bearing = \"6205\"\nball_diameter = \"40 mm\"\n"));
-    desk.refused(&["check", "small.toml"], 2, &["small.toml:6: bearing[0].pitch_diameter", "above ball_diameter"]);
+    sandbox.put("small.toml", format!("{own}bearing = \"6205\"\nball_diameter = \"40 mm\"\n"));
+    sandbox.refused(&["check", "small.toml"], 2, &["small.toml:6: bearing[0].pitch_diameter", "above ball_diameter"]);
 }
 
 /// The clearance of the catalogue is 2.5 um off: no load is made of that, and a spall is found all the same.
 #[test]
 fn an_estimated_clearance_is_no_load() {
-    let desk = drafted(DEMO_RECORDING);
-    desk.put("pump.toml", filled(&desk.read("pump.toml")));
-    desk.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
-    let sound = desk.replay("pump.toml", &[]);
+    let sandbox = drafted(DEMO_RECORDING);
+    sandbox.put("pump.toml", filled(&sandbox.read("pump.toml")));
+    sandbox.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    let sound = sandbox.replay("pump.toml", &[]);
     assert!(
         list(&sound, "findings")
             .iter()
@@ -118,68 +120,68 @@ fn an_estimated_clearance_is_no_load() {
     let is_explained =
         |note: &Value| note.as_str().unwrap().contains("the clearance of DE and NDE is that of the catalogue");
     assert!(notes.iter().any(is_explained), "{notes:#?}");
-    desk.done(&["replay", "pump.toml", "--learn", "sound.json"]);
-    let faulty = desk.replay("pump.toml", &["--recording", "today.csv", "--baseline", "sound.json"]);
+    sandbox.done(&["replay", "pump.toml", "--learn", "sound.json"]);
+    let faulty = sandbox.replay("pump.toml", &["--recording", "today.csv", "--baseline", "sound.json"]);
     assert_eq!(list(&faulty, "findings")[0]["kind"].as_str(), Some("outer-race"), "{faulty:#}");
 }
 
 #[test]
 fn rollers_of_the_catalogue() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let machine = swap(DEMO_SCENE, "[recording]", "#");
     let machine = machine.split("[[bearing]]").next().unwrap().to_owned();
     let bearing = |name, station, designation: &str| {
         format!("[[bearing]]\nname = \"{name}\"\nstation = \"{station} mm\"\nbearing = \"{designation}\"\n")
     };
-    desk.put("m.toml", machine + &bearing("DE", -100, "6205") + &bearing("NDE", 100, "NU205"));
-    let settled: Value = desk.done(&["equilibrium", "m.toml", "--format", "json"]).json();
+    sandbox.put("m.toml", machine + &bearing("DE", -100, "6205") + &bearing("NDE", 100, "NU205"));
+    let settled: Value = sandbox.done(&["equilibrium", "m.toml", "--format", "json"]).json();
     assert!(number(&settled, "/residual") < 1e-9, "{settled:#}");
-    let checked: Value = desk.done(&["check", "m.toml", "--format", "json"]).json();
+    let checked: Value = sandbox.done(&["check", "m.toml", "--format", "json"]).json();
     assert_eq!(checked["bearings"][1]["designation"].as_str(), Some("NU205"));
 }
 
 #[test]
 fn the_list_of_the_catalogue() {
-    let desk = Desk::empty();
-    let text = desk.done(&["new", "--list"]).out;
+    let sandbox = Sandbox::empty();
+    let text = sandbox.done(&["new", "--list"]).out;
     assert!(text.lines().any(|line| line.starts_with("6309 ")), "{text}");
-    let rows: Value = desk.done(&["new", "--list", "--format", "json"]).json();
+    let rows: Value = sandbox.done(&["new", "--list", "--format", "json"]).json();
     let six = rows.as_array().unwrap().iter().find(|row| row["designation"] == "6205").unwrap();
     assert!((number(six, "/outer_race_order") - 3.585).abs() < 0.002);
-    let csv = desk.done(&["new", "--list", "--format", "csv"]).out;
+    let csv = sandbox.done(&["new", "--list", "--format", "csv"]).out;
     assert_eq!(csv.lines().count(), rows.as_array().unwrap().len() + 1);
 }
 
 /// The path of a recording beside the folder of the scene leads there from the scene, wherever both are moved.
 #[test]
 fn a_recording_in_another_folder() {
-    let desk = Desk::empty();
-    fs::create_dir_all(desk.path("scenes/pumps")).unwrap();
-    fs::create_dir_all(desk.path("recordings")).unwrap();
-    desk.put("recordings/run.csv", short_recording(SAMPLES));
+    let sandbox = Sandbox::empty();
+    fs::create_dir_all(sandbox.path("scenes/pumps")).unwrap();
+    fs::create_dir_all(sandbox.path("recordings")).unwrap();
+    sandbox.put("recordings/run.csv", short_recording(SAMPLES));
     let args = ["new", "--bearing", "6205", "--recording", "recordings/run.csv", "-o", "scenes/pumps/a.toml"];
-    desk.done(&args);
-    let text = desk.read("scenes/pumps/a.toml");
+    sandbox.done(&args);
+    let text = sandbox.read("scenes/pumps/a.toml");
     assert!(text.contains("\"../../recordings/run.csv\""), "{text}");
 }
 
 #[test]
 fn wrong_options_of_new() {
-    let desk = Desk::empty();
-    desk.refused(&["new"], 2, &["--bearing", "6309"]);
-    desk.refused(&["new", "--bearing", "62x9"], 2, &["62x9", "ballrace new --list"]);
-    desk.refused(&["new", "--bearing", "6205", "--speed", "50 Hz"], 2, &["--speed"]);
-    desk.refused(&["new", "--bearing", "6205", "--set", "mass"], 2, &["--set", "KEY=VALUE"]);
-    desk.refused(&["new", "--bearing", "6205", "--set", "rotors.mass=3"], 2, &["--set", "rotors.mass"]);
+    let sandbox = Sandbox::empty();
+    sandbox.refused(&["new"], 2, &["--bearing", "6309"]);
+    sandbox.refused(&["new", "--bearing", "62x9"], 2, &["62x9", "ballrace new --list"]);
+    sandbox.refused(&["new", "--bearing", "6205", "--speed", "50 Hz"], 2, &["--speed"]);
+    sandbox.refused(&["new", "--bearing", "6205", "--set", "mass"], 2, &["--set", "KEY=VALUE"]);
+    sandbox.refused(&["new", "--bearing", "6205", "--set", "rotors.mass=3"], 2, &["--set", "rotors.mass"]);
     let speed = "--set: no unit: \"shaft.speed=3000\", expected \"shaft.speed=3000 rpm\" or \"shaft.speed=3000 rad/s\"";
-    desk.refused(&["new", "--bearing", "6205", "--set", "shaft.speed=3000"], 2, &[speed]);
+    sandbox.refused(&["new", "--bearing", "6205", "--set", "shaft.speed=3000"], 2, &[speed]);
     let station = ["new", "--bearing", "6205", "--set", "rotor.mass=6", "--set", "bearing[0].station=-100"];
-    desk.refused(&station, 2, &["bearing[0].station=-100 um"]);
-    desk.refused(&["new", "--bearing", "6205", "--recording", "none.csv"], 1, &["none.csv"]);
-    desk.put("old.toml", "mine");
-    desk.refused(&["new", "--bearing", "6205", "-o", "old.toml"], 2, &["old.toml", "exists"]);
-    assert_eq!(desk.read("old.toml"), "mine");
-    let text = desk.done(&["new", "--bearing", "6205", "--set", "rotor.mass=6 kg"]).out;
+    sandbox.refused(&station, 2, &["bearing[0].station=-100 um"]);
+    sandbox.refused(&["new", "--bearing", "6205", "--recording", "none.csv"], 1, &["none.csv"]);
+    sandbox.put("old.toml", "mine");
+    sandbox.refused(&["new", "--bearing", "6205", "-o", "old.toml"], 2, &["old.toml", "exists"]);
+    assert_eq!(sandbox.read("old.toml"), "mine");
+    let text = sandbox.done(&["new", "--bearing", "6205", "--set", "rotor.mass=6 kg"]).out;
     assert!(text.contains("mass = \"6 kg\""), "{text}");
 }
 
@@ -188,8 +190,8 @@ const SAMPLES: usize = 16 * TURN;
 /// Checks the demonstration's scene after changes of its text, with a recording; returns the implausibilities.
 fn found(swaps: &[(&str, &str)], recording: &str) -> Vec<[String; 4]> {
     let scene = swaps.iter().fold(DEMO_SCENE.to_owned(), |text, (from, to)| swap(&text, from, to));
-    let desk = Desk::with(&scene, recording);
-    let answer = desk.run(&["check", "scene.toml", "--format", "json"]);
+    let sandbox = Sandbox::with(&scene, recording);
+    let answer = sandbox.run(&["check", "scene.toml", "--format", "json"]);
     let checked: Value = answer.json();
     let found = list(&checked, "implausible");
     assert_eq!(answer.code, Some(if found.is_empty() { 0 } else { 4 }), "{answer:?}");
@@ -213,24 +215,24 @@ fn the_demonstration_is_plausible() {
 /// A designer has no recording yet: the example of the draft, uncommented, is simulated, checked and replayed.
 #[test]
 fn the_example_of_a_recording() {
-    let desk = Desk::empty();
-    desk.done(&["new", "--bearing", "6205", "--bearing", "6205", "--speed", "3000 rpm", "-o", "pump.toml"]);
-    let draft = desk.read("pump.toml");
+    let sandbox = Sandbox::empty();
+    sandbox.done(&["new", "--bearing", "6205", "--bearing", "6205", "--speed", "3000 rpm", "-o", "pump.toml"]);
+    let draft = sandbox.read("pump.toml");
     let (machine, example) = draft.split_once("# No recording was given.").unwrap();
     let lines = example.lines().skip(1).map(|line| line.strip_prefix("# ").unwrap_or(line));
     let recording = lines.collect::<Vec<_>>().join("\n");
     let machine = FILLED.iter().fold(machine.to_owned(), |text, (from, to)| swap(&text, from, to));
     let station = "station = \"?\"";
     let machine = machine.replacen(station, "station = \"-100 mm\"", 1).replacen(station, "station = \"100 mm\"", 1);
-    desk.put("pump.toml", format!("{machine}\n{recording}\n"));
+    sandbox.put("pump.toml", format!("{machine}\n{recording}\n"));
     // The machine is drawn before its recording exists.
-    let answer = desk.run(&["check", "pump.toml"]);
+    let answer = sandbox.run(&["check", "pump.toml"]);
     assert_eq!(answer.code, Some(1), "{answer:?}");
     assert!(answer.out.contains("[X]") && answer.err.contains("run.csv: cannot be opened"), "{answer:?}");
     let args = ["simulate", "pump.toml", "--as-recording", "--duration", "1 s", "--settle", "0 s", "-o", "run.csv"];
-    desk.done(&args);
-    assert!(desk.done(&["check", "pump.toml"]).out.contains("Nothing implausible found"));
-    let outcome = desk.replay("pump.toml", &[]);
+    sandbox.done(&args);
+    assert!(sandbox.done(&["check", "pump.toml"]).out.contains("Nothing implausible found"));
+    let outcome = sandbox.replay("pump.toml", &[]);
     assert!(list(&outcome, "findings").is_empty(), "{}", outcome["verdict"]);
 }
 
@@ -315,9 +317,9 @@ fn probes_of_a_draft() {
         format!("{names}\n{}", (0..4096).map(row).collect::<String>())
     };
     let draft = |names: &str| {
-        let desk = Desk::empty();
-        desk.put("run.csv", table(names));
-        desk.done(&["new", "--bearing", "6205", "--recording", "run.csv"]).out
+        let sandbox = Sandbox::empty();
+        sandbox.put("run.csv", table(names));
+        sandbox.done(&["new", "--bearing", "6205", "--recording", "run.csv"]).out
     };
     let text = draft("DE_45_um,DE_135_um,KP_V,note");
     assert!(text.contains("keyphasor = { column = \"KP_V\", pulses_per_turn = 1 }"), "{text}");

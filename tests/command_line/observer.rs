@@ -1,6 +1,6 @@
 //! The observer where it does not describe the machine: its forces are flagged and replaced, never wrong in silence.
 
-use crate::support::{Desk, list, number, numbers, swap};
+use crate::support::{Sandbox, list, number, numbers, swap};
 use serde_json::Value;
 
 const RATE: f64 = 12_800.0;
@@ -37,10 +37,10 @@ pub fn rotor(model: &str, defect: &str, axial: &str) -> String {
 }
 
 /// The motion that the program computes for a scene: `u, v, w, thu, thv` at each sample of a number of turns after the start.
-pub fn motion(desk: &Desk, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+pub fn motion(sandbox: &Sandbox, scene: &str, turns: std::ops::Range<usize>) -> Vec<Vec<f64>> {
     let duration = format!("{} s", (turns.end * TURN) as f64 / RATE);
-    desk.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
-    let (_, rows) = numbers(&desk.read("motion.csv"));
+    sandbox.done(&["simulate", scene, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    let (_, rows) = numbers(&sandbox.read("motion.csv"));
     rows[turns.start * TURN..turns.end * TURN].iter().map(|row| row[1..6].to_vec()).collect()
 }
 
@@ -68,24 +68,24 @@ pub fn recording(motion: &[Vec<f64>], turn: usize) -> String {
     text
 }
 
-fn forces(desk: &Desk, source: &str) -> (Value, Vec<Vec<f64>>) {
-    let outcome = desk.replay("sound.toml", &["--forces", "forces.csv", "--force-source", source]);
-    (outcome, numbers(&desk.read("forces.csv")).1)
+fn forces(sandbox: &Sandbox, source: &str) -> (Value, Vec<Vec<f64>>) {
+    let outcome = sandbox.replay("sound.toml", &["--forces", "forces.csv", "--force-source", source]);
+    (outcome, numbers(&sandbox.read("forces.csv")).1)
 }
 
 /// A strong spall breaks out after the observer was tuned to a sound bearing: no force without a flag is far from the model
 /// at the measured displacement, and none at all is beyond it.
 #[test]
 fn strong_spall_does_not_bias_the_observer() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let spall = "defect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"4 deg\", depth = \"100 um\", shape = \"half-sine\" }]";
-    desk.put("sound.toml", rotor("angular", "", "Z"));
-    desk.put("spalled.toml", rotor("angular", spall, "Z"));
-    let mut all = motion(&desk, "sound.toml", 10..20);
-    all.extend(motion(&desk, "spalled.toml", 0..20));
-    desk.put("recording.csv", recording(&all, TURN));
-    let (outcome, observed) = forces(&desk, "observer");
-    let (_, measured) = forces(&desk, "displacement");
+    sandbox.put("sound.toml", rotor("angular", "", "Z"));
+    sandbox.put("spalled.toml", rotor("angular", spall, "Z"));
+    let mut all = motion(&sandbox, "sound.toml", 10..20);
+    all.extend(motion(&sandbox, "spalled.toml", 0..20));
+    sandbox.put("recording.csv", recording(&all, TURN));
+    let (outcome, observed) = forces(&sandbox, "observer");
+    let (_, measured) = forces(&sandbox, "displacement");
     let sigma: Vec<f64> = (0..10)
         .map(|i| number(&outcome, &format!("/bearings/{}/force_measured/{}/noise_sigma", i / 5, i % 5)))
         .collect();
@@ -130,31 +130,31 @@ impl Spall {
     fn check(&self) {
         let Self { model, surface, depth_um, half_width_deg, rpm, .. } = self;
         let turn = 60 * RATE as usize / *rpm as usize;
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         let at = if *surface == "element" { "element = 0" } else { "azimuth = \"-90 deg\"" };
         let defect = format!(
             "defect = [{{ surface = \"{surface}\", {at}, half_width = \"{half_width_deg} deg\", depth = \"{depth_um} um\", shape = \"half-sine\" }}]"
         );
         let scene = |defect: &str, axial: &str| swap(&rotor(model, defect, axial), "3000 rpm", &format!("{rpm} rpm"));
-        desk.put("sound.toml", scene("", "Z"));
-        desk.put("spalled.toml", scene(&defect, "Z"));
+        sandbox.put("sound.toml", scene("", "Z"));
+        sandbox.put("spalled.toml", scene(&defect, "Z"));
         let simulated = |name: &str, turns: std::ops::Range<usize>| {
             let duration = format!("{} s", (turns.end * turn) as f64 / RATE);
-            desk.done(&["simulate", name, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
-            let (_, rows) = numbers(&desk.read("motion.csv"));
+            sandbox.done(&["simulate", name, "--duration", &duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
+            let (_, rows) = numbers(&sandbox.read("motion.csv"));
             rows[turns.start * turn..turns.end * turn].iter().map(|row| row[1..6].to_vec()).collect::<Vec<_>>()
         };
         let mut all = if self.breaks_out { simulated("sound.toml", 10..20) } else { vec![] };
         all.extend(simulated("spalled.toml", 0..20));
-        desk.put("recording.csv", recording(&all, turn));
+        sandbox.put("recording.csv", recording(&all, turn));
         let axial = if self.with_axial_probe { "Z" } else { "" };
-        desk.put("sound.toml", scene(if self.is_known { &defect } else { "" }, axial));
+        sandbox.put("sound.toml", scene(if self.is_known { &defect } else { "" }, axial));
         let forces = |source: &str| {
             let args = ["replay", "sound.toml", "--forces", "forces.csv", "--force-source", source, "--format", "json"];
-            let answer = desk.run(&args);
+            let answer = sandbox.run(&args);
             // 4: so strong a spall may lift every element off its race.
             assert!(matches!(answer.code, Some(0 | 4)), "{answer:?}");
-            (answer.json::<Value>(), numbers(&desk.read("forces.csv")).1)
+            (answer.json::<Value>(), numbers(&sandbox.read("forces.csv")).1)
         };
         let ((outcome, observed), (_, measured)) = (forces("observer"), forces("displacement"));
         let sigma = |k: usize| {
@@ -234,17 +234,17 @@ fn long_strong_spalls_do_not_bias_the_force() {
 /// Lumped bearings have no axial stiffness, and no probe measures the axial coordinate: it stays where it is, and the others are observed.
 #[test]
 fn lumped_bearings_with_radial_probes_only() {
-    let desk = Desk::empty();
-    desk.put("sound.toml", rotor("lumped", "", ""));
-    let motion = motion(&desk, "sound.toml", 10..20);
-    desk.put("recording.csv", recording(&motion, TURN));
-    let (outcome, observed) = forces(&desk, "observer");
+    let sandbox = Sandbox::empty();
+    sandbox.put("sound.toml", rotor("lumped", "", ""));
+    let motion = motion(&sandbox, "sound.toml", 10..20);
+    sandbox.put("recording.csv", recording(&motion, TURN));
+    let (outcome, observed) = forces(&sandbox, "observer");
     let nis = number(&outcome, "/observer/nis_mean");
     assert!((3.6..4.4).contains(&nis), "normalised innovation squared {nis} of four probes");
     assert_eq!((&outcome["observer"]["restarts"], &outcome["observer"]["rejected_samples"]), (&0.into(), &0.into()));
     assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0), "{outcome:#}");
     // Every force is that at the observer's position.
     assert!(observed.iter().all(|row| row[11] == 0.0 && row[1..11].iter().all(|force| force.is_finite())));
-    let (_, measured) = forces(&desk, "displacement");
+    let (_, measured) = forces(&sandbox, "displacement");
     assert!(observed.iter().zip(&measured).filter(|(o, m)| o[1] != m[1]).count() > observed.len() / 2);
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, list, number, numbers, short_recording, swap, with_cell,
+    DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, list, number, numbers, short_recording, swap, with_cell,
 };
 
 const BAD: usize = 1000;
@@ -20,9 +20,9 @@ fn replaced(recording: &str, column: usize, cell: &str) -> String {
 
 /// Outcome and forces of a replay.
 fn replayed(scene: &str, recording: &str) -> (Value, Vec<Vec<f64>>) {
-    let desk = Desk::with(scene, recording);
-    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv"]);
-    (outcome, numbers(&desk.read("forces.csv")).1)
+    let sandbox = Sandbox::with(scene, recording);
+    let outcome = sandbox.replay("scene.toml", &["--forces", "forces.csv"]);
+    (outcome, numbers(&sandbox.read("forces.csv")).1)
 }
 
 fn status(row: &[f64]) -> u16 {
@@ -68,7 +68,7 @@ fn a_wild_reading_at_the_start() {
         .enumerate()
         .map(|(i, row)| if i == 50 { with_cell(row, 2, "1e9") } else { row.to_owned() } + "\n")
         .collect();
-    let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+    let outcome = Sandbox::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
     assert!(number(&outcome, "/observer/nis_mean") < 10.0, "{outcome:#}");
     assert_eq!(number(&outcome, "/observer/distrusted_samples"), 0.0);
 }
@@ -108,9 +108,9 @@ fn a_wild_speed() {
 /// A monitor reports it in its event log.
 #[test]
 fn a_monitor_reports_a_wild_reading() {
-    let desk = Desk::with(DEMO_SCENE, &replaced(DEMO_RECORDING, 1, "1e7"));
-    desk.done(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]);
-    let events = desk.read("events.jsonl");
+    let sandbox = Sandbox::with(DEMO_SCENE, &replaced(DEMO_RECORDING, 1, "1e7"));
+    sandbox.done(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]);
+    let events = sandbox.read("events.jsonl");
     let kinds: Vec<Value> =
         events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()["kind"].clone()).collect();
     assert!(kinds.contains(&Value::from("reading-out-of-range")), "{events}");
@@ -119,11 +119,11 @@ fn a_monitor_reports_a_wild_reading() {
 /// A comma in a bearing's name is quoted in the header, so that every row has as many cells as the header.
 #[test]
 fn a_comma_in_the_name_of_a_bearing() {
-    let desk = Desk::with(&swap(DEMO_SCENE, "name = \"DE\"", "name = \"DE, left\""), &short_recording(SHORT));
-    desk.replay("scene.toml", &["--forces", "forces.csv"]);
-    desk.done(&["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "-o", "motion.csv"]);
+    let sandbox = Sandbox::with(&swap(DEMO_SCENE, "name = \"DE\"", "name = \"DE, left\""), &short_recording(SHORT));
+    sandbox.replay("scene.toml", &["--forces", "forces.csv"]);
+    sandbox.done(&["simulate", "scene.toml", "--duration", "1 ms", "--rate", "10 kHz", "-o", "motion.csv"]);
     for (file, cell) in [("forces.csv", "\"DE, left_FX_N\""), ("motion.csv", "\"DE, left_FX\"")] {
-        let text = desk.read(file);
+        let text = sandbox.read(file);
         let mut lines = text.lines();
         let head = lines.next().unwrap();
         assert!(head.contains(cell), "{head}");

@@ -1,7 +1,7 @@
 //! Files that a monitor writes: who owns them, what a start that fails leaves, what a disk that fails costs.
 
 use crate::frames_source::{PATIENCE, RATE, Rig, port, signal, spike, wait_until};
-use crate::support::{DEMO_SCENE, Desk, SHORT, is_progress, number, short_recording};
+use crate::support::{DEMO_SCENE, SHORT, Sandbox, is_progress, number, short_recording};
 use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
@@ -9,9 +9,9 @@ use std::time::Instant;
 
 const FILES: [&str; 6] = ["--state", "state", "--events", "events.jsonl", "--indicators", "trend"];
 
-fn kinds(desk: &Desk, log: &str) -> Vec<String> {
+fn kinds(sandbox: &Sandbox, log: &str) -> Vec<String> {
     let kind = |line: &str| serde_json::from_str::<Value>(line).unwrap()["kind"].as_str().unwrap().to_owned();
-    desk.read(log).lines().map(kind).collect()
+    sandbox.read(log).lines().map(kind).collect()
 }
 
 fn end(child: std::process::Child) -> Value {
@@ -24,46 +24,46 @@ fn end(child: std::process::Child) -> Value {
 
 #[test]
 fn a_start_on_a_busy_port_changes_nothing() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let earlier = "{\"at\":\"2026-01-01T00:00:00Z\",\"time_s\":99.0,\"kind\":\"limit-crossed\",\"sentence\":\"\"}\n";
-    desk.put("events.jsonl", earlier);
+    sandbox.put("events.jsonl", earlier);
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let busy = taken.local_addr().unwrap().port();
     let (source, metrics) = (format!("tcp:{busy}"), busy.to_string());
     let free = format!("tcp:{}", port());
     for args in [["--source", &source].to_vec(), ["--source", &free, "--prometheus", &metrics].to_vec()] {
         let args = [&["replay", "scene.toml", "--paced", "--encoding", "frames"], &args[..], &FILES].concat();
-        let answer = desk.run(&args);
+        let answer = sandbox.run(&args);
         assert!(answer.code == Some(1) && answer.err.contains("free port"), "{answer:?}");
-        assert_eq!(desk.read("events.jsonl"), earlier);
-        assert!(!desk.path("trend").exists() && !desk.path("state/state.json").exists(), "{:?}", desk.files());
+        assert_eq!(sandbox.read("events.jsonl"), earlier);
+        assert!(!sandbox.path("trend").exists() && !sandbox.path("state/state.json").exists(), "{:?}", sandbox.files());
     }
     // Nor does the next start remove anything.
     let args = ["replay", "scene.toml", "--paced", "--format", "json"];
-    let answer = desk.run(&[&args[..], &FILES].concat());
+    let answer = sandbox.run(&[&args[..], &FILES].concat());
     assert_eq!(answer.code, Some(0), "{answer:?}");
-    assert!(desk.read("events.jsonl").starts_with(earlier), "{}", desk.read("events.jsonl"));
+    assert!(sandbox.read("events.jsonl").starts_with(earlier), "{}", sandbox.read("events.jsonl"));
 }
 
 #[test]
 fn a_killed_monitor_keeps_the_events_of_earlier_runs() {
     let rig = Rig::new(&FILES);
     let earlier = "{\"at\":\"2026-01-01T00:00:00Z\",\"time_s\":99.0,\"kind\":\"limit-crossed\",\"sentence\":\"\"}\n";
-    rig.desk.put("events.jsonl", earlier);
+    rig.sandbox.put("events.jsonl", earlier);
     let mut child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 4 * RATE);
     child.kill().unwrap();
     child.wait().unwrap();
-    let before = rig.desk.read("events.jsonl");
+    let before = rig.sandbox.read("events.jsonl");
     assert!(before.starts_with(earlier) && before.lines().count() > 3, "{before}");
     // A kill in the middle of a line leaves a part of it.
-    rig.desk.put("events.jsonl", before.clone() + "{\"at\":\"2026-");
+    rig.sandbox.put("events.jsonl", before.clone() + "{\"at\":\"2026-");
     let child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 6 * RATE);
     end(child);
-    let after = rig.desk.read("events.jsonl");
+    let after = rig.sandbox.read("events.jsonl");
     assert!(after.starts_with(&before), "{before}\nbecame\n{after}");
-    assert!(kinds(&rig.desk, "events.jsonl").contains(&"monitor-resumed".to_owned()), "{after}");
+    assert!(kinds(&rig.sandbox, "events.jsonl").contains(&"monitor-resumed".to_owned()), "{after}");
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn one_running_monitor_owns_state_log_and_indicators() {
     let rig = Rig::new(&FILES);
     let child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 3 * RATE);
-    let before = rig.desk.read("events.jsonl");
+    let before = rig.sandbox.read("events.jsonl");
     let owner = format!("in use by process {} since", child.id());
     let source = format!("tcp:{}", port());
     for (files, found) in [
@@ -80,10 +80,10 @@ fn one_running_monitor_owns_state_log_and_indicators() {
         (&["--events", "events.jsonl"], "events.jsonl: this log is in use by another process"),
     ] {
         let args = ["replay", "scene.toml", "--paced", "--encoding", "frames", "--source", &source];
-        let answer = rig.desk.run(&[&args[..], files].concat());
+        let answer = rig.sandbox.run(&[&args[..], files].concat());
         assert!(answer.code == Some(1) && answer.err.contains(found), "{files:?}: {answer:?}");
     }
-    assert!(rig.desk.read("events.jsonl").starts_with(&before));
+    assert!(rig.sandbox.read("events.jsonl").starts_with(&before));
     // The running one goes on.
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 5 * RATE);
     end(child);
@@ -97,7 +97,7 @@ fn full_disk_of_the_event_log_affects_events_only() {
     let rig = Rig::new(&["--events", "/dev/full", "--indicators", "trend", "--report", "report.html"]);
     let child = rig.start();
     let since = Instant::now();
-    let trend = rig.desk.path("trend/indicators.journal");
+    let trend = rig.sandbox.path("trend/indicators.journal");
     rig.feed(6 * RATE, |_| {
         assert!(since.elapsed() < PATIENCE);
         fs::read_to_string(&trend).is_ok_and(|journal| journal.lines().count() >= 5)
@@ -105,7 +105,7 @@ fn full_disk_of_the_event_log_affects_events_only() {
     let outcome = end(child);
     assert!(number(&outcome, "/timing/outputs/events_not_written") >= 3.0, "{outcome:#}");
     assert_eq!(number(&outcome, "/timing/outputs/seconds_not_written"), 0.0);
-    assert!(rig.seconds("trend").len() >= 4 && rig.desk.read("report.html").contains("Not written: "));
+    assert!(rig.seconds("trend").len() >= 4 && rig.sandbox.read("report.html").contains("Not written: "));
 }
 
 /// Folders that are gone for a while, as a disk that is full for a while: writing to it fails, then works again.
@@ -115,13 +115,14 @@ fn outputs_that_fail_for_a_while_lose_nothing() {
     let child = rig.start();
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= 3 * RATE);
     for folder in ["state", "trend"] {
-        fs::rename(rig.desk.path(folder), rig.desk.path(&format!("{folder}-away"))).unwrap();
+        fs::rename(rig.sandbox.path(folder), rig.sandbox.path(&format!("{folder}-away"))).unwrap();
     }
-    let failing = |rig: &Rig| kinds(&rig.desk, "events.jsonl").iter().filter(|kind| *kind == "output-failing").count();
+    let failing =
+        |rig: &Rig| kinds(&rig.sandbox, "events.jsonl").iter().filter(|kind| *kind == "output-failing").count();
     rig.feed(u64::MAX, |rig| failing(rig) == 2);
     let acknowledged = rig.acknowledged();
     for folder in ["state", "trend"] {
-        fs::rename(rig.desk.path(&format!("{folder}-away")), rig.desk.path(folder)).unwrap();
+        fs::rename(rig.sandbox.path(&format!("{folder}-away")), rig.sandbox.path(folder)).unwrap();
     }
     rig.feed(u64::MAX, |rig| rig.acknowledged() >= acknowledged + 4 * RATE);
     let outcome = end(child);
@@ -130,7 +131,7 @@ fn outputs_that_fail_for_a_while_lose_nothing() {
     let times: Vec<f64> = rig.seconds("trend").into_iter().map(|(time, _)| time).collect();
     assert_eq!(times, (1..=times.len()).map(|i| i as f64).collect::<Vec<_>>());
     assert!(times.len() as u64 >= acknowledged / RATE + 4, "{times:?}");
-    let kinds = kinds(&rig.desk, "events.jsonl");
+    let kinds = kinds(&rig.sandbox, "events.jsonl");
     assert_eq!(kinds.iter().filter(|kind| *kind == "output-recovered").count(), 2, "{kinds:?}");
 }
 
@@ -138,17 +139,17 @@ fn outputs_that_fail_for_a_while_lose_nothing() {
 #[cfg(unix)]
 fn a_report_keeps_the_permissions_of_the_one_it_replaces() {
     use std::os::unix::fs::PermissionsExt;
-    let desk = Desk::rig();
-    let mode = |name: &str| fs::metadata(desk.path(name)).unwrap().permissions().mode() & 0o777;
+    let sandbox = Sandbox::rig();
+    let mode = |name: &str| fs::metadata(sandbox.path(name)).unwrap().permissions().mode() & 0o777;
     for wanted in [0o600, 0o640, 0o664] {
-        desk.put("report.html", "from before");
-        fs::set_permissions(desk.path("report.html"), fs::Permissions::from_mode(wanted)).unwrap();
-        desk.done(&["replay", "scene.toml", "--report", "report.html"]);
+        sandbox.put("report.html", "from before");
+        fs::set_permissions(sandbox.path("report.html"), fs::Permissions::from_mode(wanted)).unwrap();
+        sandbox.done(&["replay", "scene.toml", "--report", "report.html"]);
         assert_eq!(format!("{:o}", mode("report.html")), format!("{wanted:o}"));
     }
     // A new one has those of any new file.
-    desk.put("any", "");
-    desk.done(&["replay", "scene.toml", "--report", "new.html"]);
+    sandbox.put("any", "");
+    sandbox.done(&["replay", "scene.toml", "--report", "new.html"]);
     assert_eq!(mode("new.html"), mode("any"));
 }
 
@@ -156,15 +157,15 @@ fn a_report_keeps_the_permissions_of_the_one_it_replaces() {
 #[cfg(unix)]
 fn a_signal_leaves_no_temporary_file() {
     for name in ["TERM", "INT", "HUP"] {
-        let desk = Desk::with(DEMO_SCENE, &short_recording(12_800));
-        let before = desk.files();
+        let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(12_800));
+        let before = sandbox.files();
         let args = ["simulate", "scene.toml", "--duration", "1 h", "--rate", "1 kHz", "--output", "out.csv"];
-        let mut child = desk.command(&args).spawn().unwrap();
-        wait_until("a temporary file", || desk.files().len() > before.len());
+        let mut child = sandbox.command(&args).spawn().unwrap();
+        wait_until("a temporary file", || sandbox.files().len() > before.len());
         signal(&child, name);
         let status = child.wait().unwrap();
         assert_eq!(status.code(), Some(130), "{name}: {status:?}");
-        assert_eq!(desk.files(), before, "{name}");
+        assert_eq!(sandbox.files(), before, "{name}");
     }
 }
 
@@ -173,7 +174,7 @@ fn a_signal_leaves_no_temporary_file() {
 #[cfg(target_os = "linux")]
 fn a_pipe_for_events_without_a_reader_does_not_block_the_monitor() {
     let rig = Rig::new(&["--events", "pipe"]);
-    assert!(std::process::Command::new("mkfifo").arg(rig.desk.path("pipe")).status().unwrap().success());
+    assert!(std::process::Command::new("mkfifo").arg(rig.sandbox.path("pipe")).status().unwrap().success());
     let child = rig.start();
     let since = Instant::now();
     rig.feed(4 * RATE, |_| since.elapsed() > std::time::Duration::from_secs(6));
@@ -191,18 +192,18 @@ fn a_rotated_or_deleted_log_loses_no_event() {
         let end = rig.acknowledged() + seconds * RATE;
         rig.feed(u64::MAX, |rig| rig.acknowledged() >= end);
     };
-    let (log, journal) = (rig.desk.path("events.jsonl"), rig.desk.path("trend/indicators.journal"));
+    let (log, journal) = (rig.sandbox.path("events.jsonl"), rig.sandbox.path("trend/indicators.journal"));
     feed(3);
-    fs::rename(&log, rig.desk.path("events.jsonl.1")).unwrap();
+    fs::rename(&log, rig.sandbox.path("events.jsonl.1")).unwrap();
     // The next line reopens the log.
     feed(3);
-    assert!(log.exists(), "{:?}", rig.desk.files());
-    fs::rename(&log, rig.desk.path("events.jsonl.2")).unwrap();
+    assert!(log.exists(), "{:?}", rig.sandbox.files());
+    fs::rename(&log, rig.sandbox.path("events.jsonl.2")).unwrap();
     signal(&child, "HUP");
     wait_until("a log after SIGHUP", || log.exists());
     feed(3);
     // Lines that were appended to a file that is deleted are gone with it; the later ones are not.
-    fs::copy(&log, rig.desk.path("events.jsonl.3")).unwrap();
+    fs::copy(&log, rig.sandbox.path("events.jsonl.3")).unwrap();
     fs::remove_file(&log).unwrap();
     fs::remove_file(&journal).unwrap();
     feed(3);
@@ -227,21 +228,21 @@ fn a_rotated_or_deleted_log_loses_no_event() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_under_forces_or_report_leaves_the_outcome() {
-    let desk = Desk::with(DEMO_SCENE, &short_recording(12_800));
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(12_800));
     let args = ["replay", "scene.toml", "--paced", "--format", "json"];
     let options = ["--forces", "/dev/full", "--events", "events.jsonl", "--report", "report.html"];
-    let answer = desk.run(&[&args[..], &options].concat());
+    let answer = sandbox.run(&[&args[..], &options].concat());
     assert!(answer.code == Some(0) && is_progress(&answer.err), "{answer:?}");
     let outcome: Value = answer.json();
     assert!(number(&outcome, "/record/compared") > 12_000.0);
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("/dev/full: this file cannot be written"), "{notes}");
-    assert!(kinds(&desk, "events.jsonl").contains(&"output-failing".to_owned()));
-    assert!(desk.read("report.html").contains("</html>"));
+    assert!(kinds(&sandbox, "events.jsonl").contains(&"output-failing".to_owned()));
+    assert!(sandbox.read("report.html").contains("</html>"));
     // Outside real time a file of forces that is not whole is an error.
-    let answer = desk.run(&["replay", "scene.toml", "--forces", "/dev/full"]);
+    let answer = sandbox.run(&["replay", "scene.toml", "--forces", "/dev/full"]);
     assert!(answer.code == Some(1) && answer.err.contains("/dev/full"), "{answer:?}");
-    let answer = desk.run(&["replay", "scene.toml", "--report", "/dev/full", "--format", "json"]);
+    let answer = sandbox.run(&["replay", "scene.toml", "--report", "/dev/full", "--format", "json"]);
     assert!(answer.code == Some(1) && answer.err.contains("/dev/full"), "{answer:?}");
     let outcome: Value = answer.json();
     assert_eq!(number(&outcome, "/record/samples"), 12_800.0);
@@ -251,11 +252,11 @@ fn a_full_disk_under_forces_or_report_leaves_the_outcome() {
 #[cfg(unix)]
 fn a_state_keeps_its_permissions() {
     use std::os::unix::fs::PermissionsExt;
-    let desk = Desk::with(DEMO_SCENE, &short_recording(SHORT));
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(SHORT));
     let args = ["replay", "scene.toml", "--paced", "--no-report", "--state", "state"];
-    desk.done(&args);
-    let path = desk.path("state/state.json");
+    sandbox.done(&args);
+    let path = sandbox.path("state/state.json");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
-    desk.done(&args);
+    sandbox.done(&args);
     assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
 }

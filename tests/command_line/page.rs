@@ -2,7 +2,7 @@
 
 use crate::live::{connected, kinds, kinds_so_far, port};
 use crate::live_start::{terminate, wait};
-use crate::support::{DEMO_SCENE, Desk, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, short_recording, swap};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -15,7 +15,7 @@ const TOKEN: &str = "correct-horse-battery";
 pub struct Site {
     child: Child,
     pub port: u16,
-    pub desk: Desk,
+    pub sandbox: Sandbox,
 }
 
 /// Status line and headers, and body of a response.
@@ -28,15 +28,15 @@ impl Site {
     /// The built-in machine with a spall, simulated without an end.
     pub fn demonstration(options: &[&str]) -> Self {
         let args = [&["--source", "demonstration"], options].concat();
-        Self::start(Desk::empty(), &args)
+        Self::start(Sandbox::empty(), &args)
     }
 
-    pub fn start(desk: Desk, args: &[&str]) -> Self {
+    pub fn start(sandbox: Sandbox, args: &[&str]) -> Self {
         let port = port();
-        desk.put("token", format!("{TOKEN}\n"));
+        sandbox.put("token", format!("{TOKEN}\n"));
         let address = format!("127.0.0.1:{port}");
         let args = [&["replay", "--paced", "--http", &address], args].concat();
-        let site = Self { child: desk.command(&args).spawn().unwrap(), port, desk };
+        let site = Self { child: sandbox.command(&args).spawn().unwrap(), port, sandbox };
         drop(connected(port));
         site
     }
@@ -82,11 +82,11 @@ impl Site {
         ))
     }
 
-    /// Kills the monitor and returns its desk.
-    fn kill(mut self) -> Desk {
+    /// Kills the monitor and returns its sandbox.
+    fn kill(mut self) -> Sandbox {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
-        std::mem::replace(&mut self.desk, Desk::empty())
+        std::mem::replace(&mut self.sandbox, Sandbox::empty())
     }
 }
 
@@ -133,7 +133,7 @@ fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
     let at = site.wait("the acknowledgement", is_acknowledged);
     assert_eq!(site.state()["status"]["word"], "ALARM, ACKNOWLEDGED");
     wait("the event", || {
-        kinds_so_far(&site.desk, "events.jsonl").contains(&"alarm-acknowledged".to_owned()).then_some(())
+        kinds_so_far(&site.sandbox, "events.jsonl").contains(&"alarm-acknowledged".to_owned()).then_some(())
     });
     // The figures of the newest samples, and the history.
     let figures = wait("figures", || {
@@ -145,8 +145,8 @@ fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
     assert!(history.len() == 5 && history[0]["note"].as_str().unwrap().contains("files"), "{}", history[0]["note"]);
     assert!(is(&site.get("/history?hours=1e9"), 400));
     // A restart keeps the acknowledgement and does not report the fault again.
-    let desk = site.kill();
-    let site = Site::start(desk, &[&["--source", "demonstration"], &options[..]].concat());
+    let sandbox = site.kill();
+    let site = Site::start(sandbox, &[&["--source", "demonstration"], &options[..]].concat());
     assert_eq!(is_acknowledged(&site.state()), Some(at.clone()), "the first state after the restart");
     site.wait("a diagnosis", |state| {
         let events = state["events"].as_array().unwrap();
@@ -155,8 +155,8 @@ fn a_page_shows_a_fault_and_a_user_acknowledges_it_once() {
     assert_eq!(is_acknowledged(&site.state()), Some(at));
     assert!(is(&site.acknowledge(&alarm, &bearer(TOKEN)), 403), "read-only without a token file");
     terminate(site.child.id());
-    let desk = site.kill();
-    let kinds = kinds(&desk, "events.jsonl");
+    let sandbox = site.kill();
+    let kinds = kinds(&sandbox, "events.jsonl");
     for once in ["fault-found", "alarm-acknowledged"] {
         assert_eq!(kinds.iter().filter(|kind| *kind == once).count(), 1, "{once} in {kinds:?}");
     }
@@ -268,8 +268,8 @@ fn streams_are_bounded() {
 
 #[test]
 fn wrong_options_are_refused() {
-    let desk = Desk::with(DEMO_SCENE, &short_recording(256));
-    desk.put("short", "abc");
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(256));
+    sandbox.put("short", "abc");
     let paced = |more: &[&'static str]| -> Vec<&'static str> { [&["replay", "scene.toml", "--paced"], more].concat() };
     // Refused by the parser of the command line, which adds a usage.
     for (options, expected) in [
@@ -277,14 +277,14 @@ fn wrong_options_are_refused() {
         (&["--http-token-file", "short"], "--http"),
         (&["--http", "0", "--http-also", "http://a/b"], "without a path"),
     ] {
-        let answer = desk.run(&paced(options));
+        let answer = sandbox.run(&paced(options));
         assert!(answer.code == Some(2) && answer.err.contains(expected), "{answer:?}");
     }
-    desk.refused(&paced(&["--http", "0", "--http-token-file", "short"]), 2, &["short", "at least 8"]);
-    desk.refused(&paced(&["--http", "0", "--http-token-file", "absent"]), 1, &["absent"]);
-    desk.refused(&paced(&["--http", "192.0.2.1:1"]), 1, &["192.0.2.1:1", "address of this machine"]);
-    desk.refused(&["replay", "scene.toml", "--http", "0"], 2, &["--http", "--paced"]);
-    desk.refused(&paced(&["--source", "demonstration"]), 2, &["--source demonstration", "no SCENE"]);
+    sandbox.refused(&paced(&["--http", "0", "--http-token-file", "short"]), 2, &["short", "at least 8"]);
+    sandbox.refused(&paced(&["--http", "0", "--http-token-file", "absent"]), 1, &["absent"]);
+    sandbox.refused(&paced(&["--http", "192.0.2.1:1"]), 1, &["192.0.2.1:1", "address of this machine"]);
+    sandbox.refused(&["replay", "scene.toml", "--http", "0"], 2, &["--http", "--paced"]);
+    sandbox.refused(&paced(&["--source", "demonstration"]), 2, &["--source demonstration", "no SCENE"]);
 }
 
 /// A machine whose names are markup, with a limit that is exceeded.

@@ -3,7 +3,7 @@
 use crate::browser::Browser;
 use crate::live::{connected, endless, rows};
 use crate::page::{Site, hostile_scene};
-use crate::support::{Desk, short_recording};
+use crate::support::{Sandbox, short_recording};
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener};
 use std::sync::Arc;
@@ -56,9 +56,9 @@ fn an_alarm_is_shown_and_acknowledged_in_a_browser() {
 #[test]
 #[ignore = "needs chromium; tests/run runs it"]
 fn markup_in_names_is_text_in_a_browser() {
-    let desk = Desk::with(&hostile_scene(), &short_recording(12_800));
+    let sandbox = Sandbox::with(&hostile_scene(), &short_recording(12_800));
     let source = crate::live::port();
-    let site = Site::start(desk, &["scene.toml", "--source", &format!("tcp:{source}"), "--encoding", "frames"]);
+    let site = Site::start(sandbox, &["scene.toml", "--source", &format!("tcp:{source}"), "--encoding", "frames"]);
     let mut browser = Browser::open(&format!("http://127.0.0.1:{}/", site.port));
     has_word(&mut browser, "NO DATA");
     let rows = rows(12_800);
@@ -85,10 +85,10 @@ fn two_machines_are_shown_on_one_page_in_a_browser() {
     let address = ports.map(|port| format!("127.0.0.1:{port}"));
     let start = |i: usize, more: &[&str]| {
         let args = [&["replay", "--paced", "--source", "demonstration", "--http", &address[i]], more].concat();
-        let desk = Desk::empty();
-        let child = desk.command(&args).spawn().unwrap();
+        let sandbox = Sandbox::empty();
+        let child = sandbox.command(&args).spawn().unwrap();
         drop(connected(ports[i]));
-        (desk, child)
+        (sandbox, child)
     };
     let (_desk, mut first) = start(0, &["--http-also", &origins[1]]);
     let (_other_desk, mut second) = start(1, &["--http-origin", &origins[0]]);

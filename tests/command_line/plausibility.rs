@@ -3,13 +3,13 @@
 use serde_json::Value;
 use std::path::Path;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, TURN, changed, list, numbers, scene, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, changed, list, numbers, scene, short_recording, swap};
 
 /// Replays what is not plausible and returns the outcome.
 fn implausible(scene: &str, recording: &str) -> Value {
-    let desk = Desk::with(scene, recording);
+    let sandbox = Sandbox::with(scene, recording);
     let args = ["replay", "scene.toml", "--format", "json", "--learn", "learned.json"];
-    let answer = desk.run(&args);
+    let answer = sandbox.run(&args);
     assert_eq!(answer.code, Some(4), "{answer:?}");
     let outcome: Value = answer.json();
     let verdict = outcome["verdict"].as_str().unwrap();
@@ -17,11 +17,11 @@ fn implausible(scene: &str, recording: &str) -> Value {
     assert!(!verdict.contains("follows"), "{verdict}");
     assert_eq!(list(&outcome, "findings").len(), 0, "{outcome:#}");
     assert!(!list(&outcome, "implausible").is_empty());
-    assert!(desk.read("scene-report.html").contains("not plausible"));
-    assert!(!desk.files().contains(&"learned.json".to_owned()), "it is no baseline");
+    assert!(sandbox.read("scene-report.html").contains("not plausible"));
+    assert!(!sandbox.files().contains(&"learned.json".to_owned()), "it is no baseline");
     let is_said = |note: &Value| note.as_str().unwrap().starts_with("No baseline is stored in learned.json: ");
     assert!(list(&outcome, "notes").iter().any(is_said), "{outcome:#}");
-    let text = desk.run(&args[..2]).out;
+    let text = sandbox.run(&args[..2]).out;
     assert!(text.starts_with("The recording is not plausible") && text.contains("not judged"), "{text}");
     outcome
 }
@@ -82,7 +82,7 @@ fn a_speed_column_without_a_plausible_speed() {
 
 #[test]
 fn the_demonstration_is_plausible() {
-    let outcome = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
     assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
 }
 
@@ -91,8 +91,8 @@ fn the_demonstration_is_plausible() {
 fn keyphasor_that_fails() {
     let dead = 10 * TURN;
     let text = changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i > dead { 0.0 } else { x });
-    let desk = Desk::with(DEMO_SCENE, &text);
-    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv"]);
+    let sandbox = Sandbox::with(DEMO_SCENE, &text);
+    let outcome = sandbox.replay("scene.toml", &["--forces", "forces.csv"]);
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(verdict.starts_with("No verdict: the shaft angle is not measured in 3"), "{verdict}");
     assert_eq!(list(&outcome, "findings").len(), 0);
@@ -100,7 +100,7 @@ fn keyphasor_that_fails() {
     assert_eq!((flaw["kind"].as_str(), flaw["column"].as_str()), (Some("dead_keyphasor"), Some("keyphasor")));
     let lost = flaw["samples_affected"].as_u64().unwrap() as usize;
     assert!((SAMPLES - dead - 2 * TURN..SAMPLES - dead).contains(&lost), "{lost}");
-    let (_, rows) = numbers(&desk.read("forces.csv"));
+    let (_, rows) = numbers(&sandbox.read("forces.csv"));
     let flagged = rows.iter().filter(|row| row[row.len() - 1] as u16 & 1024 != 0).count();
     assert_eq!(flagged, lost, "each of its samples is flagged");
 }
@@ -108,10 +108,10 @@ fn keyphasor_that_fails() {
 /// A spike of twice the pulse's level, wherever it is, is omitted and changes nothing else.
 #[test]
 fn a_spike_of_the_keyphasor() {
-    let plain = Desk::with(DEMO_SCENE, &short_recording(SAMPLES)).replay("scene.toml", &[]);
+    let plain = Sandbox::with(DEMO_SCENE, &short_recording(SAMPLES)).replay("scene.toml", &[]);
     for place in [100, 5 * TURN + 77, 14 * TURN + 100] {
         let text = changed(SAMPLES, |i, k, x| if k == KEYPHASOR && i == place { 2.0 } else { x });
-        let outcome = Desk::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
+        let outcome = Sandbox::with(DEMO_SCENE, &text).replay("scene.toml", &[]);
         for key in ["verdict", "probes", "record"] {
             assert_eq!(outcome[key], plain[key], "{place}: {key}");
         }
@@ -125,7 +125,7 @@ fn diagnosis_despite_implausible_data() {
     let wrong = DEMO_SCENE.replace("elements = 9", "elements = 8");
     let spall = include_str!("../../runner/demo/outer-spall.csv");
     implausible(&wrong, spall);
-    let outcome = Desk::with(&wrong, spall).replay("scene.toml", &["--force"]);
+    let outcome = Sandbox::with(&wrong, spall).replay("scene.toml", &["--force"]);
     assert!(!list(&outcome, "findings").is_empty() && list(&outcome, "implausible").is_empty(), "{outcome:#}");
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("Not plausible, diagnosed all the same: bearing DE: elements"), "{notes}");
@@ -136,12 +136,12 @@ fn diagnosis_despite_implausible_data() {
 fn faults_are_plausible() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/fleet");
     let rigs = std::fs::read_dir(&folder).into_iter().flatten().map(|rig| rig.unwrap().path());
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for rig in rigs.filter(|path| path.is_dir()) {
         let scene = rig.join("scene.toml");
         for recording in std::fs::read_dir(&rig).unwrap().map(|file| file.unwrap().path()) {
             if recording.extension().is_some_and(|ending| ending == "npy") {
-                desk.done(&["check", scene.to_str().unwrap(), "--recording", recording.to_str().unwrap()]);
+                sandbox.done(&["check", scene.to_str().unwrap(), "--recording", recording.to_str().unwrap()]);
             }
         }
     }
@@ -149,8 +149,8 @@ fn faults_are_plausible() {
 
 /// Checks a scene with a recording and returns the text, with its lines joined.
 fn checked(scene: &str, recording: &str) -> String {
-    let desk = Desk::with(scene, recording);
-    let answer = desk.run(&["check", "scene.toml"]);
+    let sandbox = Sandbox::with(scene, recording);
+    let answer = sandbox.run(&["check", "scene.toml"]);
     assert_eq!(answer.code, Some(4), "{answer:?}");
     assert!(!answer.out.contains("Nothing implausible"), "{answer:?}");
     answer.out.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -187,14 +187,14 @@ fn check_finds_what_a_recording_lacks() {
         .map(|(i, line)| if i == 0 { line.to_owned() } else { crate::support::with_cell(line, 2, "") } + "\n")
         .collect();
     assert!(checked(DEMO_SCENE, &empty).contains("DE_Y_um: no reading in the whole column"));
-    let desk = Desk::empty();
-    desk.put("scene.toml", DEMO_SCENE);
-    let answer = desk.run(&["check", "scene.toml"]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DEMO_SCENE);
+    let answer = sandbox.run(&["check", "scene.toml"]);
     assert_eq!(answer.code, Some(1), "{answer:?}");
     assert!(!answer.out.contains("Nothing implausible") && answer.out.contains("no such file"), "{answer:?}");
-    let desk = Desk::with(DEMO_SCENE, &plain);
-    let text = desk.done(&["check", "scene.toml"]).out;
+    let sandbox = Sandbox::with(DEMO_SCENE, &plain);
+    let text = sandbox.done(&["check", "scene.toml"]).out;
     assert!(text.contains("DE_X_um: mean") && text.contains("clearance +-5.0 um"), "{text}");
     assert!(text.contains("Nothing implausible found."), "{text}");
-    desk.refused(&["new", "--bearing", "6309 C8"], 2, &["6309 C8", "C2, CN, C3, C4 or C5"]);
+    sandbox.refused(&["new", "--bearing", "6309 C8"], 2, &["6309 C8", "C2, CN, C3, C4 or C5"]);
 }

@@ -1,7 +1,7 @@
 //! The Prometheus endpoint under clients that misbehave.
 
 use crate::frames_source::{connected, port, wait_until};
-use crate::support::{DEMO_SCENE, Desk, short_recording};
+use crate::support::{DEMO_SCENE, Sandbox, short_recording};
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
@@ -11,25 +11,25 @@ use std::time::Duration;
 struct Endpoint {
     child: Child,
     port: u16,
-    _desk: Desk,
+    _desk: Sandbox,
 }
 
 impl Endpoint {
     /// With a limit of the descriptors, where given.
     fn start(descriptors: Option<u32>) -> Self {
-        let desk = Desk::with(DEMO_SCENE, &short_recording(256));
+        let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(256));
         let (source, port) = (format!("tcp:{}", port()), port());
         let metrics = port.to_string();
         let args = ["replay", "scene.toml", "--paced", "--source", &source, "--prometheus", &metrics];
-        let mut command = desk.command(&args);
+        let mut command = sandbox.command(&args);
         if let Some(descriptors) = descriptors {
             let program = crate::support::program();
             command = Command::new("sh");
             let limit = format!("ulimit -n {descriptors} && exec \"$0\" \"$@\"");
-            command.arg("-c").arg(limit).arg(program).args(args).current_dir(desk.path(""));
+            command.arg("-c").arg(limit).arg(program).args(args).current_dir(sandbox.path(""));
             command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         }
-        let endpoint = Self { child: command.spawn().unwrap(), port, _desk: desk };
+        let endpoint = Self { child: command.spawn().unwrap(), port, _desk: sandbox };
         drop(connected(port));
         endpoint
     }

@@ -1,6 +1,6 @@
 //! Machines whose motion does not repeat: which twin is compared, and what the verdict says.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, swap};
 use serde_json::Value;
 
 /// A rotor that rattles in the clearance of its bearings, with radial probes only.
@@ -30,10 +30,10 @@ pub fn outcome(generating: &str, scene: &str) -> Value {
 }
 
 fn outcome_of(generating: &str, scene: &str, duration: &str) -> Value {
-    let desk = Desk::empty();
-    desk.put("generating.toml", generating);
-    desk.put("scene.toml", scene);
-    desk.done(&[
+    let sandbox = Sandbox::empty();
+    sandbox.put("generating.toml", generating);
+    sandbox.put("scene.toml", scene);
+    sandbox.done(&[
         "simulate",
         "generating.toml",
         "--as-recording",
@@ -44,7 +44,7 @@ fn outcome_of(generating: &str, scene: &str, duration: &str) -> Value {
         "-o",
         "run.csv",
     ]);
-    desk.replay("scene.toml", &[])
+    sandbox.replay("scene.toml", &[])
 }
 
 fn text<'a>(outcome: &'a Value, key: &str) -> &'a str {
@@ -117,7 +117,7 @@ fn a_spalled_fan_rotor_that_rattles_is_diagnosed() {
 
 #[test]
 fn a_motion_that_repeats_is_compared_with_the_free_twin() {
-    let outcome = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
     assert_eq!(outcome["twin"], serde_json::json!({ "synchronised": false, "spread": null }));
     assert!(text(&outcome, "verdict").starts_with("The twin follows the machine"));
 }
@@ -126,17 +126,17 @@ fn a_motion_that_repeats_is_compared_with_the_free_twin() {
 #[test]
 fn a_baseline_states_that_its_twin_is_synchronised() {
     let scene = loose(["6309", "NU206"], AXIAL);
-    let desk = Desk::empty();
-    desk.put("scene.toml", &scene);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", &scene);
     let args = ["simulate", "scene.toml", "--as-recording", "--duration", "1 s", "--settle", "0.4 s", "-o", "run.csv"];
-    desk.done(&args);
-    desk.done(&["replay", "scene.toml", "--learn", "b.json"]);
-    let learned: Value = serde_json::from_str(&desk.read("b.json")).unwrap();
+    sandbox.done(&args);
+    sandbox.done(&["replay", "scene.toml", "--learn", "b.json"]);
+    let learned: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
     assert_eq!(learned["synchronised"], true);
-    let outcome = desk.replay("scene.toml", &["--baseline", "b.json"]);
+    let outcome = sandbox.replay("scene.toml", &["--baseline", "b.json"]);
     assert!(list(&outcome, "findings").is_empty() && outcome["twin"]["synchronised"] == true, "{outcome:#}");
     // In live operation too.
-    let outcome = desk.replay("scene.toml", &["--baseline", "b.json", "--paced"]);
+    let outcome = sandbox.replay("scene.toml", &["--baseline", "b.json", "--paced"]);
     assert_eq!(outcome["twin"]["synchronised"], true);
     assert!(list(&outcome, "findings").is_empty(), "{}", outcome["verdict"]);
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, list, number, recorded, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, list, number, recorded, short_recording, swap};
 
 /// On one line, with single spaces: sentences of the text are broken to fit the terminal.
 fn unbroken(text: &str) -> String {
@@ -14,21 +14,21 @@ fn unbroken(text: &str) -> String {
 /// Runs that share a folder have reports of their own, and `--no-report` writes none.
 #[test]
 fn reports_are_named_after_scene_and_recording() {
-    let desk = Desk::rig();
-    desk.put("pump.toml", DEMO_SCENE);
-    desk.put("today.csv", short_recording(SHORT));
-    let before = desk.files();
-    desk.done(&["replay", "scene.toml", "--no-report"]);
-    assert_eq!(desk.files(), before);
-    let both = desk.run(&["replay", "scene.toml", "--no-report", "--report", "a.html"]);
+    let sandbox = Sandbox::rig();
+    sandbox.put("pump.toml", DEMO_SCENE);
+    sandbox.put("today.csv", short_recording(SHORT));
+    let before = sandbox.files();
+    sandbox.done(&["replay", "scene.toml", "--no-report"]);
+    assert_eq!(sandbox.files(), before);
+    let both = sandbox.run(&["replay", "scene.toml", "--no-report", "--report", "a.html"]);
     assert!(both.code == Some(2) && both.err.contains("'--no-report' cannot be used with '--report"), "{both:?}");
-    assert_eq!(desk.files(), before);
-    let text = desk.done(&["replay", "scene.toml"]).out;
+    assert_eq!(sandbox.files(), before);
+    let text = sandbox.done(&["replay", "scene.toml"]).out;
     assert!(text.contains("Report: scene-report.html"), "{text}");
-    desk.done(&["replay", "pump.toml"]);
-    desk.done(&["replay", "pump.toml", "--recording", "today.csv"]);
-    desk.run(&["replay", "--paced", "--source", "demonstration", "--for", "0.1 s"]);
-    let reports: Vec<String> = desk.files().into_iter().filter(|name| name.ends_with(".html")).collect();
+    sandbox.done(&["replay", "pump.toml"]);
+    sandbox.done(&["replay", "pump.toml", "--recording", "today.csv"]);
+    sandbox.run(&["replay", "--paced", "--source", "demonstration", "--for", "0.1 s"]);
+    let reports: Vec<String> = sandbox.files().into_iter().filter(|name| name.ends_with(".html")).collect();
     let expected = [
         "ballrace-demonstration-simulated-report.html",
         "pump-report.html",
@@ -40,13 +40,13 @@ fn reports_are_named_after_scene_and_recording() {
 
 #[test]
 fn demonstration_in_an_empty_folder() {
-    let desk = Desk::empty();
-    let text = desk.done(&["replay"]).out;
-    assert_eq!(desk.files(), ["ballrace-report.html"]);
-    let report = desk.read("ballrace-report.html");
+    let sandbox = Sandbox::empty();
+    let text = sandbox.done(&["replay"]).out;
+    assert_eq!(sandbox.files(), ["ballrace-report.html"]);
+    let report = sandbox.read("ballrace-report.html");
     assert!(report.starts_with("<!DOCTYPE html>") && report.trim_end().ends_with("</html>"));
     assert!(text.contains("Report: ballrace-report.html"), "{text}");
-    let outcome = desk.replay("", &[]);
+    let outcome = sandbox.replay("", &[]);
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(!verdict.is_empty() && unbroken(&text).contains(verdict), "{text}");
     assert!(report.contains(verdict));
@@ -61,9 +61,9 @@ fn demonstration_in_an_empty_folder() {
 
 #[test]
 fn demonstration_is_the_scene_and_recording_of_the_source() {
-    let built_in = Desk::empty().replay("", &[]);
+    let built_in = Sandbox::empty().replay("", &[]);
     let damaged = recorded("outer-spall.csv");
-    let own = Desk::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &["--recording", &damaged]);
+    let own = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &["--recording", &damaged]);
     for key in ["probes", "bearings", "findings", "flaws", "verdict"] {
         assert_eq!(built_in[key], own[key], "{key}");
     }
@@ -71,7 +71,7 @@ fn demonstration_is_the_scene_and_recording_of_the_source() {
 
 #[test]
 fn json_has_the_documented_keys() {
-    let outcome = Desk::rig().replay("scene.toml", &[]);
+    let outcome = Sandbox::rig().replay("scene.toml", &[]);
     let names = |key: &str| list(&outcome, key).iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>();
     assert_eq!(names("probes"), ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"]);
     assert_eq!(names("bearings"), ["DE", "NDE"]);
@@ -90,13 +90,13 @@ fn json_has_the_documented_keys() {
 
 #[test]
 fn csv_has_a_row_for_each_probe() {
-    let desk = Desk::rig();
-    let out = desk.done(&["replay", "scene.toml", "--format", "csv"]).out;
+    let sandbox = Sandbox::rig();
+    let out = sandbox.done(&["replay", "scene.toml", "--format", "csv"]).out;
     let rows: Vec<Vec<&str>> = out.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), 6, "{out}");
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{out}");
     let residual = rows[0].iter().position(|head| *head == "residual_rms_um").unwrap();
-    let outcome = desk.replay("scene.toml", &[]);
+    let outcome = sandbox.replay("scene.toml", &[]);
     for (row, probe) in rows[1..].iter().zip(list(&outcome, "probes")) {
         assert_eq!(row[0], probe["name"]);
         let (printed, full) = (row[residual].parse::<f64>().unwrap(), number(probe, "/residual_rms_um"));
@@ -106,9 +106,9 @@ fn csv_has_a_row_for_each_probe() {
 
 #[test]
 fn forces_of_every_sample() {
-    let desk = Desk::rig();
-    desk.done(&["replay", "scene.toml", "--forces", "forces.csv"]);
-    let text = desk.read("forces.csv");
+    let sandbox = Sandbox::rig();
+    sandbox.done(&["replay", "scene.toml", "--forces", "forces.csv"]);
+    let text = sandbox.read("forces.csv");
     let mut lines = text.lines();
     let head = "time_s,DE_FX_N,DE_FY_N,DE_FZ_N,DE_MX_Nm,DE_MY_Nm,NDE_FX_N,NDE_FY_N,NDE_FZ_N,NDE_MX_Nm,NDE_MY_Nm,status";
     assert_eq!(lines.next(), Some(head));
@@ -124,9 +124,9 @@ fn forces_of_every_sample() {
 #[test]
 fn paced_keeps_to_the_time_of_the_recording() {
     let samples = 3840;
-    let desk = Desk::with(DEMO_SCENE, &short_recording(samples));
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(samples));
     let begun = Instant::now();
-    let outcome = desk.replay("scene.toml", &["--paced"]);
+    let outcome = sandbox.replay("scene.toml", &["--paced"]);
     let took = begun.elapsed().as_secs_f64();
     let length = (samples - 1) as f64 / 12_800.0;
     assert!(took >= length, "{took} s for {length} s");
@@ -140,20 +140,20 @@ fn paced_keeps_to_the_time_of_the_recording() {
     }
     let misses = outcome["timing"]["deadline_misses"].as_u64().unwrap();
     assert!(misses <= samples as u64);
-    let text = desk.done(&["replay", "scene.toml", "--paced"]).out;
+    let text = sandbox.done(&["replay", "scene.toml", "--paced"]).out;
     assert!(text.contains("lateness") && text.contains("missed") && text.contains("Mean of a sample: twin"), "{text}");
 }
 
 #[test]
 fn unpaced_has_no_lateness() {
-    let outcome = Desk::rig().replay("scene.toml", &[]);
+    let outcome = Sandbox::rig().replay("scene.toml", &[]);
     assert_eq!(outcome["timing"]["paced"], false);
     assert_eq!((&outcome["timing"]["lateness"], &outcome["timing"]["deadline_misses"]), (&Value::Null, &Value::Null));
 }
 
 /// Outcome of a recording against the scene of the machine in good order.
 fn sound_scene_on(recording: &str) -> Value {
-    Desk::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
+    Sandbox::empty().replay(&recorded("healthy.toml"), &["--recording", &recorded(recording)])
 }
 
 /// Each diagnosis as (kind, bearing).
@@ -198,7 +198,7 @@ fn sound_scene_finds_nothing_in_sound_recordings() {
 #[test]
 fn each_recording_is_explained_by_its_own_scene() {
     for name in ["healthy", "unbalanced", "outer-spall", "run-up"] {
-        let outcome = Desk::empty().replay(&recorded(&format!("{name}.toml")), &[]);
+        let outcome = Sandbox::empty().replay(&recorded(&format!("{name}.toml")), &[]);
         assert_eq!(diagnoses(&outcome), [], "{name}: {outcome:#}");
     }
 }
@@ -210,7 +210,7 @@ fn apart(a: f64, b: f64) -> f64 {
 
 #[test]
 fn twin_follows_the_sound_machine() {
-    let outcome = Desk::empty().replay(&recorded("healthy.toml"), &[]);
+    let outcome = Sandbox::empty().replay(&recorded("healthy.toml"), &[]);
     for probe in list(&outcome, "probes") {
         let of = |pointer: &str| number(probe, pointer);
         assert!(of("/residual_rms_um") <= 1.5 * of("/noise_um"), "{probe:#}");
@@ -223,21 +223,21 @@ fn twin_follows_the_sound_machine() {
 
 #[test]
 fn recording_is_found_beside_its_scene() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for folder in ["scenes", "data"] {
-        std::fs::create_dir(desk.path(folder)).unwrap();
+        std::fs::create_dir(sandbox.path(folder)).unwrap();
     }
-    desk.put("scenes/pump.toml", swap(DEMO_SCENE, "healthy.csv", "../data/pump.csv"));
-    desk.put("data/pump.csv", short_recording(SHORT));
-    let outcome = desk.replay("scenes/pump.toml", &["--report", "data/pump.html"]);
+    sandbox.put("scenes/pump.toml", swap(DEMO_SCENE, "healthy.csv", "../data/pump.csv"));
+    sandbox.put("data/pump.csv", short_recording(SHORT));
+    let outcome = sandbox.replay("scenes/pump.toml", &["--report", "data/pump.html"]);
     assert_eq!(outcome["recording"], "pump.csv");
-    assert_eq!(desk.files(), ["data", "scenes"], "the report goes where it is asked for");
-    assert!(desk.read("data/pump.html").contains("pump.csv"));
+    assert_eq!(sandbox.files(), ["data", "scenes"], "the report goes where it is asked for");
+    assert!(sandbox.read("data/pump.html").contains("pump.csv"));
 }
 
 #[test]
 fn same_recording_in_other_forms() {
-    let plain = Desk::rig().replay("scene.toml", &[]);
+    let plain = Sandbox::rig().replay("scene.toml", &[]);
     let text = short_recording(SHORT);
     for (form, other) in [
         ("semicolons", text.replace(',', ";")),
@@ -246,7 +246,7 @@ fn same_recording_in_other_forms() {
         ("a byte order mark", format!("\u{feff}{text}")),
         ("no break at the end", text.trim_end().to_owned()),
     ] {
-        let outcome = Desk::with(DEMO_SCENE, &other).replay("scene.toml", &[]);
+        let outcome = Sandbox::with(DEMO_SCENE, &other).replay("scene.toml", &[]);
         for key in ["probes", "bearings", "flaws"] {
             assert_eq!(outcome[key], plain[key], "{form}: {key}");
         }
@@ -255,14 +255,14 @@ fn same_recording_in_other_forms() {
 
 #[test]
 fn recording_is_compared_with_a_learned_baseline() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let scene = recorded("healthy.toml");
     let run = |recording: &str, option: &str, file: &str| {
         let recording = recorded(recording);
-        desk.replay(&scene, &["--recording", &recording, option, file])
+        sandbox.replay(&scene, &["--recording", &recording, option, file])
     };
     run("outer-spall.csv", "--learn", "spalled.json");
-    assert!(desk.read("spalled.json").contains("\"ballrace_baseline\": 1"));
+    assert!(sandbox.read("spalled.json").contains("\"ballrace_baseline\": 1"));
     let again = run("outer-spall.csv", "--baseline", "spalled.json");
     assert_eq!(diagnoses(&again), [], "nothing new since the baseline");
     let other = run("unbalanced.csv", "--baseline", "spalled.json");

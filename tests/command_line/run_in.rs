@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::live::{connected, kinds, listening, port};
 use crate::live_start::{PROMPT, ended, terminate, wait, wait_for_event};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, short_recording, swap};
 
 /// The demonstration with a damping under which the transient of the twin takes 10 s of the recording's time, and a limit.
 fn lightly_damped(step: &str) -> String {
@@ -40,8 +40,8 @@ fn ends_at_once(child: std::process::Child) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn begun(desk: &Desk, more: &[&str]) -> (std::process::Child, TcpStream) {
-    let (child, port) = listening(desk, "tcp", &[&["--events", "events.jsonl"], more].concat());
+fn begun(sandbox: &Sandbox, more: &[&str]) -> (std::process::Child, TcpStream) {
+    let (child, port) = listening(sandbox, "tcp", &[&["--events", "events.jsonl"], more].concat());
     let mut stream = connected(port);
     stream.write_all((short_recording(0) + &from(0.0, 6_400)).as_bytes()).unwrap();
     (child, stream)
@@ -49,16 +49,16 @@ fn begun(desk: &Desk, more: &[&str]) -> (std::process::Child, TcpStream) {
 
 #[test]
 fn limits_and_signals_do_not_wait_for_the_run_in() {
-    let desk = Desk::with(&lightly_damped("4 us"), &short_recording(2048));
-    let (child, stream) = begun(&desk, &[]);
+    let sandbox = Sandbox::with(&lightly_damped("4 us"), &short_recording(2048));
+    let (child, stream) = begun(&sandbox, &[]);
     // The start takes ten times as long.
-    wait_for_event(&desk, "events.jsonl", "limit-crossed");
+    wait_for_event(&sandbox, "events.jsonl", "limit-crossed");
     let outcome = ends_at_once(child);
     assert_eq!(list(&outcome, "events").len(), 1, "{outcome:#}");
     assert_eq!(number(&outcome, "/record/samples"), 6_400.0);
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("Stopped before the twin was run in"), "{notes}");
-    assert!(kinds(&desk, "events.jsonl").contains(&"limit-crossed".to_owned()));
+    assert!(kinds(&sandbox, "events.jsonl").contains(&"limit-crossed".to_owned()));
     drop(stream);
 }
 
@@ -66,9 +66,9 @@ fn limits_and_signals_do_not_wait_for_the_run_in() {
 #[test]
 #[ignore = "slow: the twin settles five times before the gap; tests/run --all runs it"]
 fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
-    let desk = Desk::with(&lightly_damped("20 us"), &short_recording(2048));
+    let sandbox = Sandbox::with(&lightly_damped("20 us"), &short_recording(2048));
     let metrics = port();
-    let (child, mut stream) = begun(&desk, &["--prometheus", &metrics.to_string()]);
+    let (child, mut stream) = begun(&sandbox, &["--prometheus", &metrics.to_string()]);
     stream.write_all(from(0.5, 12_800).as_bytes()).unwrap();
     wait("the twin", || {
         let mut scrape = connected(metrics);
@@ -77,7 +77,7 @@ fn long_limits_and_signals_do_not_wait_for_the_run_in_after_a_gap() {
         scrape.read_to_string(&mut page).unwrap();
         page.contains("ballrace_bearing_FY_N{").then_some(())
     });
-    let crossings = || kinds(&desk, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
+    let crossings = || kinds(&sandbox, "events.jsonl").iter().filter(|kind| kind.starts_with("limit-")).count();
     let before = crossings();
     // Still, then moving again: the crossing ends and begins again.
     let still = "0,0,0,0,0,0\n";

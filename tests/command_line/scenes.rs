@@ -1,12 +1,12 @@
 //! The scenes that come with the program, each against the rule that its own comment gives (confirmed by other programs).
 
-use crate::support::{Desk, numbers, swap};
+use crate::support::{Sandbox, numbers, swap};
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 
 /// A scene as the program itself hands it out, with pieces of its text replaced.
 fn shipped(name: &str, swaps: &[(&str, &str)]) -> String {
-    let text = Desk::empty().done(&["scenes", name]).out;
+    let text = Sandbox::empty().done(&["scenes", name]).out;
     swaps.iter().fold(text, |text, (from, to)| swap(&text, from, to))
 }
 
@@ -20,13 +20,13 @@ struct Response {
 impl Response {
     /// Simulates at `rate` for `samples` after `settle` seconds.
     fn of(scene: &str, rate: f64, samples: usize, settle: f64) -> Self {
-        let desk = Desk::empty();
-        desk.put("scene.toml", scene);
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", scene);
         let duration = format!("{:.17e}", samples as f64 / rate);
         let (rate_text, settle) = (format!("{rate:.17e}"), format!("{settle}"));
         let args = ["simulate", "scene.toml", "--duration", &duration, "--rate", &rate_text, "--settle", &settle];
-        desk.done(&[&args[..], &["-o", "out.csv"]].concat());
-        let (header, rows) = numbers(&desk.read("out.csv"));
+        sandbox.done(&[&args[..], &["-o", "out.csv"]].concat());
+        let (header, rows) = numbers(&sandbox.read("out.csv"));
         Self { rate, header, rows }
     }
 
@@ -239,9 +239,9 @@ fn speed_fluctuation_modulates_the_ball_pass() {
 }
 
 fn equilibrium(scene: &str, more: &[&str]) -> Value {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene);
-    desk.done(&[&["equilibrium", "scene.toml", "--format", "json"], more].concat()).json()
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene);
+    sandbox.done(&[&["equilibrium", "scene.toml", "--format", "json"], more].concat()).json()
 }
 
 fn loads(settled: &Value) -> Vec<f64> {
@@ -348,7 +348,7 @@ fn preload_unbalance_and_waviness_of_the_angular_pair() {
 /// Every scene is listed, read and simulated (or, without a rotor, brought to equilibrium).
 #[test]
 fn all_of_them_run() {
-    let listed: Value = Desk::empty().done(&["scenes", "--format", "json"]).json();
+    let listed: Value = Sandbox::empty().done(&["scenes", "--format", "json"]).json();
     let listed = listed.as_array().unwrap();
     assert_eq!(listed.len(), 13);
     for one in listed {
@@ -362,5 +362,5 @@ fn all_of_them_run() {
             assert_eq!(Response::of(&text, 25_600.0, 256, 0.01).rows.len(), 256, "{name}");
         }
     }
-    Desk::empty().refused(&["scenes", "tiwary"], 2, &["unknown scene: \"tiwary\"", "tiwari-balanced"]);
+    Sandbox::empty().refused(&["scenes", "tiwary"], 2, &["unknown scene: \"tiwary\"", "tiwari-balanced"]);
 }

@@ -1,6 +1,6 @@
 //! The predicted significance of effects: of what the scene names, at every point of a sweep.
 
-use crate::support::{DEMO_SCENE, Desk, scene};
+use crate::support::{DEMO_SCENE, Sandbox, scene};
 use serde_json::Value;
 
 const OIL: &str =
@@ -12,18 +12,18 @@ fn effect<'a>(found: &'a Value, name: &str) -> Option<&'a Value> {
 
 #[test]
 fn a_film_is_predicted_only_with_a_lubricant() {
-    let desk = Desk::empty();
-    desk.put("dry.toml", DEMO_SCENE);
+    let sandbox = Sandbox::empty();
+    sandbox.put("dry.toml", DEMO_SCENE);
     let balls = "model = \"quasi-static\"";
-    desk.put("oiled.toml", scene(&[("model = \"angular\"", balls), ("poissons_ratio = 0.3", OIL)]));
+    sandbox.put("oiled.toml", scene(&[("model = \"angular\"", balls), ("poissons_ratio = 0.3", OIL)]));
     for command in [&["equilibrium", "dry.toml"][..], &["campbell", "dry.toml", "--speeds", "3000rpm"]] {
-        let text = desk.done(command).out;
+        let text = sandbox.done(command).out;
         assert!(!text.contains("film 4") && !text.contains("film 5"), "{text}");
         assert_eq!(text.matches("film is not considered: the scene has no lubricant").count(), 1, "{text}");
     }
-    let json: Value = desk.done(&["equilibrium", "dry.toml", "--format", "json"]).json();
+    let json: Value = sandbox.done(&["equilibrium", "dry.toml", "--format", "json"]).json();
     assert_eq!(effect(&json, "film"), None);
-    let text = desk.done(&["equilibrium", "oiled.toml"]).out;
+    let text = sandbox.done(&["equilibrium", "oiled.toml"]).out;
     // Its first bearing names an oil, the other one does not.
     assert!(text.contains("DE: WARNING: film is omitted"), "{text}");
     assert!(text.contains("\nNDE: film is not considered: the scene has no lubricant"), "{text}");
@@ -34,13 +34,13 @@ fn a_film_is_predicted_only_with_a_lubricant() {
 fn heating_of_the_inlet_is_named_at_high_speed() {
     let oil = OIL.replace("0.04 Pa s", "0.1 Pa s") + "\neffects = [\"film\"]";
     for (speed, is_large) in [("300 rpm", false), ("30000 rpm", true)] {
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         let edits = [("model = \"angular\"", "model = \"quasi-static\""), ("poissons_ratio = 0.3", oil.as_str())];
-        desk.put("scene.toml", scene(&edits).replace("3000 rpm", speed));
-        let json: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+        sandbox.put("scene.toml", scene(&edits).replace("3000 rpm", speed));
+        let json: Value = sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
         let heating = effect(&json, "inlet-heating").unwrap();
         assert_eq!(heating["modelled"], false);
-        let text = desk.done(&["equilibrium", "scene.toml"]).out;
+        let text = sandbox.done(&["equilibrium", "scene.toml"]).out;
         let warned = text.contains("WARNING: inlet-heating is omitted");
         assert_eq!(warned, is_large, "{speed}: {text}");
         if is_large {
@@ -58,10 +58,10 @@ fn heating_of_the_inlet_thins_the_film() {
     let oil = OIL.replace("0.04 Pa s", "0.1 Pa s") + "\neffects = [\"film\"]";
     let heated = oil.replace("}", ", inlet_heating = { temperature_coefficient = \"0.04 1/K\" } }");
     let solved = |oil: &str, model: &str| -> Value {
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         let edits = [("model = \"angular\"", model), ("poissons_ratio = 0.3", oil)];
-        desk.put("scene.toml", scene(&edits).replace("3000 rpm", "30000 rpm"));
-        desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json()
+        sandbox.put("scene.toml", scene(&edits).replace("3000 rpm", "30000 rpm"));
+        sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json()
     };
     let film = |json: &Value| json["elements"][0]["inner_film"].as_f64().unwrap();
     let [cold, warm] = [&oil, &heated].map(|oil| solved(oil, "model = \"quasi-static\""));
@@ -78,46 +78,46 @@ fn heating_of_the_inlet_thins_the_film() {
 /// The alternative to a contact angle that turns is a fixed one, the mean angle under this load, not 0.
 #[test]
 fn the_contact_angle_of_a_deep_groove_bearing_is_compared_with_its_mean() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DEMO_SCENE);
-    let json: Value = desk.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DEMO_SCENE);
+    let json: Value = sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
     let change = effect(&json, "contact-angle").unwrap()["change"].as_f64().unwrap();
     // All balls press within 0.02 degrees of each other, at 11.56 degrees.
     assert!((0.0..0.01).contains(&change), "{change}");
     // A moment turns the angles of opposite balls apart: a fixed angle carries none of it.
     let args = ["--bearing", "DE", "--load", "0,-300,60,3,0", "--format", "json"];
-    let json: Value = desk.done(&[&["equilibrium", "scene.toml"], &args[..]].concat()).json();
+    let json: Value = sandbox.done(&[&["equilibrium", "scene.toml"], &args[..]].concat()).json();
     let change = effect(&json, "contact-angle").unwrap()["change"].as_f64().unwrap();
     assert!((0.01..1.0).contains(&change), "{change}");
 }
 
 #[test]
 fn a_sweep_warns_about_its_worst_point() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", DEMO_SCENE);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", DEMO_SCENE);
     let args = ["sweep", "scene.toml", "--over", "shaft.speed=500rpm,12000rpm", "--settle", "20 ms", "--periods", "16"];
-    let text = desk.done(&[&args[..], &["-o", "a"]].concat()).out;
+    let text = sandbox.done(&[&args[..], &["-o", "a"]].concat()).out;
     let warned = |line: &&str| line.starts_with("DE: WARNING: centrifugal is omitted");
     let line = text.lines().find(warned).unwrap_or_else(|| panic!("{text}"));
     assert!(line.contains("at shaft.speed = 12000 rpm"), "{line}");
     // The same from what the journal of a stopped sweep holds.
-    desk.done(&[&args[..], &["-o", "b", "--shard", "1/1"]].concat());
-    let merged = desk.done(&[&args[..], &["-o", "b", "--merge"]].concat()).out;
+    sandbox.done(&[&args[..], &["-o", "b", "--shard", "1/1"]].concat());
+    let merged = sandbox.done(&[&args[..], &["-o", "b", "--merge"]].concat()).out;
     assert_eq!(merged.lines().find(warned), Some(line), "{merged}");
-    let json: Value = desk.done(&[&args[..], &["-o", "c", "--format", "json"]].concat()).json();
+    let json: Value = sandbox.done(&[&args[..], &["-o", "c", "--format", "json"]].concat()).json();
     assert!(effect(&json, "centrifugal").unwrap()["change"].as_f64().unwrap() > 0.03, "{json}");
 }
 
 /// The demonstration's machine on a ramp, and in a diagram over the speed.
 #[test]
 fn a_ramp_warns_about_its_worst_speed() {
-    let desk = Desk::empty();
-    desk.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"12000 rpm\"")]));
+    let sandbox = Sandbox::empty();
+    sandbox.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"12000 rpm\"")]));
     let ramp = "speed = { from = \"100 rpm\", to = \"12000 rpm\", over = \"2 s\" }";
-    desk.put("ramp.toml", scene(&[("speed = \"3000 rpm\"", ramp)]));
-    desk.put("slow.toml", DEMO_SCENE);
+    sandbox.put("ramp.toml", scene(&[("speed = \"3000 rpm\"", ramp)]));
+    sandbox.put("slow.toml", DEMO_SCENE);
     let centrifugal = |args: &[&str]| {
-        let json: Value = desk.done(&[args, &["--format", "json"]].concat()).json();
+        let json: Value = sandbox.done(&[args, &["--format", "json"]].concat()).json();
         let found = effect(&json, "centrifugal").unwrap();
         (found["change"].as_f64().unwrap(), found["at"].as_str().map(str::to_owned))
     };
@@ -129,15 +129,15 @@ fn a_ramp_warns_about_its_worst_speed() {
     let simulate = ["simulate", "ramp.toml", "--duration", "10 ms", "--rate", "1 kHz", "-o", "motion.csv"];
     assert_eq!(centrifugal(&simulate), (over_ramp, place));
     let warned = |line: &&str| line.starts_with("DE: WARNING: centrifugal is omitted");
-    let text = desk.done(&["campbell", "slow.toml", "--speeds", "0rpm..12000rpm:3"]).out;
+    let text = sandbox.done(&["campbell", "slow.toml", "--speeds", "0rpm..12000rpm:3"]).out;
     let line = text.lines().find(warned).unwrap_or_else(|| panic!("{text}"));
     assert!(line.contains("at shaft.speed = 12000 rpm"), "{line}");
     // An effect that is the same at every speed names none.
     let (_, listed) = text.split_once("\nDE: effects of this scene").unwrap();
     assert!(!listed.lines().next().unwrap().contains("contact-angle 0 % at"), "{text}");
-    desk.put("u.csv", "u,v,w,thu,thv,t\n1e-5,0,6e-5,0,0,0\n1e-5,0,6e-5,0,0,2\n");
+    sandbox.put("u.csv", "u,v,w,thu,thv,t\n1e-5,0,6e-5,0,0,0\n1e-5,0,6e-5,0,0,2\n");
     let force = ["force", "ramp.toml", "--bearing", "DE", "--displacements", "u.csv"];
-    assert!(desk.done(&force).out.lines().any(|line| warned(&line)));
+    assert!(sandbox.done(&force).out.lines().any(|line| warned(&line)));
 }
 
 /// A preloaded lumped bearing without load: its balls press each other, and the play is the scene's.
@@ -163,16 +163,16 @@ radial_play = "-13 um"
 
 #[test]
 fn effects_on_a_preloaded_bearing_use_its_play() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let pair = PRELOADED.split_once("[[bearing]]").unwrap();
     let second = pair.1.replace("\"A\"", "\"B\"").replace("\"0 mm\"", "\"50 mm\"");
     let first = pair.1.replace("\"0 mm\"", "\"-50 mm\"");
-    desk.put("scene.toml", format!("{}[[bearing]]{first}[[bearing]]{second}", pair.0));
+    sandbox.put("scene.toml", format!("{}[[bearing]]{first}[[bearing]]{second}", pair.0));
     // By hand: a ball of 0.88 g at 10 mm and 0.35 of the speed has 0.107 N, and 13 um give about 400 N.
     let found = |name: &str| {
-        let text = desk.done(&["equilibrium", name]).out;
+        let text = sandbox.done(&["equilibrium", name]).out;
         assert!(!text.contains("WARNING"), "{text}");
-        let json: Value = desk.done(&["equilibrium", name, "--format", "json"]).json();
+        let json: Value = sandbox.done(&["equilibrium", name, "--format", "json"]).json();
         let centrifugal = effect(&json, "centrifugal").unwrap();
         assert_eq!(centrifugal["because"], "centrifugal force 0.03 % of the load of a ball", "{text}");
         centrifugal["change"].as_f64().unwrap()
@@ -180,7 +180,7 @@ fn effects_on_a_preloaded_bearing_use_its_play() {
     // The weight is carried by all balls, and the centrifugal forces of opposite balls balance each other.
     assert!(found("scene.toml") < 1e-6);
     // Without weight no force is left, and the change is that of the loads.
-    desk.put("light.toml", desk.read("scene.toml").replace("[rotor]", "[rotor]\ngravity = [0, 0, 0]"));
+    sandbox.put("light.toml", sandbox.read("scene.toml").replace("[rotor]", "[rotor]\ngravity = [0, 0, 0]"));
     let change = found("light.toml");
     assert!((5e-5..5e-4).contains(&change), "{change}");
 }
@@ -188,10 +188,10 @@ fn effects_on_a_preloaded_bearing_use_its_play() {
 /// Almost no load: the change is a multiple, with its reason.
 #[test]
 fn large_changes_are_multiples_with_a_reason() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let weightless = ("mass = \"6 kg\"", "mass = \"6 kg\"\ngravity = [0, 0, 0]");
-    desk.put("scene.toml", scene(&[("\"60 N\"", "\"0.01 N\""), weightless]));
-    let text = desk.done(&["equilibrium", "scene.toml"]).out;
+    sandbox.put("scene.toml", scene(&[("\"60 N\"", "\"0.01 N\""), weightless]));
+    let text = sandbox.done(&["equilibrium", "scene.toml"]).out;
     let line =
         text.lines().find(|line| line.starts_with("DE: WARNING: centrifugal")).unwrap_or_else(|| panic!("{text}"));
     assert!(

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, list, number, numbers, recorded, scene, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, numbers, recorded, scene, swap};
 
 /// Turns of the demonstration's shaft a second.
 const SPEED: f64 = 50.0;
@@ -16,15 +16,15 @@ const VELOCITY: usize = 6;
 const FORCES: usize = 11;
 
 /// Header and rows of a simulation at [`RATE`].
-fn simulated(desk: &Desk, duration: &str) -> (Vec<String>, Vec<Vec<f64>>) {
-    desk.done(&["simulate", "scene.toml", "--duration", duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
-    numbers(&desk.read("motion.csv"))
+fn simulated(sandbox: &Sandbox, duration: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    sandbox.done(&["simulate", "scene.toml", "--duration", duration, "--rate", "12.8 kHz", "-o", "motion.csv"]);
+    numbers(&sandbox.read("motion.csv"))
 }
 
 #[test]
 fn header_and_rows() {
-    let desk = Desk::rig();
-    let (header, rows) = simulated(&desk, "20 ms");
+    let sandbox = Sandbox::rig();
+    let (header, rows) = simulated(&sandbox, "20 ms");
     let pose = "t,u,v,w,thu,thv,u_dot,v_dot,w_dot,thu_dot,thv_dot";
     let forces = "DE_FX,DE_FY,DE_FZ,DE_MX,DE_MY,NDE_FX,NDE_FY,NDE_FZ,NDE_MX,NDE_MY";
     assert_eq!(header.join(","), format!("{pose},{forces}"));
@@ -33,12 +33,12 @@ fn header_and_rows() {
         assert_eq!(row.len(), header.len());
         assert!((row[0] - i as f64 / RATE).abs() < 1e-9 && row.iter().all(|x| x.is_finite()), "{row:?}");
     }
-    assert_eq!(desk.files(), ["healthy.csv", "motion.csv", "scene.toml"]);
+    assert_eq!(sandbox.files(), ["healthy.csv", "motion.csv", "scene.toml"]);
 }
 
 #[test]
 fn starts_from_static_equilibrium() {
-    let (_, rows) = simulated(&Desk::rig(), "1 ms");
+    let (_, rows) = simulated(&Sandbox::rig(), "1 ms");
     let first = &rows[0];
     assert_eq!(first[VELOCITY..FORCES], [0.0; 5]);
     let sum = |i: usize| first[FORCES + i] + first[FORCES + 5 + i];
@@ -51,7 +51,7 @@ fn starts_from_static_equilibrium() {
 #[test]
 fn stays_in_equilibrium_without_excitation() {
     let still = scene(&[("speed = \"3000 rpm\"", "speed = 0"), ("unbalance = [", "unbalance = [] # [")]);
-    let (_, rows) = simulated(&Desk::with(&still, DEMO_RECORDING), "50 ms");
+    let (_, rows) = simulated(&Sandbox::with(&still, DEMO_RECORDING), "50 ms");
     let away = |row: &Vec<f64>| (POSE..POSE + 3).map(|i| (row[i] - rows[0][i]).abs()).fold(0.0, f64::max);
     let most = rows.iter().map(away).fold(0.0, f64::max);
     assert!(most < 1e-11, "{most} m");
@@ -60,27 +60,27 @@ fn stays_in_equilibrium_without_excitation() {
 /// The forces that the simulation writes are those that `force` gives for its displacements.
 #[test]
 fn forces_are_those_of_the_force_command() {
-    assert_forces_of_the_force_command(&Desk::rig());
+    assert_forces_of_the_force_command(&Sandbox::rig());
 }
 
 /// The quasi-static bearings of the twin start from the last positions of their balls: the forces are those of a cold start.
 #[test]
 fn warm_started_balls_equal_a_cold_start() {
     let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
-    assert_forces_of_the_force_command(&Desk::with(&solved, DEMO_RECORDING));
+    assert_forces_of_the_force_command(&Sandbox::with(&solved, DEMO_RECORDING));
 }
 
-fn assert_forces_of_the_force_command(desk: &Desk) {
-    let (_, rows) = simulated(desk, "30 ms");
+fn assert_forces_of_the_force_command(sandbox: &Sandbox) {
+    let (_, rows) = simulated(sandbox, "30 ms");
     for (place, (bearing, station)) in [("DE", -0.1), ("NDE", 0.1)].into_iter().enumerate() {
         let mut text = "t,u,v,w,thu,thv\n".to_owned();
         for row in &rows {
             let [t, u, v, w, thu, thv] = std::array::from_fn(|i| row[i]);
             text += &format!("{t:e},{:e},{:e},{w:e},{thu:e},{thv:e}\n", u + station * thv, v - station * thu);
         }
-        desk.put("u.csv", text);
+        sandbox.put("u.csv", text);
         let args = ["force", "scene.toml", "--displacements", "u.csv", "--bearing", bearing, "--format", "json"];
-        let forces: Vec<Value> = desk.done(&args).json();
+        let forces: Vec<Value> = sandbox.done(&args).json();
         assert_eq!(forces.len(), rows.len());
         for (force, row) in forces.iter().zip(&rows) {
             for (i, entry) in ["FX", "FY", "FZ", "MX", "MY"].iter().enumerate() {
@@ -104,9 +104,9 @@ fn one_x(signal: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
 
 #[test]
 fn transient_decays_to_the_motion_of_the_twin() {
-    let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
-    let outcome = desk.replay("scene.toml", &[]);
-    let (_, rows) = simulated(&desk, "2 s");
+    let sandbox = Sandbox::with(DEMO_SCENE, DEMO_RECORDING);
+    let outcome = sandbox.replay("scene.toml", &[]);
+    let (_, rows) = simulated(&sandbox, "2 s");
     let settled = &rows[12_800..];
     assert_eq!(settled.len(), 12_800, "50 turns");
     for probe in list(&outcome, "probes") {
@@ -129,9 +129,9 @@ fn transient_decays_to_the_motion_of_the_twin() {
 
 #[test]
 fn summary_in_three_formats() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let args = ["simulate", "scene.toml", "--duration", "0.1", "--rate", "5000", "-o", "motion.csv", "--format"];
-    let of = |format: &str| desk.done(&[&args[..], &[format]].concat());
+    let of = |format: &str| sandbox.done(&[&args[..], &[format]].concat());
     let summary: Value = of("json").json();
     assert_eq!((number(&summary, "/samples"), number(&summary, "/rate_hz")), (500.0, 5000.0));
     assert_eq!((number(&summary, "/held_samples"), &summary["output"]), (0.0, &Value::from("motion.csv")));
@@ -171,10 +171,21 @@ fn statistics_of_the_rig() {
     const COS: f64 = 1.0 - 10e-6 / (2.0 * 0.04 * 7.94e-3);
     const PASS: f64 = SPEED * 9.0 * 0.5 * (1.0 - 7.94 / 39.04 * COS);
     for name in ["healthy", "unbalanced", "outer-spall"] {
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         let scene = recorded(&format!("{name}.toml"));
-        desk.done(&["simulate", &scene, "--settle", "1 s", "--duration", "1 s", "--rate", "12.8 kHz", "-o", "m.csv"]);
-        let (_, rows) = numbers(&desk.read("m.csv"));
+        sandbox.done(&[
+            "simulate",
+            &scene,
+            "--settle",
+            "1 s",
+            "--duration",
+            "1 s",
+            "--rate",
+            "12.8 kHz",
+            "-o",
+            "m.csv",
+        ]);
+        let (_, rows) = numbers(&sandbox.read("m.csv"));
         let recording = match name {
             "healthy" => DEMO_RECORDING.to_owned(),
             name => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
@@ -208,13 +219,13 @@ fn statistics_of_the_rig() {
 /// A motion that overflows is an error, not a result; the warning is about the step that is taken, not about the one given.
 #[test]
 fn an_overflow_is_an_error() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let args = |rate| ["simulate", "coarse.toml", "--duration", "0.05 s", "--rate", rate, "-o", "o.csv"];
-    desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nstep = \"1 ms\"\n");
-    desk.refused(&args("1 kHz"), 1, &["the motion overflows", "The step of 1000.000 us is beyond"]);
-    assert!(!desk.files().contains(&"o.csv".to_owned()), "{:?}", desk.files());
+    sandbox.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nstep = \"1 ms\"\n");
+    sandbox.refused(&args("1 kHz"), 1, &["the motion overflows", "The step of 1000.000 us is beyond"]);
+    assert!(!sandbox.files().contains(&"o.csv".to_owned()), "{:?}", sandbox.files());
     // One step a sample at most: 78 us.
-    assert!(!desk.done(&args("12.8 kHz")).out.contains("beyond"));
+    assert!(!sandbox.done(&args("12.8 kHz")).out.contains("beyond"));
 }
 
 /// The number of steps in the summary is that of the simulation, which takes half the step of a replay.
@@ -222,7 +233,7 @@ fn an_overflow_is_an_error() {
 fn steps_in_the_summary_are_those_taken() {
     let args =
         ["simulate", "scene.toml", "--duration", "10 ms", "--rate", "12.8 kHz", "-o", "m.csv", "--format", "json"];
-    let summary: Value = Desk::rig().done(&args).json();
+    let summary: Value = Sandbox::rig().done(&args).json();
     assert_eq!(number(&summary, "/steps_per_sample"), 2.0, "{summary}");
 }
 
@@ -236,14 +247,14 @@ fn newmark_is_of_second_order_from_its_start() {
         )
     };
     let end = |method: &str, step: f64| -> Vec<f64> {
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         let rotor = "[rotor]\nmass = 6\ndiametral_inertia = 0.03\npolar_inertia = 0.006\ngravity = [0, 0, 0]\n\
                      unbalance = [{ moment = \"300 g mm\", angle = 0.3, station = 0.02 }]\n";
         let integration = format!("[integration]\nmethod = \"{method}\"\nstep = {step:e}\n");
         let bearings = spring("front", -0.1) + &spring("rear", 0.1);
-        desk.put("scene.toml", format!("[shaft]\nspeed = \"6000 rpm\"\n{rotor}{bearings}{integration}"));
-        desk.done(&["simulate", "scene.toml", "--duration", "6 ms", "--rate", "1 kHz", "-o", "m.csv"]);
-        numbers(&desk.read("m.csv")).1[5][POSE..POSE + 2].to_vec()
+        sandbox.put("scene.toml", format!("[shaft]\nspeed = \"6000 rpm\"\n{rotor}{bearings}{integration}"));
+        sandbox.done(&["simulate", "scene.toml", "--duration", "6 ms", "--rate", "1 kHz", "-o", "m.csv"]);
+        numbers(&sandbox.read("m.csv")).1[5][POSE..POSE + 2].to_vec()
     };
     let exact = end("runge-kutta", 1e-5);
     let error = |step: f64| {
@@ -257,14 +268,14 @@ fn newmark_is_of_second_order_from_its_start() {
 /// Balls pressed flat are stated, and steps within the integrator's limit are not.
 #[test]
 fn values_out_of_range_are_reported() {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let args = ["simulate", "coarse.toml", "--duration", "0.05 s", "--rate", "1 kHz", "-o", "o.csv"];
-    desk.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"20 us\"\n");
-    assert!(!desk.done(&args).out.contains("beyond"));
+    sandbox.put("coarse.toml", DEMO_SCENE.to_owned() + "\n[integration]\nmethod = \"verlet\"\nstep = \"20 us\"\n");
+    assert!(!sandbox.done(&args).out.contains("beyond"));
     let heavy = swap(DEMO_SCENE, "[\"0 N\", \"0 N\", \"60 N\"", "[\"0 N\", \"-60 kN\", \"60 N\"");
-    desk.put("coarse.toml", &heavy);
-    assert!(desk.done(&args).out.contains("beyond 4.2 GPa, the static limit of ISO 76"));
-    let settled = desk.done(&["equilibrium", "coarse.toml"]).out;
+    sandbox.put("coarse.toml", &heavy);
+    assert!(sandbox.done(&args).out.contains("beyond 4.2 GPa, the static limit of ISO 76"));
+    let settled = sandbox.done(&["equilibrium", "coarse.toml"]).out;
     assert!(settled.contains("BEYOND YIELD"), "{settled}");
 }
 
@@ -277,10 +288,10 @@ fn scenes_of_the_documented_speeds_run() {
     names.sort();
     let expected = ["angular", "flexible", "lumped-radial", "lumped", "quasi-static", "tabulated"];
     assert_eq!(names, expected.map(|name| format!("{name}.toml")));
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for name in names {
         let scene = format!("{folder}/{name}");
-        let answer = desk.done(&["simulate", &scene, "--duration", "0.1 s", "--rate", "256 Hz", "-o", "motion.csv"]);
+        let answer = sandbox.done(&["simulate", &scene, "--duration", "0.1 s", "--rate", "256 Hz", "-o", "motion.csv"]);
         assert!(answer.out.contains("times real time") && !answer.out.contains("beyond"), "{name}: {answer:?}");
     }
 }
@@ -299,13 +310,13 @@ fn a_simulated_recording_is_replayed() {
     for (scene, file) in
         [(DEMO_SCENE.to_owned(), "r.npy"), (volts(DEMO_SCENE), "r.csv"), (volts(DEMO_SCENE), "r.parquet")]
     {
-        let desk = Desk::with(&scene, "");
+        let sandbox = Sandbox::with(&scene, "");
         let summary: Value =
-            desk.done(&[&args[..], &[file, "--resolution", "5 nm", "--format", "json"]].concat()).json();
+            sandbox.done(&[&args[..], &[file, "--resolution", "5 nm", "--format", "json"]].concat()).json();
         assert_eq!((summary["recording"].as_str(), summary["output"].as_str()), (Some(file), Some("r-truth.csv")));
-        let (header, truth) = numbers(&desk.read("r-truth.csv"));
+        let (header, truth) = numbers(&sandbox.read("r-truth.csv"));
         assert_eq!((header[0].as_str(), truth.len()), ("t", number(&summary, "/samples") as usize));
-        let outcome = desk.replay("scene.toml", &["--recording", file]);
+        let outcome = sandbox.replay("scene.toml", &["--recording", file]);
         assert!(list(&outcome, "findings").is_empty(), "{outcome:#}");
         assert!((number(&outcome, "/record/mean_speed_rpm") - 3000.0).abs() < 1.0);
         for probe in list(&outcome, "probes") {
@@ -313,10 +324,10 @@ fn a_simulated_recording_is_replayed() {
             assert!((0.029..0.033).contains(&residual), "{file}: {probe}");
         }
     }
-    let desk = Desk::with(DEMO_SCENE, "");
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
     let simulated = |seed: &str| {
-        desk.done(&[&args[..], &["r.csv", "--seed", seed]].concat());
-        desk.read("r.csv")
+        sandbox.done(&[&args[..], &["r.csv", "--seed", seed]].concat());
+        sandbox.read("r.csv")
     };
     assert_eq!(simulated("1"), simulated("1"));
     assert_ne!(simulated("1"), simulated("2"));
@@ -326,16 +337,16 @@ fn a_simulated_recording_is_replayed() {
 #[test]
 fn the_first_pulse_is_a_mark() {
     let scene = swap(DEMO_SCENE, "speed = \"3000 rpm\"", "speed = \"2950 rpm\"");
-    let desk = Desk::with(&scene, "");
+    let sandbox = Sandbox::with(&scene, "");
     let args = ["simulate", "scene.toml", "--duration", "1 s", "--settle", "0.4 s", "--as-recording", "-o", "r.csv"];
-    desk.done(&args);
-    let (header, rows) = numbers(&desk.read("r.csv"));
+    sandbox.done(&args);
+    let (header, rows) = numbers(&sandbox.read("r.csv"));
     let key = header.iter().position(|name| name == "keyphasor").unwrap();
     let pulses: Vec<f64> = (0..rows.len()).filter(|i| rows[*i][key] > 0.5).map(|i| i as f64).collect();
     let turn = 12_800.0 * 60.0 / 2950.0;
     // 0.4 s are 19 turns and two thirds.
     assert!((pulses[0] - turn / 3.0).abs() < 2.0, "{}", pulses[0]);
-    let outcome = desk.replay("scene.toml", &["--recording", "r.csv"]);
+    let outcome = sandbox.replay("scene.toml", &["--recording", "r.csv"]);
     assert!(list(&outcome, "flaws").is_empty(), "{}", outcome["flaws"]);
     assert!((number(&outcome, "/record/max_speed_rpm") - 2950.0).abs() < 3.0);
 }
@@ -344,9 +355,9 @@ fn the_first_pulse_is_a_mark() {
 #[test]
 fn a_simulated_fault_is_found() {
     let spall = "diametral_clearance = \"10 um\"\ndefect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"2.9 deg\", depth = \"3 um\", shape = \"half-sine\" }]";
-    let desk = Desk::with(DEMO_SCENE, "");
-    desk.put("spalled.toml", swap(DEMO_SCENE, "diametral_clearance = \"10 um\"", spall));
-    desk.done(&[
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
+    sandbox.put("spalled.toml", swap(DEMO_SCENE, "diametral_clearance = \"10 um\"", spall));
+    sandbox.done(&[
         "simulate",
         "spalled.toml",
         "--duration",
@@ -357,31 +368,39 @@ fn a_simulated_fault_is_found() {
         "-o",
         "r.parquet",
     ]);
-    let outcome = desk.replay("scene.toml", &["--recording", "r.parquet"]);
+    let outcome = sandbox.replay("scene.toml", &["--recording", "r.parquet"]);
     let first = &list(&outcome, "findings")[0];
     assert_eq!((first["kind"].as_str(), first["bearing"].as_str()), (Some("outer-race"), Some("DE")), "{outcome:#}");
 }
 
 #[test]
 fn recordings_that_cannot_be_simulated() {
-    let desk = Desk::with(DEMO_SCENE, "");
+    let sandbox = Sandbox::with(DEMO_SCENE, "");
     let args = ["simulate", "scene.toml", "--duration", "1 s", "-o"];
-    desk.refused(&[&args[..], &["r.csv"]].concat(), 2, &["--rate"]);
-    desk.refused(&[&args[..], &["r.wav", "--as-recording"]].concat(), 1, &["r.wav", ".csv, .npy or .parquet"]);
-    desk.refused(&[&args[..], &["r.csv", "--as-recording", "--rate", "10 kHz"]].concat(), 2, &["--rate", "12800 Hz"]);
-    desk.refused(
+    sandbox.refused(&[&args[..], &["r.csv"]].concat(), 2, &["--rate"]);
+    sandbox.refused(&[&args[..], &["r.wav", "--as-recording"]].concat(), 1, &["r.wav", ".csv, .npy or .parquet"]);
+    sandbox.refused(
+        &[&args[..], &["r.csv", "--as-recording", "--rate", "10 kHz"]].concat(),
+        2,
+        &["--rate", "12800 Hz"],
+    );
+    sandbox.refused(
         &[&args[..], &["r.csv", "--as-recording", "--resolution", "5 kg"]].concat(),
         2,
         &["--resolution", "5 kg"],
     );
-    desk.refused(
+    sandbox.refused(
         &[&args[..], &["r.csv", "--as-recording", "--resolution", "5"]].concat(),
         2,
         &["--resolution: no unit: \"5\", expected \"5 um\" or \"5 mm\""],
     );
     let bare = DEMO_SCENE.split("[recording]").next().unwrap().to_owned();
-    desk.put("bare.toml", bare);
+    sandbox.put("bare.toml", bare);
     let args = ["simulate", "bare.toml", "--duration", "1 s", "--rate", "10 kHz", "--as-recording", "-o", "r.csv"];
-    desk.refused(&args, 2, &["bare.toml", "[recording]"]);
-    assert!(!desk.files().iter().any(|file| file.starts_with("r.") || file.starts_with("r-")), "{:?}", desk.files());
+    sandbox.refused(&args, 2, &["bare.toml", "[recording]"]);
+    assert!(
+        !sandbox.files().iter().any(|file| file.starts_with("r.") || file.starts_with("r-")),
+        "{:?}",
+        sandbox.files()
+    );
 }

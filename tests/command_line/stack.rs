@@ -1,6 +1,6 @@
 //! Stack use: every command works with a main thread and other threads of 1 MiB, the size that Windows gives a main thread.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Desk, program, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program, swap};
 use std::fmt::Write;
 use std::process::{Command, Stdio};
 
@@ -37,8 +37,8 @@ fn largest_system(method: &str) -> String {
     format!("{head}{system}[[bearing]]{bearings}\n[integration]\nmethod = \"{method}\"\nstep = \"10 us\"\n")
 }
 
-fn desk() -> Desk {
-    let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::with(DEMO_SCENE, DEMO_RECORDING);
     let chain = |own: f64, beside: f64| {
         matrix(move |i, j| {
             if i == j {
@@ -50,24 +50,24 @@ fn desk() -> Desk {
             }
         })
     };
-    desk.put("M.mtx", chain(1.0, 0.0));
-    desk.put("B.mtx", chain(200.0, 0.0));
-    desk.put("K.mtx", chain(3e6, -1e6));
+    sandbox.put("M.mtx", chain(1.0, 0.0));
+    sandbox.put("B.mtx", chain(200.0, 0.0));
+    sandbox.put("K.mtx", chain(3e6, -1e6));
     for method in ["runge-kutta", "newmark", "verlet"] {
-        desk.put(&format!("{method}.toml"), largest_system(method));
+        sandbox.put(&format!("{method}.toml"), largest_system(method));
     }
-    desk.put("machines.csv", "machine,scene\nrig,scene.toml\n");
+    sandbox.put("machines.csv", "machine,scene\nrig,scene.toml\n");
     let (rigid, _) = DEMO_SCENE.split_once("[recording]").unwrap();
     let held = "[[bearing]]\nsupport = { mass = \"2 kg\", stiffness_x = 1e8, stiffness_y = 1e8, damping = 200 }\n";
-    desk.put("supported.toml", rigid.replace("[[bearing]]\n", held));
-    desk
+    sandbox.put("supported.toml", rigid.replace("[[bearing]]\n", held));
+    sandbox
 }
 
 /// Runs the program with stacks of `kib` KiB and drops its output.
-fn ends_well(desk: &Desk, args: &[&str], main: u32, others: u32) -> bool {
+fn ends_well(sandbox: &Sandbox, args: &[&str], main: u32, others: u32) -> bool {
     let mut command = Command::new("sh");
     command.arg("-c").arg(format!("ulimit -s {main} && exec \"$0\" \"$@\"")).arg(program()).args(args);
-    command.env("RUST_MIN_STACK", (1024 * others).to_string()).current_dir(desk.path(""));
+    command.env("RUST_MIN_STACK", (1024 * others).to_string()).current_dir(sandbox.path(""));
     let status = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap();
     matches!(status.code(), Some(0 | 3))
 }
@@ -117,9 +117,9 @@ fn quick_commands() -> Vec<Vec<&'static str>> {
 
 #[test]
 fn quick_commands_work_with_stacks_of_one_mebibyte() {
-    let desk = desk();
+    let sandbox = sandbox();
     for args in quick_commands() {
-        assert!(ends_well(&desk, &args, STACK, STACK), "{args:?}");
+        assert!(ends_well(&sandbox, &args, STACK, STACK), "{args:?}");
     }
 }
 
@@ -127,7 +127,7 @@ fn quick_commands_work_with_stacks_of_one_mebibyte() {
 #[test]
 #[ignore = "slow: runs each command a dozen times; tests/run --all runs it"]
 fn long_stack_use_of_every_thread() {
-    let desk = desk();
+    let sandbox = sandbox();
     let slow = [
         vec!["replay", "scene.toml", "--paced", "--state", "state", "--events", "e.jsonl", "--indicators", "i"],
         vec!["fit", "scene.toml", "--only", "unbalance", "--turns", "8"],
@@ -135,9 +135,9 @@ fn long_stack_use_of_every_thread() {
     ];
     println!("main thread KiB, largest of the other threads KiB, command");
     for args in quick_commands().into_iter().chain(slow) {
-        let main = smallest(|main| ends_well(&desk, &args, main, STACK));
-        let others = smallest(|others| ends_well(&desk, &args, STACK, others));
+        let main = smallest(|main| ends_well(&sandbox, &args, main, STACK));
+        let others = smallest(|others| ends_well(&sandbox, &args, STACK, others));
         println!("{main:>6} {others:>6}  {}", args.join(" "));
-        assert!(ends_well(&desk, &args, STACK, STACK), "{args:?}");
+        assert!(ends_well(&sandbox, &args, STACK, STACK), "{args:?}");
     }
 }

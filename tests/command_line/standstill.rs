@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::live::{connected, frame, kinds, listening, rows};
 use crate::live_start::{PROMPT, at_rest_with_gap, ended, terminate, wait_for_event};
-use crate::support::{DEMO_SCENE, Desk, TURN, edited_recording, list, number, short_recording, swap, with_cell};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, edited_recording, list, number, short_recording, swap, with_cell};
 
 const KEYPHASOR: usize = 6;
 
@@ -50,10 +50,10 @@ fn check_readings(outcome: &Value, recording: &str, cause: &str) {
 
 /// Replays a recording whose shaft angle cannot be found, in every format.
 fn reported(scene: &str, recording: &str, code: i32, cause: &str) {
-    let desk = Desk::with(scene, recording);
+    let sandbox = Sandbox::with(scene, recording);
     let args = ["replay", "scene.toml", "--learn", "learned.json", "--forces", "forces.csv", "--format"];
     let run = |format: &str| {
-        let answer = desk.run(&[&args[..], &[format]].concat());
+        let answer = sandbox.run(&[&args[..], &[format]].concat());
         assert!(answer.code == Some(code) && answer.err.is_empty(), "{answer:?}");
         answer
     };
@@ -66,12 +66,12 @@ fn reported(scene: &str, recording: &str, code: i32, cause: &str) {
         assert!(!text.contains(part), "{part:?} in {text}");
     }
     assert!(run("csv").out.contains("DE_X_um"));
-    let page = desk.page("scene-report.html");
+    let page = sandbox.page("scene-report.html");
     assert!(page.contains("Tabular list") && !page.contains("NaN"));
     assert!(!page.contains("Forces on the inner rings"));
     assert_eq!(page.matches("<svg").count(), 1, "the rotor alone");
-    assert_eq!(desk.read("forces.csv").lines().count(), 1);
-    assert!(!desk.files().contains(&"learned.json".to_owned()), "it is no baseline");
+    assert_eq!(sandbox.read("forces.csv").lines().count(), 1);
+    assert!(!sandbox.files().contains(&"learned.json".to_owned()), "it is no baseline");
 }
 
 #[test]
@@ -117,8 +117,8 @@ fn a_standstill_in_the_middle_of_a_recording() {
     lines.extend(rows(0..16 * TURN));
     lines.extend((0..30 * TURN).map(|i| with_cell(&still, 1, &format!("{}", 0.1 * (i % 7) as f64))));
     lines.extend(rows(0..16 * TURN));
-    let desk = Desk::with(DEMO_SCENE, &(lines.join("\n") + "\n"));
-    let outcome = desk.replay("scene.toml", &[]);
+    let sandbox = Sandbox::with(DEMO_SCENE, &(lines.join("\n") + "\n"));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let compared = number(&outcome, "/record/compared");
     assert!(compared > 20.0 * TURN as f64, "{compared}");
     let (verdict, notes) = (outcome["verdict"].as_str().unwrap(), outcome["notes"].to_string());
@@ -130,33 +130,33 @@ fn a_standstill_in_the_middle_of_a_recording() {
 #[test]
 fn a_monitor_stopped_before_the_shaft_turns() {
     let recording = with_keyphasor("0");
-    let desk = Desk::with(DEMO_SCENE, &recording);
-    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl", "--report", "r.html"]);
+    let sandbox = Sandbox::with(DEMO_SCENE, &recording);
+    let (child, port) = listening(&sandbox, "tcp", &["--events", "events.jsonl", "--report", "r.html"]);
     let mut stream = connected(port);
     stream.write_all(recording.as_bytes()).unwrap();
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let since = Instant::now();
     terminate(child.id());
     let output = ended(child);
     println!("ended after {:?}", since.elapsed());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     check_readings(&serde_json::from_slice(&output.stdout).unwrap(), &recording, "the shaft did not turn");
-    assert!(desk.read("r.html").contains("</html>"));
+    assert!(sandbox.read("r.html").contains("</html>"));
 }
 
 /// After 10 s without a pulse the monitor reports it and goes on; readings until then are in the report.
 #[test]
 fn a_monitor_at_standstill_for_longer_than_it_waits() {
-    let desk = Desk::with(DEMO_SCENE, &short_recording(TURN));
-    let (child, port) = listening(&desk, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(TURN));
+    let (child, port) = listening(&sandbox, "tcp", &["--encoding", "frames", "--events", "events.jsonl"]);
     let mut still = rows(TURN)[10].clone();
     still[5] = 0.0;
     let mut stream = connected(port);
     (0..140_000).for_each(|sequence| stream.write_all(&frame(sequence, &still)).unwrap());
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
-    wait_for_event(&desk, "events.jsonl", "shaft-not-turning");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "shaft-not-turning");
     terminate(child.id());
     let output = ended(child);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -164,18 +164,18 @@ fn a_monitor_at_standstill_for_longer_than_it_waits() {
     assert_eq!(number(&outcome, "/record/samples"), 140_000.0);
     let mean = number(&outcome, "/probes/0/measured/mean_um");
     assert!((mean - f64::from(still[0])).abs() < 1e-6, "{mean}");
-    assert_eq!(kinds(&desk, "events.jsonl").iter().filter(|kind| *kind == "shaft-not-turning").count(), 1);
+    assert_eq!(kinds(&sandbox, "events.jsonl").iter().filter(|kind| *kind == "shaft-not-turning").count(), 1);
 }
 
 /// A source at 0 rpm that pauses for 10 min of its time: no loop runs through the gap.
 #[test]
 fn a_gap_at_standstill_does_not_hold_up_a_signal() {
-    let desk = at_rest_with_gap(600.0);
-    let (child, port) = listening(&desk, "tcp", &["--events", "events.jsonl"]);
+    let sandbox = at_rest_with_gap(600.0);
+    let (child, port) = listening(&sandbox, "tcp", &["--events", "events.jsonl"]);
     let mut stream = connected(port);
-    stream.write_all(desk.read("healthy.csv").as_bytes()).unwrap();
+    stream.write_all(sandbox.read("healthy.csv").as_bytes()).unwrap();
     drop(stream);
-    wait_for_event(&desk, "events.jsonl", "source-gone");
+    wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let since = Instant::now();
     terminate(child.id());
     let output = ended(child);

@@ -17,7 +17,7 @@ pub const DEMO_SCENE: &str = include_str!("../../runner/demo/healthy.toml");
 pub const DEMO_RECORDING: &str = include_str!("../../runner/demo/healthy.csv");
 /// Samples of one turn there.
 pub const TURN: usize = 256;
-/// Samples of the recording on a [`Desk::rig`]: eight turns.
+/// Samples of the recording on a [`Sandbox::rig`]: eight turns.
 pub const SHORT: usize = 8 * TURN;
 
 /// The release binary, which the README's first command builds; `tests/run` names the one that it has built.
@@ -81,7 +81,7 @@ pub fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> Str
     header.join(",") + "\n" + &rows.iter().enumerate().map(line).collect::<String>()
 }
 
-/// The recording on a [`Desk::rig`] with its lines (the header is line 1) edited.
+/// The recording on a [`Sandbox::rig`] with its lines (the header is line 1) edited.
 pub fn edited_recording(mut edit: impl FnMut(usize, &str) -> Vec<String>) -> String {
     let text = short_recording(SHORT);
     let lines = text.lines().enumerate().flat_map(|(i, line)| edit(i + 1, line));
@@ -96,7 +96,7 @@ pub fn with_cell(row: &str, column: usize, cell: &str) -> String {
 }
 
 /// A folder to work in, removed at the end.
-pub struct Desk {
+pub struct Sandbox {
     folder: TempDir,
 }
 
@@ -106,7 +106,7 @@ pub fn is_progress(err: &str) -> bool {
     err.lines().all(|line| words.iter().any(|word| line.starts_with(word)))
 }
 
-impl Desk {
+impl Sandbox {
     /// Output of the program `source`, which uses the kernel, compiled and run. All such programs share the compiled kernel.
     pub fn compiled(&self, source: &str) -> String {
         let kernel = concat!(env!("CARGO_MANIFEST_DIR"), "/../kernel");
@@ -151,10 +151,10 @@ impl Desk {
 
     /// With `scene.toml` and its recording `healthy.csv`.
     pub fn with(scene: &str, recording: &str) -> Self {
-        let desk = Self::empty();
-        desk.put("scene.toml", scene);
-        desk.put("healthy.csv", recording);
-        desk
+        let sandbox = Self::empty();
+        sandbox.put("scene.toml", scene);
+        sandbox.put("healthy.csv", recording);
+        sandbox
     }
 
     pub fn put(&self, name: &str, contents: impl AsRef<[u8]>) {
@@ -184,7 +184,7 @@ impl Desk {
         names
     }
 
-    /// The program at this desk, its output to be read.
+    /// The program at this sandbox, its output to be read.
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(program());
         command.args(args).current_dir(self.folder.path());
@@ -240,7 +240,7 @@ impl Desk {
         assert_eq!(self.files(), before, "files left behind: {answer:?}");
     }
 
-    /// Replays the scene on the desk (or the demonstration where `scene` is empty) and gives the outcome.
+    /// Replays the scene on the sandbox (or the demonstration where `scene` is empty) and gives the outcome.
     pub fn replay(&self, scene: &str, more: &[&str]) -> Value {
         let scene = [scene];
         let scene = if scene == [""] { &[][..] } else { &scene[..] };

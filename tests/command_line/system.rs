@@ -1,6 +1,6 @@
 //! `[system]`: a rotor given by its matrices, from Matrix Market and NPY files.
 
-use crate::support::{DEMO_SCENE, Desk, TURN, list, number, numbers, swap};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, list, number, numbers, swap};
 use std::fmt::Write;
 
 /// The demonstration's rotor as matrices, with its two bearings at stations -0.1 and 0.1 m of a rigid body: coordinates
@@ -74,14 +74,14 @@ fn npy(numbers: &[f64], shape: &str) -> Vec<u8> {
 }
 
 /// The demonstration on its matrices; its unbalance of one plane is spread over the two points.
-fn desk() -> Desk {
-    let desk = Desk::empty();
-    desk.put("M.mtx", market(&whole(MASS[0], MASS[1], MASS[0]), "symmetric"));
-    desk.put("B.npy", npy(whole(400.0, 0.4, 400.0).as_flattened(), "(5, 5)"));
-    desk.put("G.mtx", market(&gyroscopic(), "skew-symmetric"));
-    desk.put("K.mtx", market(&[[0.0; 5]; 5], "general"));
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::empty();
+    sandbox.put("M.mtx", market(&whole(MASS[0], MASS[1], MASS[0]), "symmetric"));
+    sandbox.put("B.npy", npy(whole(400.0, 0.4, 400.0).as_flattened(), "(5, 5)"));
+    sandbox.put("G.mtx", market(&gyroscopic(), "skew-symmetric"));
+    sandbox.put("K.mtx", market(&[[0.0; 5]; 5], "general"));
     let weight = -6.0 * 9.80665 / 2.0;
-    desk.put("f.npy", npy(&[0.0, 0.0, weight, weight, 60.0], "(5,)"));
+    sandbox.put("f.npy", npy(&[0.0, 0.0, weight, weight, 60.0], "(5,)"));
     let (head, rest) = DEMO_SCENE.split_once("[rotor]").unwrap();
     let (_, bearings) = rest.split_once("[[bearing]]").unwrap();
     let (bearings, _) = bearings.split_once("[recording]").unwrap();
@@ -90,8 +90,8 @@ fn desk() -> Desk {
         unbalance = [{ moment = \"48 g mm\", angle = \"0.3 rad\", x = 1, y = 3 }, { moment = \"72 g mm\", angle = \"0.3 rad\", x = 2, y = 4 }]\n\n";
     let bearings = swap(bearings, "station = \"-100 mm\"", "coordinates = [1, 3, 5, 0, 0]");
     let bearings = swap(&bearings, "station = \"100 mm\"", "coordinates = [2, 4, 5, 0, 0]");
-    desk.put("scene.toml", format!("{head}{system}[[bearing]]{bearings}"));
-    desk
+    sandbox.put("scene.toml", format!("{head}{system}[[bearing]]{bearings}"));
+    sandbox
 }
 
 /// The same motion as the rigid rotor's in other coordinates. Tilt at the bearings is omitted here, so the
@@ -102,11 +102,11 @@ fn a_rotor_from_matrices_moves_as_the_rigid_one() {
         text.replace("model = \"angular\"", "model = \"lumped\"\naxial = { stiffness = 1e9, play = 0, radius = 0 }")
     };
     let args = |out: &'static str| ["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "12.8 kHz", "-o", out];
-    let matrices = desk();
+    let matrices = sandbox();
     let text = lumped(&matrices.read("scene.toml"));
     matrices.put("scene.toml", text + "\n[integration]\nstep = \"10 us\"\n");
     matrices.done(&args("m.csv"));
-    let rigid = Desk::empty();
+    let rigid = Sandbox::empty();
     let (scene, _) = DEMO_SCENE.split_once("[recording]").unwrap();
     rigid.put("scene.toml", lumped(scene) + "\n[integration]\nstep = \"10 us\"\n");
     rigid.done(&args("m.csv"));
@@ -150,9 +150,9 @@ fn mat(matrices: &[(&str, [i32; 2], Vec<f64>)]) -> Vec<u8> {
 #[test]
 fn a_matlab_file_has_all_matrices() {
     let args = ["simulate", "scene.toml", "--duration", "0.02 s", "--rate", "12.8 kHz", "-o", "m.csv"];
-    let several = desk();
+    let several = sandbox();
     several.done(&args);
-    let one = desk();
+    let one = sandbox();
     // By columns.
     let columns = |m: [[f64; 5]; 5]| (0..25).map(|i| m[i % 5][i / 5]).collect::<Vec<f64>>();
     let weight = -6.0 * 9.80665 / 2.0;
@@ -178,16 +178,16 @@ fn a_matlab_file_has_all_matrices() {
 #[test]
 fn a_matlab_file_has_sparse_matrices() {
     let args = ["simulate", "scene.toml", "--duration", "0.02 s", "--rate", "12.8 kHz", "-o", "m.csv"];
-    let desk = desk();
-    desk.done(&args);
-    let (_, full) = numbers(&desk.read("m.csv"));
-    desk.put("rotor.mat", include_bytes!("../../runner/recording/src/mat/sparse-packed.mat"));
+    let sandbox = sandbox();
+    sandbox.done(&args);
+    let (_, full) = numbers(&sandbox.read("m.csv"));
+    sandbox.put("rotor.mat", include_bytes!("../../runner/recording/src/mat/sparse-packed.mat"));
     let text = ["M.mtx", "B.npy", "G.mtx", "K.mtx", "f.npy"]
         .iter()
-        .fold(desk.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));
-    desk.put("scene.toml", text);
-    desk.done(&args);
-    for (a, b) in full.iter().zip(&numbers(&desk.read("m.csv")).1) {
+        .fold(sandbox.read("scene.toml"), |text, name| swap(&text, name, "rotor.mat"));
+    sandbox.put("scene.toml", text);
+    sandbox.done(&args);
+    for (a, b) in full.iter().zip(&numbers(&sandbox.read("m.csv")).1) {
         assert!(a[1..6].iter().zip(&b[1..6]).all(|(a, b)| (a - b).abs() < 1e-13), "{a:?} {b:?}");
     }
 }
@@ -195,9 +195,9 @@ fn a_matlab_file_has_sparse_matrices() {
 #[test]
 fn bad_matrices_are_refused_by_entry() {
     let refused = |file: &str, contents: Vec<u8>, parts: &[&str]| {
-        let desk = desk();
-        desk.put(file, contents);
-        desk.refused(&["equilibrium", "scene.toml"], 2, parts);
+        let sandbox = sandbox();
+        sandbox.put(file, contents);
+        sandbox.refused(&["equilibrium", "scene.toml"], 2, parts);
     };
     let mut crooked = whole(400.0, 0.4, 400.0);
     crooked[3][2] += 1.0;
@@ -234,9 +234,9 @@ fn bad_matrices_are_refused_by_entry() {
 #[test]
 fn keys_that_a_system_excludes() {
     let refused = |from: &str, to: &str, parts: &[&str]| {
-        let desk = desk();
-        desk.put("scene.toml", swap(&desk.read("scene.toml"), from, to));
-        desk.refused(&["equilibrium", "scene.toml"], 2, parts);
+        let sandbox = sandbox();
+        sandbox.put("scene.toml", swap(&sandbox.read("scene.toml"), from, to));
+        sandbox.refused(&["equilibrium", "scene.toml"], 2, parts);
     };
     refused(
         "coordinates = [1, 3, 5, 0, 0]",
@@ -271,16 +271,16 @@ probes = [
 ]
 "#;
 
-/// The desk with a recording of 40 turns, and the radial forces on both inner rings there.
-fn recorded() -> (Desk, Vec<[f64; 4]>) {
-    let desk = desk();
+/// The sandbox with a recording of 40 turns, and the radial forces on both inner rings there.
+fn recorded() -> (Sandbox, Vec<[f64; 4]>) {
+    let sandbox = sandbox();
     // With 0.4 turns of the cage for one of the shaft, every fifth turn begins as the first.
-    let text = desk.read("scene.toml").replace("elements = 9", "elements = 9\ncage_ratio = 0.4");
-    desk.put("scene.toml", text + PROBES);
+    let text = sandbox.read("scene.toml").replace("elements = 9", "elements = 9\ncage_ratio = 0.4");
+    sandbox.put("scene.toml", text + PROBES);
     let (first, turns) = (50 * TURN, 40 * TURN);
     let duration = format!("{} s", (first + turns) as f64 / 12_800.0);
-    desk.done(&["simulate", "scene.toml", "--duration", &duration, "--rate", "12.8 kHz", "-o", "m.csv"]);
-    let (head, rows) = numbers(&desk.read("m.csv"));
+    sandbox.done(&["simulate", "scene.toml", "--duration", &duration, "--rate", "12.8 kHz", "-o", "m.csv"]);
+    let (head, rows) = numbers(&sandbox.read("m.csv"));
     let place = |name: &str| head.iter().position(|column| column == name).unwrap();
     let columns = ["DE_FX", "DE_FY", "NDE_FX", "NDE_FY"].map(place);
     let mut state = 1_u64;
@@ -301,15 +301,15 @@ fn recorded() -> (Desk, Vec<[f64; 4]>) {
         let cells = readings.map(|x| format!("{:.6}", 1e6 * (x + noise())));
         text += &(cells.join(",") + "\n");
     }
-    desk.put("recording.csv", text);
-    (desk, rows.iter().map(|row| columns.map(|column| row[column])).collect())
+    sandbox.put("recording.csv", text);
+    (sandbox, rows.iter().map(|row| columns.map(|column| row[column])).collect())
 }
 
 /// Probes by coordinates: the twin follows the motion within the noise of the probes, the observer's forces are those of the simulation.
 #[test]
 fn a_recording_of_a_system_is_replayed() {
-    let (desk, truth) = recorded();
-    let outcome = desk.replay("scene.toml", &["--forces", "forces.csv", "--report", "report.html"]);
+    let (sandbox, truth) = recorded();
+    let outcome = sandbox.replay("scene.toml", &["--forces", "forces.csv", "--report", "report.html"]);
     for probe in list(&outcome, "probes") {
         let residual = number(probe, "/residual_rms_um");
         assert!((0.5 * 0.03..1.5 * 0.03).contains(&residual), "{probe:#}");
@@ -319,7 +319,7 @@ fn a_recording_of_a_system_is_replayed() {
     assert!(outcome["observer"]["consistent"].as_bool().unwrap(), "{}", outcome["observer"]);
     let notes = outcome["notes"].to_string();
     assert!(notes.contains("The shaft motion is not diagnosed: a [system] has no stations"), "{notes}");
-    let (head, forces) = numbers(&desk.read("forces.csv"));
+    let (head, forces) = numbers(&sandbox.read("forces.csv"));
     let place = |name: &str| head.iter().position(|column| column.starts_with(name)).unwrap();
     for (i, name) in ["DE_FX", "DE_FY", "NDE_FX", "NDE_FY"].into_iter().enumerate() {
         let rms = |of: &dyn Fn(usize) -> f64| {
@@ -330,21 +330,21 @@ fn a_recording_of_a_system_is_replayed() {
         let off = rms(&|t| forces[t][place(name)] - truth[t][i]);
         assert!(off < 0.02 * size, "{name}: {off} of {size} N");
     }
-    let page = desk.page("report.html");
+    let page = sandbox.page("report.html");
     assert!(page.contains("DE_X, 0 deg") && page.contains("that of the [system]") && !page.contains("NaN"));
 }
 
 /// Limits, baselines and live operation work on the probes of a system.
 #[test]
 fn a_system_is_monitored() {
-    let (desk, _) = recorded();
-    desk.done(&["replay", "scene.toml", "--learn", "good.json"]);
+    let (sandbox, _) = recorded();
+    sandbox.done(&["replay", "scene.toml", "--learn", "good.json"]);
     let limits = "\n[[limit]]\nindicator = \"peak-to-peak\"\nprobe = \"DE_X\"\nmax = \"0.1 um\"\n\
                   [[limit]]\nindicator = \"residual\"\ngrowth_db = 6\n";
-    desk.put("limited.toml", desk.read("scene.toml") + limits);
+    sandbox.put("limited.toml", sandbox.read("scene.toml") + limits);
     for more in [&[][..], &["--paced"]] {
         let args = [&["replay", "limited.toml", "--baseline", "good.json", "--format", "json"][..], more].concat();
-        let answer = desk.run(&args);
+        let answer = sandbox.run(&args);
         assert_eq!(answer.code, Some(3), "{answer:?}");
         let outcome: serde_json::Value = answer.json();
         let events = list(&outcome, "events");
@@ -355,12 +355,12 @@ fn a_system_is_monitored() {
 
 #[test]
 fn probes_of_a_system_have_coordinates_that_exist() {
-    let desk = desk();
-    let text = desk.read("scene.toml") + PROBES;
-    desk.put("recording.csv", "DE_X,DE_Y,NDE_45,NDE_135,axial\n0,0,0,0,0\n");
+    let sandbox = sandbox();
+    let text = sandbox.read("scene.toml") + PROBES;
+    sandbox.put("recording.csv", "DE_X,DE_Y,NDE_45,NDE_135,axial\n0,0,0,0,0\n");
     let refused = |from: &str, to: &str, parts: &[&str]| {
-        desk.put("scene.toml", swap(&text, from, to));
-        desk.refused(&["replay", "scene.toml"], 2, parts);
+        sandbox.put("scene.toml", swap(&text, from, to));
+        sandbox.refused(&["replay", "scene.toml"], 2, parts);
     };
     refused(
         "[-2, 4, 5, 0, 0], angle",
@@ -379,8 +379,8 @@ fn probes_of_a_system_have_coordinates_that_exist() {
         "[1, 3, 0, 0, 0]",
         &["probe axial: no coordinate along its measuring direction: [1, 3, 0, 0, 0], expected u or v that is not 0"],
     );
-    desk.put("scene.toml", &text);
-    desk.refused(&["fit", "scene.toml", "-o", "fitted.toml"], 2, &["[system]: matrices in fit, expected a [rotor]"]);
+    sandbox.put("scene.toml", &text);
+    sandbox.refused(&["fit", "scene.toml", "-o", "fitted.toml"], 2, &["[system]: matrices in fit, expected a [rotor]"]);
     let (rotor, probe) = (
         swap(
             DEMO_SCENE,
@@ -389,6 +389,6 @@ fn probes_of_a_system_have_coordinates_that_exist() {
         ),
         "recording.probes[0]",
     );
-    desk.put("scene.toml", rotor);
-    desk.refused(&["replay", "scene.toml"], 2, &[probe]);
+    sandbox.put("scene.toml", rotor);
+    sandbox.refused(&["replay", "scene.toml"], 2, &[probe]);
 }

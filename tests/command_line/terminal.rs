@@ -3,7 +3,7 @@
 
 use crate::live::{connected, endless, kinds, port, rows};
 use crate::live_start::{ended, terminate, wait_for_event};
-use crate::support::{DEMO_SCENE, Desk, program, short_recording};
+use crate::support::{DEMO_SCENE, Sandbox, program, short_recording};
 use pty_process::blocking::{Command, Pty, open};
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
@@ -55,31 +55,31 @@ impl Screen {
 }
 
 /// A monitor in a pseudo-terminal, followed until it shows a source, and its state and events.
-fn watched(desk: &Desk, port: u16) -> (Screen, Child) {
+fn watched(sandbox: &Sandbox, port: u16) -> (Screen, Child) {
     let source_at = format!("tcp:{port}");
     let args = ["watch", "scene.toml", "--source", &source_at, "--encoding", "frames"];
     let outputs = ["--state", "state", "--events", "events.jsonl", "--report", "report.html"];
-    Screen::start(80, 24, Command::new(program()).args(args).args(outputs).current_dir(desk.path("")))
+    Screen::start(80, 24, Command::new(program()).args(args).args(outputs).current_dir(sandbox.path("")))
 }
 
 /// Shows a monitor that has read samples, and ends it by `end`.
-fn ends(end: impl FnOnce(Screen, u32)) -> Desk {
-    let (desk, port) = (Desk::with(DEMO_SCENE, &short_recording(12_800)), port());
-    let (mut screen, child) = watched(&desk, port);
+fn ends(end: impl FnOnce(Screen, u32)) -> Sandbox {
+    let (sandbox, port) = (Sandbox::with(DEMO_SCENE, &short_recording(12_800)), port());
+    let (mut screen, child) = watched(&sandbox, port);
     screen.wait_for("NO DATA");
     let rows = rows(12_800);
     let frame_of = endless(&rows);
     let mut stream = connected(port);
     (0..9_600).for_each(|sequence| stream.write_all(&frame_of(sequence)).unwrap());
-    wait_for_event(&desk, "events.jsonl", "source-silent");
+    wait_for_event(&sandbox, "events.jsonl", "source-silent");
     let id = child.id();
     end(screen, id);
     let output = ended(child);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    assert_eq!(kinds(&desk, "events.jsonl"), ["source-connected", "source-silent"]);
-    assert!(desk.read("state/state.json").contains("resume"));
-    assert!(desk.read("report.html").contains("</html>"));
-    desk
+    assert_eq!(kinds(&sandbox, "events.jsonl"), ["source-connected", "source-silent"]);
+    assert!(sandbox.read("state/state.json").contains("resume"));
+    assert!(sandbox.read("report.html").contains("</html>"));
+    sandbox
 }
 
 #[test]

@@ -3,9 +3,9 @@
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
-use crate::live::{desk, kinds, listening, outcome, source};
+use crate::live::{kinds, listening, outcome, sandbox, source};
 use crate::live_start::{terminate, wait, wait_for_event};
-use crate::support::{DEMO_SCENE, Desk, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, Sandbox, number, short_recording, swap};
 
 /// A sender to a monitor that listens.
 fn sender(to: SocketAddr) -> UdpSocket {
@@ -25,70 +25,70 @@ fn send(socket: &UdpSocket, to: SocketAddr, text: &str) {
     }
 }
 
-fn events(desk: &Desk, kind: &str) -> usize {
-    kinds(desk, "events.jsonl").iter().filter(|of| *of == kind).count()
+fn events(sandbox: &Sandbox, kind: &str) -> usize {
+    kinds(sandbox, "events.jsonl").iter().filter(|of| *of == kind).count()
 }
 
 #[test]
 fn datagrams_of_other_columns_are_ignored() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "udp", &["--events", "events.jsonl"]);
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
     let (stranger, own) = (sender(to), sender(to));
     let other = swap(&short_recording(100), "DE_X_um", "DE_Z_um");
     stranger.send_to(other.as_bytes(), to).unwrap();
-    wait_for_event(&desk, "events.jsonl", "source-refused");
+    wait_for_event(&sandbox, "events.jsonl", "source-refused");
     send(&own, to, &short_recording(3_000));
-    wait_for_event(&desk, "events.jsonl", "source-connected");
+    wait_for_event(&sandbox, "events.jsonl", "source-connected");
     // Neither rows, nor text, nor the right header of another sender disturb the one that is followed.
     for foreign in ["1,2,3\n", "x", "", "GET / HTTP/1.1\r\n\r\n", other.as_str(), &short_recording(100)] {
         stranger.send_to(foreign.as_bytes(), to).unwrap();
     }
     let rest: String = short_recording(6_000).split_inclusive('\n').skip(3_001).collect();
     send(&own, to, &rest);
-    wait_for_event(&desk, "events.jsonl", "source-silent");
+    wait_for_event(&sandbox, "events.jsonl", "source-silent");
     terminate(child.id());
     let outcome = outcome(child);
     assert_eq!(number(&outcome, "/record/samples"), 6_000.0);
-    let log = desk.read("events.jsonl");
+    let log = sandbox.read("events.jsonl");
     assert_eq!(source(&outcome, "connections"), 1.0, "{log}");
-    assert_eq!(events(&desk, "source-refused"), 7, "{log}");
+    assert_eq!(events(&sandbox, "source-refused"), 7, "{log}");
 }
 
 #[test]
 fn a_sender_is_read_on_after_a_wrong_cell_and_after_its_restart() {
-    let desk = desk();
-    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "udp", &["--events", "events.jsonl"]);
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
     let own = sender(to);
     send(&own, to, &short_recording(2_560));
     own.send_to(b"0,oops,0,0,0,0,0\n", to).unwrap();
-    wait_for_event(&desk, "events.jsonl", "source-failed");
+    wait_for_event(&sandbox, "events.jsonl", "source-failed");
     let rest: String = short_recording(5_120).split_inclusive('\n').skip(2_561).collect();
     send(&own, to, &rest);
-    wait_for_event(&desk, "events.jsonl", "source-silent");
+    wait_for_event(&sandbox, "events.jsonl", "source-silent");
     // It begins again with its header, and then another one takes its place.
     send(&own, to, &short_recording(2_560));
-    wait_for_event(&desk, "events.jsonl", "source-speaks");
-    wait("its silence", || (events(&desk, "source-silent") == 2).then_some(()));
+    wait_for_event(&sandbox, "events.jsonl", "source-speaks");
+    wait("its silence", || (events(&sandbox, "source-silent") == 2).then_some(()));
     send(&sender(to), to, &short_recording(2_560));
-    wait("its arrival", || (events(&desk, "source-speaks") == 2).then_some(()));
-    wait("its silence", || (events(&desk, "source-silent") == 3).then_some(()));
+    wait("its arrival", || (events(&sandbox, "source-speaks") == 2).then_some(()));
+    wait("its silence", || (events(&sandbox, "source-silent") == 3).then_some(()));
     terminate(child.id());
     let outcome = outcome(child);
     assert_eq!(number(&outcome, "/record/samples"), 4.0 * 2_560.0);
     // Time goes on from the last sample.
     assert!((number(&outcome, "/record/duration_s") - (4.0 * 2_560.0 - 1.0) / 12_800.0).abs() < 1e-6);
-    assert_eq!((events(&desk, "source-failed"), events(&desk, "source-replaced")), (1, 2));
-    assert_eq!(events(&desk, "source-connected"), 4);
+    assert_eq!((events(&sandbox, "source-failed"), events(&sandbox, "source-replaced")), (1, 2));
+    assert_eq!(events(&sandbox, "source-connected"), 4);
 }
 
 /// Lines at many times the rate of the scene, while the twin is started.
 #[test]
 fn lines_without_room_are_dropped_and_counted() {
     let step = swap(DEMO_SCENE, "[recording]", "[integration]\nstep = \"5 us\"\n\n[recording]");
-    let desk = Desk::with(&step, "");
-    let (child, port) = listening(&desk, "udp", &["--events", "events.jsonl"]);
+    let sandbox = Sandbox::with(&step, "");
+    let (child, port) = listening(&sandbox, "udp", &["--events", "events.jsonl"]);
     let to: SocketAddr = ([127, 0, 0, 1], port).into();
     let own = sender(to);
     let text = short_recording(12_800);
@@ -99,7 +99,7 @@ fn lines_without_room_are_dropped_and_counted() {
         for datagram in &datagrams {
             own.send_to(datagram.as_bytes(), to).unwrap();
         }
-        let log = std::fs::read_to_string(desk.path("events.jsonl")).ok()?;
+        let log = std::fs::read_to_string(sandbox.path("events.jsonl")).ok()?;
         log.contains("\"kind\":\"samples-dropped\"").then_some(())
     });
     terminate(child.id());

@@ -1,7 +1,7 @@
 //! Every text that the program prints, in one file to be read by people, and slips that a machine can find in it.
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, Desk, SHORT, changed, edited_recording, recorded, short_recording, swap,
+    DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, changed, edited_recording, recorded, short_recording, swap,
 };
 use std::fmt::Write;
 use std::fs;
@@ -12,8 +12,8 @@ use std::path::Path;
 struct Texts(String);
 
 impl Texts {
-    fn add(&mut self, desk: &Desk, args: &[&str]) {
-        let answer = desk.run(args);
+    fn add(&mut self, sandbox: &Sandbox, args: &[&str]) {
+        let answer = sandbox.run(args);
         let code = answer.code.unwrap();
         writeln!(self.0, "$ ballrace {}\n{}{}[exit {code}]\n", args.join(" "), answer.out, answer.err).unwrap();
     }
@@ -57,15 +57,15 @@ fn slip(line: &str) -> Option<&'static str> {
 }
 
 fn scenes(texts: &mut Texts) -> Vec<String> {
-    let desk = Desk::empty();
-    texts.add(&desk, &["scenes"]);
-    let all: Vec<serde_json::Value> = desk.done(&["scenes", "--format", "json"]).json();
+    let sandbox = Sandbox::empty();
+    texts.add(&sandbox, &["scenes"]);
+    let all: Vec<serde_json::Value> = sandbox.done(&["scenes", "--format", "json"]).json();
     all.iter().map(|one| one["name"].as_str().unwrap().to_owned()).collect()
 }
 
 /// Messages of wrong scenes, recordings and options.
 fn errors(texts: &mut Texts) {
-    let desk = Desk::rig();
+    let sandbox = Sandbox::rig();
     let bad_scenes = [
         ("mass = \"6 kg\"", "mass = \"6 m\""),
         ("mass = \"6 kg\"", "mas = \"6 kg\""),
@@ -75,8 +75,8 @@ fn errors(texts: &mut Texts) {
         ("DE_X_um", "DE_X_mm"),
     ];
     for (from, to) in bad_scenes {
-        desk.put("bad.toml", swap(DEMO_SCENE, from, to));
-        texts.add(&desk, &["replay", "bad.toml"]);
+        sandbox.put("bad.toml", swap(DEMO_SCENE, from, to));
+        texts.add(&sandbox, &["replay", "bad.toml"]);
     }
     let bad_recordings = [
         String::new(),
@@ -90,10 +90,10 @@ fn errors(texts: &mut Texts) {
         changed(SHORT, |_, k, x| if k == 2 { 0.0 } else { x }),
     ];
     for text in bad_recordings {
-        desk.put("bad.csv", text);
-        texts.add(&desk, &["replay", "scene.toml", "--recording", "bad.csv"]);
+        sandbox.put("bad.csv", text);
+        texts.add(&sandbox, &["replay", "scene.toml", "--recording", "bad.csv"]);
     }
-    desk.put("machines.csv", "machine,scene,time\nfan,bad.toml,\npump,absent.toml,monday\n");
+    sandbox.put("machines.csv", "machine,scene,time\nfan,bad.toml,\npump,absent.toml,monday\n");
     let commands: [&[&str]; 10] = [
         &[],
         &["fleet", "machines.csv", "-o", "fleet"],
@@ -107,16 +107,16 @@ fn errors(texts: &mut Texts) {
         &["force", "scene.toml", "--displacements", "absent.csv"],
     ];
     for args in commands {
-        texts.add(&desk, args);
+        texts.add(&sandbox, args);
     }
 }
 
 #[test]
 fn printed_texts_have_no_slips() {
     let mut texts = Texts::default();
-    let desk = Desk::rig();
-    desk.put("d.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\nnan,0,0,0,0\n");
-    desk.put("machines.csv", "machine,scene\nrig,scene.toml\nlost,absent.toml\n");
+    let sandbox = Sandbox::rig();
+    sandbox.put("d.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\nnan,0,0,0,0\n");
+    sandbox.put("machines.csv", "machine,scene\nrig,scene.toml\nlost,absent.toml\n");
     let commands: [&[&str]; 7] = [
         &["replay", "scene.toml"],
         &["fleet", "machines.csv", "-o", "fleet"],
@@ -127,7 +127,7 @@ fn printed_texts_have_no_slips() {
         &["sweep", "scene.toml", "--over", "shaft.speed=2000rpm..3000rpm:2", "--periods", "16", "-o", "sweep"],
     ];
     for args in commands {
-        texts.add(&desk, args);
+        texts.add(&sandbox, args);
     }
     errors(&mut texts);
     texts.finish("texts.txt");
@@ -138,24 +138,24 @@ fn printed_texts_have_no_slips() {
 #[ignore = "slow: runs every shipped scene and recording; tests/run --all runs it"]
 fn long_printed_texts_of_recordings_have_no_slips() {
     let mut texts = Texts::default();
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     for name in scenes(&mut texts) {
-        desk.put(&name, desk.done(&["scenes", &name]).out);
-        texts.add(&desk, &["equilibrium", &name]);
-        texts.add(&desk, &["simulate", &name, "--duration", "1 ms", "--rate", "1 kHz", "-o", "motion.csv"]);
+        sandbox.put(&name, sandbox.done(&["scenes", &name]).out);
+        texts.add(&sandbox, &["equilibrium", &name]);
+        texts.add(&sandbox, &["simulate", &name, "--duration", "1 ms", "--rate", "1 kHz", "-o", "motion.csv"]);
     }
     for name in ["outer-spall", "unbalanced", "run-up"] {
-        let desk = Desk::empty();
+        let sandbox = Sandbox::empty();
         for end in ["toml", "csv"] {
             let text = fs::read_to_string(recorded(&format!("{name}.{end}"))).unwrap();
-            desk.put(&format!("{name}.{end}"), text.replace("../../runner/demo/", ""));
+            sandbox.put(&format!("{name}.{end}"), text.replace("../../runner/demo/", ""));
         }
-        texts.add(&desk, &["replay", &format!("{name}.toml")]);
+        texts.add(&sandbox, &["replay", &format!("{name}.toml")]);
     }
-    let desk = Desk::with(DEMO_SCENE, DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, DEMO_RECORDING);
     let limit = "\n[[limit]]\nindicator = \"peak-to-peak\"\nmax = \"0.1 um\"\n";
-    desk.put("limit.toml", format!("{DEMO_SCENE}{limit}"));
-    desk.put("short.csv", short_recording(SHORT));
+    sandbox.put("limit.toml", format!("{DEMO_SCENE}{limit}"));
+    sandbox.put("short.csv", short_recording(SHORT));
     let commands: [&[&str]; 6] = [
         &["replay", "scene.toml"],
         &["replay", "limit.toml"],
@@ -165,7 +165,7 @@ fn long_printed_texts_of_recordings_have_no_slips() {
         &["fit", "scene.toml", "--only", "unbalance"],
     ];
     for args in commands {
-        texts.add(&desk, args);
+        texts.add(&sandbox, args);
     }
     texts.finish("texts-of-recordings.txt");
 }

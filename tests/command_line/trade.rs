@@ -1,6 +1,6 @@
 //! `ballrace trade`: its figures are those of `force`, its front is a Pareto front, the chosen model meets the goal.
 
-use crate::support::{Desk, numbers, swap};
+use crate::support::{Sandbox, numbers, swap};
 use serde_json::Value;
 
 /// Two angular-contact bearings under preload at speed; damped so that its transient is short.
@@ -72,10 +72,10 @@ stiffness = 8e9
 radial_play = "2 um"
 "#;
 
-fn desk(scene: &str) -> Desk {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene);
-    desk
+fn sandbox(scene: &str) -> Sandbox {
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene);
+    sandbox
 }
 
 fn figure(one: &Value, path: &[&str]) -> f64 {
@@ -92,8 +92,8 @@ fn find<'a>(all: &'a Value, model: &str, precision: &str, math: &str) -> &'a Val
 
 #[test]
 fn the_models_on_a_spindle() {
-    let desk = desk(SPINDLE);
-    let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
+    let sandbox = sandbox(SPINDLE);
+    let all = sandbox.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
     assert_eq!((all["motion"].as_str(), all["poses"].as_u64()), (Some("simulation"), Some(512)));
     assert_eq!(all["truth"], "quasi-static, centrifugal, gyroscopic");
     let candidates = all["candidates"].as_array().unwrap();
@@ -139,22 +139,22 @@ fn the_models_on_a_spindle() {
     let why = all["impossible"].as_array().unwrap();
     assert_eq!(why.iter().map(|w| w["model"].as_str().unwrap()).collect::<Vec<_>>(), ["linear", "lumped"]);
     assert!(why.iter().all(|w| w["why"].as_str().unwrap().contains("preload")), "{why:?}");
-    let page = desk.read("ballrace-trade.html");
+    let page = sandbox.read("ballrace-trade.html");
     assert_eq!(page.matches("<svg").count(), 3);
 }
 
 #[test]
 fn the_chosen_model_meets_the_goal() {
-    let desk = desk(SPINDLE);
-    let out = desk.done(&["trade", "scene.toml", "--forces-only", "--error", "0.1%"]).out;
+    let sandbox = sandbox(SPINDLE);
+    let out = sandbox.done(&["trade", "scene.toml", "--forces-only", "--error", "0.1%"]).out;
     assert!(out.contains("scene-chosen.toml"), "{out}");
-    let chosen = desk.read("scene-chosen.toml");
+    let chosen = sandbox.read("scene-chosen.toml");
     assert!(chosen.contains("model = \"tabulated\"") && chosen.contains("[16, 16, 2]"), "{chosen}");
     // Independent check: forces of both scenes at displacements beside the motion, within twice the goal.
-    desk.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
+    sandbox.put("u.csv", "u,v,w,thu,thv\n1e-6,0,1.2e-5,0,0\n0,1e-6,1.1e-5,0,0\n");
     let force = |scene: &str| {
         let args = ["force", scene, "--displacements", "u.csv", "--bearing", "A", "--format", "csv"];
-        numbers(&desk.done(&args).out.replace(",ok", "")).1
+        numbers(&sandbox.done(&args).out.replace(",ok", "")).1
     };
     for (near, right) in force("scene-chosen.toml").iter().zip(&force("scene.toml")) {
         let apart = near.iter().zip(right).take(3).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -171,9 +171,11 @@ fn the_chosen_model_meets_the_goal() {
         "--format",
         "json",
     ];
-    let choice = desk.done(&args).json::<Value>()["choice"].clone();
+    let choice = sandbox.done(&args).json::<Value>()["choice"].clone();
     assert!(figure(&choice, &["seconds"]) <= 20e-6 && choice["model"] == "angular", "{choice}");
-    assert!(desk.read("fast.toml").contains("model = \"angular\"") && !desk.read("fast.toml").contains("effects"));
+    assert!(
+        sandbox.read("fast.toml").contains("model = \"angular\"") && !sandbox.read("fast.toml").contains("effects")
+    );
     let longer = [
         "trade",
         "scene.toml",
@@ -185,13 +187,13 @@ fn the_chosen_model_meets_the_goal() {
         "--format",
         "json",
     ];
-    let choice = desk.done(&longer).json::<Value>()["choice"].clone();
+    let choice = sandbox.done(&longer).json::<Value>()["choice"].clone();
     assert!(
         choice["model"].as_str().unwrap().starts_with("quasi-static, centrifugal, gyroscopic")
             && figure(&choice, &["error"]) < 1e-6,
         "{choice}"
     );
-    desk.refused(
+    sandbox.refused(
         &["trade", "scene.toml", "--forces-only", "--deadline", "1 us at 16 MHz"],
         2,
         &["--deadline: no model is so fast: 1.000 us at 16 MHz"],
@@ -200,8 +202,8 @@ fn the_chosen_model_meets_the_goal() {
 
 #[test]
 fn lumped_model_has_no_costlier_reference() {
-    let desk = desk(LUMPED);
-    let all = desk.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
+    let sandbox = sandbox(LUMPED);
+    let all = sandbox.done(&["trade", "scene.toml", "--format", "json"]).json::<Value>();
     assert_eq!(all["truth"], "lumped");
     let cost = &find(&all, "lumped", "f32", "exact")["cortex"];
     // Twice the row of the target's table.
@@ -211,14 +213,14 @@ fn lumped_model_has_no_costlier_reference() {
     let instructions: f64 = row.split(';').nth(5).unwrap().parse().unwrap();
     assert_eq!(figure(cost, &["instructions"]), 2.0 * instructions);
     assert!(figure(find(&all, "linear", "f64", "exact"), &["error", "most_99"]) > 0.01);
-    let csv = desk.done(&["trade", "scene.toml", "--format", "csv"]).out;
+    let csv = sandbox.done(&["trade", "scene.toml", "--format", "csv"]).out;
     let columns = csv.lines().next().unwrap().split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
 }
 
 #[test]
 fn an_absent_cost_has_a_reason_and_an_empty_column_is_left_out() {
-    let text = |scene: &str| desk(scene).done(&["trade", "scene.toml", "--forces-only"]).out;
+    let text = |scene: &str| sandbox(scene).done(&["trade", "scene.toml", "--forces-only"]).out;
     let smooth = text(LUMPED);
     assert!(smooth.contains("instr.") && !smooth.contains("bearings with waviness"), "{smooth}");
     let wavy = LUMPED.replace(
@@ -232,25 +234,25 @@ fn an_absent_cost_has_a_reason_and_an_empty_column_is_left_out() {
 
 #[test]
 fn invalid_goals_are_rejected() {
-    let desk = desk(LUMPED);
+    let sandbox = sandbox(LUMPED);
     let refused = |more: &[&str], words: &[&str]| {
-        desk.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);
+        sandbox.refused(&[&["trade", "scene.toml"], more].concat(), 2, words);
     };
     for error in ["--error=some", "--error=-1%", "--error=0"] {
-        let answer = desk.run(&["trade", "scene.toml", error]);
+        let answer = sandbox.run(&["trade", "scene.toml", error]);
         assert!(answer.code == Some(2) && answer.err.contains("expected a fraction above 0"), "{answer:?}");
     }
     refused(&["--deadline", "20 us"], &["--deadline", "20 us at 168 MHz"]);
     refused(&["--deadline", "20 um at 168 MHz"], &["--deadline"]);
     refused(&["-o", "a.toml"], &["--output", "--error or --deadline"]);
     refused(&["--error", "1%", "-o", "scene.toml"], &["--output"]);
-    desk.put(
+    sandbox.put(
         "alone.toml",
         LUMPED.split("[rotor]").next().unwrap().to_owned()
             + "[[bearing]]"
             + LUMPED.split("[[bearing]]").nth(1).unwrap(),
     );
-    desk.refused(&["trade", "alone.toml"], 2, &["missing table [rotor]"]);
+    sandbox.refused(&["trade", "alone.toml"], 2, &["missing table [rotor]"]);
 }
 
 /// A method whose motion overflows is named and on no front; a model is recommended only where a motion with it does not.
@@ -260,8 +262,8 @@ fn motions_that_overflow_are_named() {
     let damped = swap(LUMPED, "[[bearing]]", "[integration]\nmethod = \"newmark\"\n[[bearing]]");
     let damping = LUMPED.lines().find(|line| line.starts_with("damping")).unwrap();
     let damped = swap(&damped, damping, "damping = [5e5, 5e5, 5e5, 0, 0]");
-    let desk = desk(&damped);
-    let json: Value = desk.done(&["trade", "scene.toml", "--error", "10%", "--format", "json"]).json();
+    let sandbox = sandbox(&damped);
+    let json: Value = sandbox.done(&["trade", "scene.toml", "--error", "10%", "--format", "json"]).json();
     let responses = json["responses"].as_array().unwrap();
     let (overflowed, sound): (Vec<&Value>, Vec<&Value>) =
         responses.iter().partition(|response| response["overflow"].is_string());
@@ -272,14 +274,14 @@ fn motions_that_overflow_are_named() {
     }
     assert!(sound.iter().any(|response| response["method"] == "newmark"), "{sound:?}");
     assert!(json["choice"]["model"].is_string(), "{json}");
-    let text = desk.done(&["trade", "scene.toml"]).out;
+    let text = sandbox.done(&["trade", "scene.toml"]).out;
     assert_eq!(text.matches("  the motion overflows").count(), overflowed.len(), "{text}");
-    assert!(desk.read("ballrace-trade.html").contains("the motion overflows: "));
-    let csv = desk.done(&["trade", "scene.toml", "--format", "csv"]).out;
+    assert!(sandbox.read("ballrace-trade.html").contains("the motion overflows: "));
+    let csv = sandbox.done(&["trade", "scene.toml", "--format", "csv"]).out;
     assert_eq!(csv.matches("the motion overflows: ").count(), overflowed.len(), "{csv}");
 
     // The motion with which all others are compared.
     let coarse = LUMPED.to_owned() + "[integration]\nstep = \"1 s\"\n";
-    desk.put("coarse.toml", swap(&coarse, damping, "damping = [5e5, 5e5, 5e5, 0, 0]"));
-    desk.refused(&["trade", "coarse.toml"], 1, &["the motion overflows: "]);
+    sandbox.put("coarse.toml", swap(&coarse, damping, "damping = [5e5, 5e5, 5e5, 0, 0]"));
+    sandbox.refused(&["trade", "coarse.toml"], 1, &["the motion overflows: "]);
 }

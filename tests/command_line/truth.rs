@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::support::{DEMO_RECORDING, Desk, number, numbers, recorded};
+use crate::support::{DEMO_RECORDING, Sandbox, number, numbers, recorded};
 
 /// Samples per row of the truth.
 const EVERY: usize = 16;
@@ -10,9 +10,9 @@ const EVERY: usize = 16;
 const ENTRIES: usize = 10;
 
 /// Errors of every force, moment by moment.
-fn off(desk: &Desk, name: &str) -> Vec<Vec<f64>> {
+fn off(sandbox: &Sandbox, name: &str) -> Vec<Vec<f64>> {
     let truth = std::fs::read_to_string(recorded(&format!("{name}.truth.csv"))).unwrap();
-    let ((head, found), (truth_head, truth)) = (numbers(&desk.read("forces.csv")), numbers(&truth));
+    let ((head, found), (truth_head, truth)) = (numbers(&sandbox.read("forces.csv")), numbers(&truth));
     // The truth has no units in its header and no status.
     let plain: Vec<&str> = head.iter().map(|name| name.trim_end_matches("_Nm").trim_end_matches("_N")).collect();
     assert_eq!(
@@ -32,11 +32,11 @@ fn rms(errors: &[f64]) -> f64 {
 /// Forces straight from the displacement: the noise band agrees with their errors,
 /// and few are far outside.
 fn assert_within_the_noise(name: &str) {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let args = ["--forces", "forces.csv", "--force-source", "displacement"];
-    let outcome = desk.replay(&recorded(&format!("{name}.toml")), &args);
+    let outcome = sandbox.replay(&recorded(&format!("{name}.toml")), &args);
     let (mut report, mut good) = (String::new(), true);
-    for (i, errors) in off(&desk, name).iter().enumerate() {
+    for (i, errors) in off(&sandbox, name).iter().enumerate() {
         let sigma = number(&outcome, &format!("/bearings/{}/force_measured/{}/noise_sigma", i / 5, i % 5));
         let of_sigma = rms(errors) / sigma;
         let far = errors.iter().filter(|e| e.abs() > 4.0 * sigma).count() as f64 / errors.len() as f64;
@@ -97,17 +97,17 @@ fn noisier(recording: &str, noise: f64) -> String {
 /// How many times closer to the truth the observer's forces are than those straight from the displacement: the worst of
 /// all forces and moments, and of the forces together; with the scene of `scene` on the recording `name`.
 fn closer(name: &str, scene: &str, noise: f64) -> [f64; 2] {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let recording = match name {
         "healthy" => DEMO_RECORDING.to_owned(),
         _ => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
     };
-    desk.put("noisy.csv", noisier(&recording, noise));
+    sandbox.put("noisy.csv", noisier(&recording, noise));
     let text = std::fs::read_to_string(recorded(&format!("{scene}.toml"))).unwrap();
-    desk.put("scene.toml", text.replace("noise = \"0.03 um\"", &format!("noise = \"{noise} um\"")));
+    sandbox.put("scene.toml", text.replace("noise = \"0.03 um\"", &format!("noise = \"{noise} um\"")));
     let errors = |source: &str| {
-        desk.replay("scene.toml", &["--recording", "noisy.csv", "--forces", "forces.csv", "--force-source", source]);
-        off(&desk, name)
+        sandbox.replay("scene.toml", &["--recording", "noisy.csv", "--forces", "forces.csv", "--force-source", source]);
+        off(&sandbox, name)
     };
     let (observed, straight) = (errors("observer"), errors("displacement"));
     let worst = observed.iter().zip(&straight).map(|(o, s)| rms(s) / rms(o)).fold(f64::INFINITY, f64::min);
@@ -149,7 +149,7 @@ fn the_observer_is_closer_than_the_displacement() {
 /// Innovations agree with noise and model.
 #[test]
 fn innovations_are_consistent() {
-    let outcome = Desk::empty().replay(&recorded("healthy.toml"), &[]);
+    let outcome = Sandbox::empty().replay(&recorded("healthy.toml"), &[]);
     let [low, high] = [0, 1].map(|i| number(&outcome, &format!("/observer/nis_bounds/{i}")));
     let mean = number(&outcome, "/observer/nis_mean");
     assert!((low..=high).contains(&mean), "{mean} not in {low} to {high}");

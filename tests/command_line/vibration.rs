@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::live::{connected, frame, listening, outcome};
-use crate::support::{DEMO_SCENE, Desk, recorded, swap};
+use crate::support::{DEMO_SCENE, Sandbox, recorded, swap};
 use std::io::Write;
 
 /// A scene of one bearing with one sensor.
@@ -16,8 +16,8 @@ pub fn scene(rpm: f64, [elements, ball, pitch]: [f64; 3], file: &str, rate: &str
     )
 }
 
-fn diagnoses(desk: &Desk) -> Vec<(String, f64)> {
-    let outcome = desk.replay("scene.toml", &[]);
+fn diagnoses(sandbox: &Sandbox) -> Vec<(String, f64)> {
+    let outcome = sandbox.replay("scene.toml", &[]);
     let all = outcome.pointer("/findings").and_then(Value::as_array).unwrap();
     all.iter().map(|f| (f["kind"].as_str().unwrap().to_owned(), f["line_hz"].as_f64().unwrap())).collect()
 }
@@ -26,10 +26,10 @@ fn diagnoses(desk: &Desk) -> Vec<(String, f64)> {
 /// inner race's ball-pass frequency.
 #[test]
 fn the_miniature_bearing_has_a_bad_inner_race() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let file = recorded("real/support_force_306rpm_6400Hz.csv");
-    desk.put("scene.toml", scene(306.0, [7.0, 2.770, 10.514], &file, "6400 Hz", "force_N", "N"));
-    let found = diagnoses(&desk);
+    sandbox.put("scene.toml", scene(306.0, [7.0, 2.770, 10.514], &file, "6400 Hz", "force_N", "N"));
+    let found = diagnoses(&sandbox);
     assert!(matches!(&found[..], [(kind, hz)] if kind == "inner-race" && (hz - 22.4).abs() < 0.3), "{found:?}");
 }
 
@@ -49,10 +49,10 @@ fn bearings_of_type_6205_are_distinguished() {
             continue;
         }
         for sensor in ["DE", "FE"] {
-            let desk = Desk::empty();
+            let sandbox = Sandbox::empty();
             let column = format!("{of}_{sensor}_time");
-            desk.put("scene.toml", scene(rpm, [9.0, 7.94, 39.04], &file, rate, &column, "g"));
-            let found = diagnoses(&desk);
+            sandbox.put("scene.toml", scene(rpm, [9.0, 7.94, 39.04], &file, rate, &column, "g"));
+            let found = diagnoses(&sandbox);
             println!("{column}: {found:?}");
             match (expected, &found[..]) {
                 (None, []) => {}
@@ -85,19 +85,19 @@ fn mat(name: &str, values: &[f64]) -> Vec<u8> {
 
 #[test]
 fn matlab_files_are_read_or_refused() {
-    let desk = Desk::empty();
+    let sandbox = Sandbox::empty();
     let whole = mat("a", &(0..4000).map(|i| f64::from(i * 37 % 101)).collect::<Vec<_>>());
-    desk.put("scene.toml", scene(3000.0, [9.0, 7.94, 39.04], "r.mat", "6 kHz", "a", "m/s^2"));
-    desk.put("r.mat", &whole);
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("scene.toml", scene(3000.0, [9.0, 7.94, 39.04], "r.mat", "6 kHz", "a", "m/s^2"));
+    sandbox.put("r.mat", &whole);
+    let outcome = sandbox.replay("scene.toml", &[]);
     assert_eq!(outcome.pointer("/record/samples").and_then(Value::as_u64), Some(4000));
     for (bytes, says) in [
         (&whole[..whole.len() / 2], "expected a MATLAB file of version 5"),
         (&whole[..140], "expected a MATLAB file of version 5"),
         (&mat("b", &[1.0; 4000])[..], "no such column: `a`"),
     ] {
-        desk.put("r.mat", bytes);
-        let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+        sandbox.put("r.mat", bytes);
+        let run = sandbox.run(&["replay", "scene.toml", "--report", "r.html"]);
         assert!(run.code != Some(0) && run.err.contains(says), "{}", run.err);
     }
 }
@@ -105,8 +105,8 @@ fn matlab_files_are_read_or_refused() {
 #[test]
 fn sensors_are_checked() {
     let good = scene(3000.0, [9.0, 7.94, 39.04], "r.csv", "6 kHz", "a", "m/s^2");
-    let desk = Desk::empty();
-    desk.put("r.csv", "a\n".to_owned() + &"1\n2\n".repeat(100));
+    let sandbox = Sandbox::empty();
+    sandbox.put("r.csv", "a\n".to_owned() + &"1\n2\n".repeat(100));
     for (from, to, says) in [
         ("unit = \"m/s^2\"", "unit = \"um\"", "m/s^2, g, m/s, mm/s, N, V"),
         ("rate =", "average = 4\nrate =", "average without probes"),
@@ -114,8 +114,8 @@ fn sensors_are_checked() {
         ("sensors =", "probes = []\nsensors =", "a list of at least one probe"),
         ("rate = \"6 kHz\"", "rate = \"6 kHz\"", "turns of the shaft, expected 16 or more"),
     ] {
-        desk.put("scene.toml", good.replacen(from, to, 1));
-        let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+        sandbox.put("scene.toml", good.replacen(from, to, 1));
+        let run = sandbox.run(&["replay", "scene.toml", "--report", "r.html"]);
         assert!(run.code != Some(0) && run.err.contains(says), "{says}: {}", run.err);
     }
 }
@@ -162,11 +162,11 @@ const OUTER: f64 = 4.5 * (1.0 - 7.94 / 39.04);
 
 #[test]
 fn an_accelerometer_beside_the_probes() {
-    let desk = Desk::empty();
-    desk.put("scene.toml", scene_of_both());
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", scene_of_both());
     // The probes show the spall too: one diagnosis.
-    desk.put("healthy.csv", with_accelerometer("outer-spall.csv", OUTER));
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("healthy.csv", with_accelerometer("outer-spall.csv", OUTER));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let found = all_diagnoses(&outcome);
     let same: Vec<&Value> = found.iter().filter(|f| f["kind"] == "outer-race" && f["bearing"] == "DE").collect();
     assert_eq!(same.len(), 1, "{found:?}");
@@ -174,8 +174,8 @@ fn an_accelerometer_beside_the_probes() {
     assert_eq!(same[0]["vibration"]["sensor"], "DE_acc_g");
     assert!(same[0]["depth_um"]["value"].as_f64().unwrap() > 0.1);
     // The probes show a sound machine: the diagnosis is that of the accelerometer.
-    desk.put("healthy.csv", with_accelerometer("healthy.csv", OUTER));
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("healthy.csv", with_accelerometer("healthy.csv", OUTER));
+    let outcome = sandbox.replay("scene.toml", &[]);
     let found = all_diagnoses(&outcome);
     assert!(
         matches!(&found[..], [f] if f["kind"] == "outer-race" && f["evidence"] == serde_json::json!(["vibration"])),
@@ -185,15 +185,15 @@ fn an_accelerometer_beside_the_probes() {
     assert!(
         found[0]["sentence"].as_str().unwrap().ends_with("The vibration alone shows it, the shaft motion does not.")
     );
-    desk.done(&["replay", "scene.toml", "--report", "r.html"]);
-    assert!(desk.read("r.html").contains("Envelope spectrum of"));
+    sandbox.done(&["replay", "scene.toml", "--report", "r.html"]);
+    assert!(sandbox.read("r.html").contains("Envelope spectrum of"));
     // Noise: no diagnosis, and the probes are replayed as without the sensor.
-    desk.put("healthy.csv", with_accelerometer("healthy.csv", 0.0));
-    let with = desk.replay("scene.toml", &[]);
+    sandbox.put("healthy.csv", with_accelerometer("healthy.csv", 0.0));
+    let with = sandbox.replay("scene.toml", &[]);
     assert_eq!(all_diagnoses(&with), [] as [Value; 0]);
     assert!(with["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().starts_with("DE_acc_g: ")));
-    desk.put("scene.toml", DEMO_SCENE);
-    let without = desk.replay("scene.toml", &[]);
+    sandbox.put("scene.toml", DEMO_SCENE);
+    let without = sandbox.replay("scene.toml", &[]);
     assert_eq!(with["probes"], without["probes"]);
     assert_eq!(with["bearings"], without["bearings"]);
 }
@@ -201,19 +201,19 @@ fn an_accelerometer_beside_the_probes() {
 /// A sensor with a keyphasor or a speed column, without probes and without a rotor.
 #[test]
 fn sensors_at_a_measured_speed() {
-    let desk = Desk::empty();
-    desk.put("r.csv", with_accelerometer("healthy.csv", OUTER));
+    let sandbox = Sandbox::empty();
+    sandbox.put("r.csv", with_accelerometer("healthy.csv", OUTER));
     let keyed = scene(3000.0, [9.0, 7.94, 39.04], "r.csv", "12.8 kHz", "DE_acc_g", "g")
         + "keyphasor = { column = \"keyphasor\", pulses_per_turn = 1 }\n";
-    desk.put("scene.toml", &keyed);
-    let outcome = desk.replay("scene.toml", &[]);
+    sandbox.put("scene.toml", &keyed);
+    let outcome = sandbox.replay("scene.toml", &[]);
     let found = all_diagnoses(&outcome);
     assert!(matches!(&found[..], [f] if f["kind"] == "outer-race"), "{found:?}");
     assert!(outcome["record"]["angle_source"].as_str().unwrap().starts_with("keyphasor in column keyphasor"));
     assert!((outcome["record"]["mean_speed_rpm"].as_f64().unwrap() - 3000.0).abs() < 1.0);
     // A keyphasor of two pulses per revolution that the scene takes for one.
-    desk.put("scene.toml", swap(&keyed, "3000 rpm", "1500 rpm"));
-    let run = desk.run(&["replay", "scene.toml", "--report", "r.html"]);
+    sandbox.put("scene.toml", swap(&keyed, "3000 rpm", "1500 rpm"));
+    let run = sandbox.run(&["replay", "scene.toml", "--report", "r.html"]);
     assert_eq!(run.code, Some(4), "{}", run.err);
     let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("shaft speed: 3000 rpm measured, 1500 rpm in the scene"), "{said}");
@@ -222,11 +222,11 @@ fn sensors_at_a_measured_speed() {
 /// Frames of the probes, the accelerometer and the keyphasor; one without the accelerometer is of a wrong size.
 #[test]
 fn an_accelerometer_in_a_stream() {
-    let desk = Desk::with(&scene_of_both(), &with_accelerometer("healthy.csv", OUTER));
+    let sandbox = Sandbox::with(&scene_of_both(), &with_accelerometer("healthy.csv", OUTER));
     let args = ["--encoding", "frames", "--for", "2.9 s", "--indicators", "indicators"];
-    let (child, port) = listening(&desk, "tcp", &args);
+    let (child, port) = listening(&sandbox, "tcp", &args);
     let mut stream = connected(port);
-    let text = desk.read("healthy.csv");
+    let text = sandbox.read("healthy.csv");
     let cells = |line: &str| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
     let rows: Vec<Vec<f32>> = text.lines().skip(1).map(cells).collect();
     for sequence in 0..3 * 12_800 {
@@ -238,7 +238,7 @@ fn an_accelerometer_in_a_stream() {
     let outcome = outcome(child);
     assert_eq!(outcome.pointer("/timing/source/malformed_frames"), Some(&serde_json::json!(0)));
     assert_eq!(all_diagnoses(&outcome), [] as [Value; 0]);
-    let table = std::fs::read(desk.path("indicators/indicators-0001.parquet")).unwrap();
+    let table = std::fs::read(sandbox.path("indicators/indicators-0001.parquet")).unwrap();
     for column in ["DE_acc_g_rms", "DE_acc_g_peak", "DE_acc_g_crest_factor", "DE_acc_g_kurtosis"] {
         assert!(table.windows(column.len()).any(|bytes| bytes == column.as_bytes()), "{column}");
     }
@@ -280,9 +280,9 @@ fn recordings_of_others_need_short_scenes() {
         }
         let scene = format!("{head}file = {file:?}\n{sensors}");
         assert!(scene.lines().count() <= 15, "{scene}");
-        let desk = Desk::empty();
-        desk.put("scene.toml", &scene);
-        let checked: Value = desk.run(&["check", "scene.toml", "--format", "json"]).json();
+        let sandbox = Sandbox::empty();
+        sandbox.put("scene.toml", &scene);
+        let checked: Value = sandbox.run(&["check", "scene.toml", "--format", "json"]).json();
         println!("{file}: {} lines, {}", scene.lines().count(), checked["recording"]["samples"]);
         assert!(checked["recording"]["samples"].as_u64().unwrap() > 1000, "{checked:#}");
     }

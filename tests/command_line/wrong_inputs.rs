@@ -1,7 +1,7 @@
 //! Wrong inputs as users make them: each gives one clear message from `check` and from `replay`, and no diagnosis. The chapter
 //! "Wrong inputs" of the guide lists the messages, written by this test.
 
-use crate::support::{DEMO_SCENE, Desk, TURN, changed, list, scene, short_recording, swap, with_cell};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, changed, list, scene, short_recording, swap, with_cell};
 use serde_json::Value;
 use std::path::Path;
 
@@ -233,9 +233,9 @@ fn machines() -> Vec<Wrong> {
 /// Runs `check` and `replay` and returns the message.
 fn message(wrong: &Wrong) -> String {
     let Wrong { name, scene, recording, says } = wrong;
-    let desk = Desk::with(scene, recording);
-    let replayed = desk.run(&["replay", "scene.toml", "--format", "json", "--learn", "learned.json"]);
-    assert!(!desk.files().contains(&"learned.json".to_owned()), "{name}: it is no baseline");
+    let sandbox = Sandbox::with(scene, recording);
+    let replayed = sandbox.run(&["replay", "scene.toml", "--format", "json", "--learn", "learned.json"]);
+    assert!(!sandbox.files().contains(&"learned.json".to_owned()), "{name}: it is no baseline");
     let message = match replayed.code {
         Some(1 | 2) => {
             let error = replayed.err.trim_end().to_owned();
@@ -266,7 +266,7 @@ fn message(wrong: &Wrong) -> String {
     for part in says {
         assert!(message.contains(part), "{name}: {message}, expected {part}");
     }
-    let checked = desk.run(&["check", "scene.toml"]);
+    let checked = sandbox.run(&["check", "scene.toml"]);
     // Two checks need the motion of the twin, which `check` does not compute.
     let needs_twin = message.contains("carries load") || message.starts_with("No verdict");
     assert!(checked.code != Some(0) || needs_twin, "{name}: {checked:?}");

@@ -8,6 +8,7 @@ pub mod bearings;
 #[rustfmt::skip]
 mod flexible;
 #[path = "../target/baked/src/log.rs"]
+#[expect(dead_code, reason = "the columns are those of the replay in tests/command_line/bake.rs")]
 mod log;
 #[path = "../target/baked/src/motion.rs"]
 mod motion;

@@ -43,9 +43,9 @@ pub type RigidSystem<const N: usize> =
 pub type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
 /// A bearing without force, for an unused position of the system.
-struct Nothing;
+struct NoBearing;
 
-impl Bearing<f64> for Nothing {
+impl Bearing<f64> for NoBearing {
     fn reaction(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>) -> Reaction<f64> {
         Reaction::default()
     }
@@ -205,5 +205,5 @@ impl Plant {
 }
 
 fn nothing() -> AnyBearing<f64> {
-    Shared(Arc::new(Nothing))
+    Shared(Arc::new(NoBearing))
 }

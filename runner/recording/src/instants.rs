@@ -8,7 +8,7 @@ use ballrace_base::printable::number;
 use ballrace_scene::{KeyphasorSignal, RotationSource, units};
 
 /// Least distance in samples of instants that are used: each sample has one at most.
-const LEAST: f64 = 1.0;
+const LEAST_SPACING: f64 = 1.0;
 
 /// The instants that are used, in order.
 pub(super) struct Instants {
@@ -70,7 +70,7 @@ impl Instants {
         let mut steps: Vec<f64> = self.times.windows(2).map(|pair| (pair[1] - pair[0]) * rate).collect();
         steps.sort_by(f64::total_cmp);
         let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-        if median >= LEAST {
+        if median >= LEAST_SPACING {
             return Ok(());
         }
         let found = format!("instants that are {} samples apart", number(median));

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Largest number of samples, averaged ones counted once, that are read ahead.
 const MAX_ROWS: usize = 1 << 18;
 /// Number of samples up to which a recording is read to its end, so that one diagnosis is that of its end and serves its twin.
-const WHOLE: usize = 1 << 16;
+const MAX_WHOLE_SAMPLES: usize = 1 << 16;
 
 /// The beginning of a recording.
 pub(super) struct Ahead {
@@ -54,7 +54,7 @@ impl Ahead {
         let mut has_angle = true;
         let mut first_block: Option<Block> = None;
         let average = recording.average as usize;
-        while rows.len() < average * if first_block.is_some() { WHOLE } else { MAX_ROWS } {
+        while rows.len() < average * if first_block.is_some() { MAX_WHOLE_SAMPLES } else { MAX_ROWS } {
             let row = match first_rows.pop_front() {
                 Some(row) => row,
                 None => {

@@ -36,7 +36,7 @@ const TOO_SHORT: (f64, f64) = (0.4, 0.6);
 const TWICE_AS_FAST: u32 = 2;
 
 /// Largest difference of an interval from a whole multiple of the expected one for which missed pulses are counted, in intervals.
-const WHOLE: f64 = 0.2;
+const WHOLE_TOLERANCE: f64 = 0.2;
 
 /// Excess of the second interval of all over the first, in samples and in parts of the first, from which the first pulse may be no mark: more
 /// than two edges are off by sampling. Where it is none, the third interval differs from the second by less than a part of that excess.
@@ -400,7 +400,7 @@ impl Keyphasor {
         }
         let passed = trend.filter(|trend| (0.4..2.5).contains(&(trend / plain))).unwrap_or(plain);
         let whole = passed.round().max(1.0);
-        let steps = if self.lost.is_some() || (passed - whole).abs() <= WHOLE { whole } else { 1.0 };
+        let steps = if self.lost.is_some() || (passed - whole).abs() <= WHOLE_TOLERANCE { whole } else { 1.0 };
         let steps = match self.over_gap(last.number, passed, at, output)? {
             Some(steps) => steps,
             None => {

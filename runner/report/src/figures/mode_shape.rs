@@ -16,7 +16,7 @@ const STRIP: f64 = 66.0;
 /// Space below a strip.
 const SPACE: f64 = 8.0;
 /// Displacement over the largest one below which a direction is not drawn.
-const LEAST: f64 = 0.03;
+const LEAST_SHOWN: f64 = 0.03;
 /// Difference of the shapes along X and Y below which one is drawn for both.
 const ALIKE: f64 = 0.02;
 /// Height of the thickest section behind the shapes.
@@ -67,7 +67,7 @@ fn title(i: usize, shape: &ModeShape) -> String {
         Whirl::Straight => "",
     };
     let [x, y, _] = shape.largest();
-    let alike = if x.max(y) > LEAST && shape.is_alike_in_both_planes(ALIKE) { ", X and Y alike" } else { "" };
+    let alike = if x.max(y) > LEAST_SHOWN && shape.is_alike_in_both_planes(ALIKE) { ", X and Y alike" } else { "" };
     let (hz, damping) = (fixed(shape.mode.frequency_hz, 2), signed(&fixed(100.0 * shape.mode.damping_ratio, 2)));
     format!("N{}: {hz} Hz, damping {damping} %{whirl}{alike}", i + 1)
 }
@@ -90,13 +90,13 @@ fn strip(canvas: &mut Canvas, shape: &ModeShape, drawing: &RotorDrawing, x_of: i
         canvas.line(&shape.points.iter().map(point).collect::<Vec<Point>>(), stroke);
     };
     let [x, y, z] = shape.largest();
-    if z > LEAST {
+    if z > LEAST_SHOWN {
         curve(canvas, |p| p.z, Z);
     }
-    if x > LEAST {
+    if x > LEAST_SHOWN {
         curve(canvas, |p| p.x, X);
     }
-    if y > LEAST && !shape.is_alike_in_both_planes(ALIKE) {
+    if y > LEAST_SHOWN && !shape.is_alike_in_both_planes(ALIKE) {
         curve(canvas, |p| p.y, Y);
     }
 }

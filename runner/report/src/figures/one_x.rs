@@ -6,7 +6,7 @@ use ballrace_twin::replay::outcome::Block;
 const SLOW_SHARE: usize = 16;
 const MAX_SLOW: usize = 8;
 /// Below this share of the largest amplitude a phase is noise.
-const LEAST: f64 = 0.02;
+const LEAST_SHOWN: f64 = 0.02;
 
 /// Cosine and sine of 1X, um peak.
 type Vector = [f64; 2];
@@ -64,7 +64,7 @@ impl OneX {
     /// Returns true where the phase is significant: the vector is large enough compared with the largest.
     pub(super) fn has_phase(&self, vector: &Vector) -> bool {
         let largest = self.raw.iter().map(amplitude).filter(|a| a.is_finite()).fold(0.0, f64::max);
-        amplitude(vector) > LEAST * largest
+        amplitude(vector) > LEAST_SHOWN * largest
     }
 }
 

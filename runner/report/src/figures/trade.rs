@@ -9,7 +9,7 @@ use super::line::Point;
 
 const HEIGHT: f64 = 300.0;
 /// Smallest error drawn; smaller ones are rounding.
-const LEAST: f64 = 1e-16;
+const LEAST_ERROR: f64 = 1e-16;
 
 /// One candidate in the figure.
 pub(crate) struct Dot {
@@ -34,7 +34,7 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Opt
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
     };
-    let error = |d: &Dot| d.error.max(LEAST);
+    let error = |d: &Dot| d.error.max(LEAST_ERROR);
     let (low, high) = range(&mut shown.iter().map(|d| d.cost));
     let x = Axis::decades(low / 1.6, high * 1.6, costs);
     let (low, high) = range(&mut shown.iter().map(|d| error(d)));
@@ -76,7 +76,7 @@ pub(crate) fn front(title: &str, costs: &str, errors: &str, dots: &[Dot]) -> Opt
 fn stairs(best: &[&Dot]) -> Vec<Point> {
     let mut line = Vec::new();
     for dot in best {
-        let error = dot.error.max(LEAST);
+        let error = dot.error.max(LEAST_ERROR);
         if let Some(&(_, above)) = line.last() {
             line.push((dot.cost, above));
         }
@@ -89,7 +89,7 @@ fn stairs(best: &[&Dot]) -> Vec<Point> {
 fn numbers(canvas: &mut Canvas, frame: &Frame, best: &[&Dot]) {
     let mut last: Option<Point> = None;
     for (i, dot) in best.iter().enumerate() {
-        let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST)));
+        let (px, py) = frame.at(&(dot.cost, dot.error.max(LEAST_ERROR)));
         // Labels of nearly coincident dots would overlap.
         let near = last.is_some_and(|(x, y)| (px - x).abs() < 12.0 && (py - y).abs() < 12.0);
         let at = if near { (px + 9.0, py - 9.0) } else { (px - 9.0, py + 9.0) };

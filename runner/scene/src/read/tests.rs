@@ -76,7 +76,7 @@ keyphasor = { column = "keyphasor", pulses_per_turn = 1 }
 "#;
 
 /// The least scene, with room for more keys in each table.
-const LEAST: &str = r#"[shaft]
+const MINIMAL: &str = r#"[shaft]
 speed = 100
 [[bearing]]
 name = "A"
@@ -200,7 +200,7 @@ fn assert_lumped_bearing(nde: &Bearing) {
 
 #[test]
 fn defaults_are_those_of_the_format() {
-    let scene = read(&format!("{LEAST}{ROTOR}{RECORDING}")).unwrap();
+    let scene = read(&format!("{MINIMAL}{ROTOR}{RECORDING}")).unwrap();
     assert_eq!(scene.name, "pump", "a scene without a name is called as its file");
     assert_eq!(scene.shaft.outer_speed, 0.0);
     let rotor = scene.rotor.unwrap();
@@ -218,14 +218,14 @@ fn defaults_are_those_of_the_format() {
 
 #[test]
 fn every_notation_of_toml_reads_the_same() {
-    let inline = read(LEAST).unwrap();
-    let dotted = with(LEAST, "[shaft]\nspeed = 100\n", "shaft.speed = 100.0\n");
+    let inline = read(MINIMAL).unwrap();
+    let dotted = with(MINIMAL, "[shaft]\nspeed = 100\n", "shaft.speed = 100.0\n");
     assert_eq!(read(&dotted), Ok(inline.clone()));
-    let marked = format!("\u{feff}{}", LEAST.replace('\n', "\r\n"));
+    let marked = format!("\u{feff}{}", MINIMAL.replace('\n', "\r\n"));
     assert_eq!(read(&marked), Ok(inline));
     let unbalance = "{ moment = 1, angle = 0, station = 0 }";
-    let list = format!("{LEAST}{ROTOR}unbalance = [{unbalance}]\n");
-    let headers = format!("{LEAST}{ROTOR}[[rotor.unbalance]]\nmoment = 1\nangle = 0\nstation = 0\n");
+    let list = format!("{MINIMAL}{ROTOR}unbalance = [{unbalance}]\n");
+    let headers = format!("{MINIMAL}{ROTOR}[[rotor.unbalance]]\nmoment = 1\nangle = 0\nstation = 0\n");
     assert_eq!(read(&list), read(&headers));
     assert!(read(&list).is_ok());
     let shaft = "shaft = { speed = 1 }\nbearing = [{ name = \"A\", station = 0, model = \"lumped\", elements = 3, \
@@ -236,7 +236,7 @@ fn every_notation_of_toml_reads_the_same() {
 #[test]
 #[rustfmt::skip] // a table
 fn speeds() {
-    let speed = |text: &str| read(&with(LEAST, "speed = 100", text)).map(|s| s.shaft.speed);
+    let speed = |text: &str| read(&with(MINIMAL, "speed = 100", text)).map(|s| s.shaft.speed);
     let ramp = speed("speed = { from = 0, to = \"10 rad/s\", over = \"500 ms\" }").unwrap();
     assert_eq!(
         ramp,
@@ -256,7 +256,7 @@ fn speeds() {
         Ok(fluctuating)
     );
     assert_refused(
-        LEAST,
+        MINIMAL,
         &[
             ("speed = 100", "speed = {}", &[":2: shaft.speed: invalid value: {}", "{ from, to, over }"]),
             ("speed = 100", "speed = { from = 1, mean = 2 }", &["shaft.speed", "or { mean"]),
@@ -303,7 +303,7 @@ fn errors_name_file_line_and_key() {
 #[rustfmt::skip] // a table
 fn top_of_the_file() {
     assert_refused(
-        LEAST,
+        MINIMAL,
         &[
             ("[shaft]\nspeed = 100\n", "", &[":1: shaft: missing key"]),
             ("speed = 100", "", &[":1: shaft.speed: missing key"]),
@@ -329,7 +329,7 @@ fn top_of_the_file() {
 #[test]
 fn plain_number_in_another_unit() {
     for value in ["250", "-100.5"] {
-        let error = refusal(&LEAST.replace("station = 0", &format!("station = {value}")));
+        let error = refusal(&MINIMAL.replace("station = 0", &format!("station = {value}")));
         assert!(error.contains("(a bare number is in m), expected a length"), "{error}");
         assert!(error.ends_with(&format!("; likely \"{value} mm\"")), "{error}");
     }
@@ -339,17 +339,17 @@ fn plain_number_in_another_unit() {
 
 #[test]
 fn a_former_key_is_read() {
-    let noise = |keys: &str| read(&format!("{LEAST}\n[observer]\n{keys}\n")).unwrap().observer.process_noise;
+    let noise = |keys: &str| read(&format!("{MINIMAL}\n[observer]\n{keys}\n")).unwrap().observer.process_noise;
     assert_eq!(noise("process_noise = 5"), Some(5.0));
     assert_eq!(noise("wander = 5"), Some(5.0));
-    let both = refusal(&format!("{LEAST}\n[observer]\nprocess_noise = 5\nwander = 5\n"));
+    let both = refusal(&format!("{MINIMAL}\n[observer]\nprocess_noise = 5\nwander = 5\n"));
     assert!(both.contains("observer.process_noise: misplaced key"), "{both}");
 }
 
 #[test]
 #[rustfmt::skip] // a table
 fn rotor_out_of_range() {
-    let text = format!("{LEAST}{ROTOR}load = [0, 0, 0, 0, 0]\n");
+    let text = format!("{MINIMAL}{ROTOR}load = [0, 0, 0, 0, 0]\n");
     assert_refused(
         &text,
         &[
@@ -376,7 +376,7 @@ fn rotor_out_of_range() {
 #[test]
 #[rustfmt::skip] // a table
 fn recording_out_of_range() {
-    let text = format!("{LEAST}{RECORDING}");
+    let text = format!("{MINIMAL}{RECORDING}");
     let probe = "{ column = \"x\", unit = \"um\", station = 0, angle = 0 }";
     assert_refused(&text, &[
         ("file = \"a.csv\"", "", &["recording.file: missing key"]),
@@ -473,7 +473,7 @@ fn recording_out_of_range() {
 #[test]
 #[rustfmt::skip] // a table
 fn keys_of_a_keyphasor() {
-    let text = format!("{LEAST}{RECORDING}keyphasor = {{ column = \"k\", pulses_per_turn = 60 }}\n");
+    let text = format!("{MINIMAL}{RECORDING}keyphasor = {{ column = \"k\", pulses_per_turn = 60 }}\n");
     let keys = "pulses_per_turn = 60";
     let more = |key: &str| format!("{keys}, {key}");
     let refused = |key: &str, expected: &[&str]| assert_refused(&text, &[(keys, &more(key), expected)]);
@@ -489,7 +489,7 @@ fn keys_of_a_keyphasor() {
     refused("unit = \"V\", hysteresis = \"-1 V\"", &["keyphasor.hysteresis: invalid value: \"-1 V\", expected a voltage above 0"]);
     refused("hysteresis = 0", &["keyphasor.hysteresis: invalid value: 0, expected a number above 0 as in the column"]);
     refused("slope = \"down\"", &["keyphasor.slope: invalid value: \"down\", expected \"rising\" or \"falling\""]);
-    let run_out = |line: &str, expected: &[&str]| assert_refused(&format!("{LEAST}{RECORDING}"), &[("rate = 1000", line, expected)]);
+    let run_out = |line: &str, expected: &[&str]| assert_refused(&format!("{MINIMAL}{RECORDING}"), &[("rate = 1000", line, expected)]);
     let with_keyphasor = "keyphasor = { column = \"k\", pulses_per_turn = 1 }";
     run_out("rate = 1\nrun_out = \"slow.csv\"", &["recording.run_out: misplaced key: \"slow.csv\"", "only with a keyphasor"]);
     run_out("rate = 1\nrun_out = \"slow.csv\"\nspeed = { column = \"n\", unit = \"rpm\" }", &["only with a keyphasor"]);
@@ -524,7 +524,7 @@ fn keys_of_a_keyphasor() {
 /// Displacement of a reading by the factor and the offset of the probe.
 #[test]
 fn a_probe_in_volts() {
-    let text = format!("{LEAST}{RECORDING}");
+    let text = format!("{MINIMAL}{RECORDING}");
     let displacement = |keys: &str, reading: f64| {
         let scene = read(&with(&text, "unit = \"um\"", keys)).unwrap();
         let [probe] = scene.recording.as_ref().unwrap().probes.as_slice() else { unreachable!("one probe") };
@@ -551,14 +551,14 @@ fn text_that_is_no_scene() {
     for nothing in ["", "\n\n", "# only a comment\n", "\u{feff}"] {
         assert!(shown(nothing).starts_with("machines/pump.toml: an empty file, expected a scene"));
     }
-    let unit = with(LEAST, "\"50 mm\"", "50 mm");
+    let unit = with(MINIMAL, "\"50 mm\"", "50 mm");
     assert_eq!(
         shown(&unit),
         "machines/pump.toml:9: not TOML at \"pitch_diameter = 50 mm\": string values must be quoted, \
          expected literal string"
     );
     assert!(shown("time_s,x\n0,1\n").contains("pump.toml:1: not TOML"));
-    let twice = with(LEAST, "station = 0", "station = 0\nstation = 0");
+    let twice = with(MINIMAL, "station = 0", "station = 0\nstation = 0");
     assert!(shown(&twice).contains(":6: not TOML at \"station = 0\": duplicate key"));
     assert!(shown(&"[".repeat(100_000)).contains("not TOML"));
     assert!(shown(&format!("a = {}", "[".repeat(100_000))).contains("not TOML"));

@@ -6,7 +6,7 @@ use super::*;
 #[rustfmt::skip] // a table
 fn angular_bearing_out_of_range() {
     let angle = "contact_angle = \"15 deg\"";
-    assert_refused(LEAST, &[
+    assert_refused(MINIMAL, &[
         ("name = \"A\"", "", &["bearing[0].name: missing key"]),
         ("model = \"angular\"", "", &["bearing[0].model", "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\""]),
         ("model = \"angular\"", "model = \"anguler\"", &["invalid value: \"anguler\", expected \"linear\" or \"lumped\" or \"angular\""]),
@@ -44,15 +44,15 @@ fn angular_bearing_out_of_range() {
         (angle, "contact_angle = 0\nhousing_displacement = []", &["housing_displacement", "only with model = \"lumped\""]),
         (angle, "contact_angle = 0\nlinearise = \"angular\"", &["only with model = \"linear\""]),
     ]);
-    let bare = LEAST.lines().take(7).collect::<Vec<_>>().join("\n");
+    let bare = MINIMAL.lines().take(7).collect::<Vec<_>>().join("\n");
     assert!(refusal(&bare).contains(
         "missing here: ball_diameter, pitch_diameter, inner_conformity, outer_conformity)"
     ));
-    let steepest = read(&with(LEAST, angle, "contact_angle = \"60 deg\"")).unwrap();
+    let steepest = read(&with(MINIMAL, angle, "contact_angle = \"60 deg\"")).unwrap();
     let fit = steepest.bearings.first().unwrap().geometry.unwrap().fit;
     assert!(matches!(fit, FreeAngle::ContactAngle(angle) if angle <= FRAC_PI_3 && near(angle, FRAC_PI_3)));
-    assert!(read(&with(LEAST, angle, "diametral_clearance = 0")).is_ok());
-    assert!(read(&with(LEAST, "elements = 8", "elements = 15")).is_ok());
+    assert!(read(&with(MINIMAL, angle, "diametral_clearance = 0")).is_ok());
+    assert!(read(&with(MINIMAL, "elements = 8", "elements = 15")).is_ok());
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn lumped_bearing_out_of_range() {
 
 #[test]
 fn lumped_bearing_from_geometry() {
-    let lumped = with(LEAST, "\"angular\"", "\"lumped\"");
+    let lumped = with(MINIMAL, "\"angular\"", "\"lumped\"");
     let clearance = with(&lumped, "contact_angle = \"15 deg\"", "diametral_clearance = \"-8 um\"");
     let bearing = read(&clearance).unwrap().bearings.remove(0);
     assert_eq!((bearing.law, bearing.cage_ratio), (None, None));
@@ -114,7 +114,7 @@ fn lumped_bearing_from_geometry() {
 #[test]
 #[rustfmt::skip] // a table
 fn linear_bearing() {
-    let linear = with(LEAST, "\"angular\"", "\"linear\"\nlinearise = \"angular\"");
+    let linear = with(MINIMAL, "\"angular\"", "\"linear\"\nlinearise = \"angular\"");
     let named = "linearise = \"angular\"";
     let matrix = "stiffness_matrix = [[\"1 kN/mm\", 0, 0, 0, \"2 N/rad\"], [0, 1, 0, 3, 0], [0, 0, 1, 0, 0], [0, 3, 0, 1, 0], [2, 0, 0, 0, 1]]";
     let source = |text: &str| read(&with(&linear, named, text)).map(|mut s| s.bearings.remove(0).linear.unwrap());
@@ -149,7 +149,7 @@ fn linear_bearing() {
 #[rustfmt::skip] // a table
 fn supports_spacing_and_cage() {
     let text = format!(
-        "{LEAST}support = {{ mass = \"2 kg\", stiffness_x = 1e8, stiffness_y = 4e8, stiffness_xy = 1e7, damping = 200 }}\n\
+        "{MINIMAL}support = {{ mass = \"2 kg\", stiffness_x = 1e8, stiffness_y = 4e8, stiffness_xy = 1e7, damping = 200 }}\n\
          element_azimuths = [0, 1, 2, 3, 4, 5, 5.5, 6]\ncage_runout = {{ offset = \"5 um\", angle = \"90 deg\" }}\n"
     );
     let bearing = read(&text).unwrap().bearings.remove(0);
@@ -171,7 +171,7 @@ fn supports_spacing_and_cage() {
 #[test]
 #[rustfmt::skip] // a table
 fn moving_elements_and_integration() {
-    let text = with(LEAST, "contact_angle = \"15 deg\"", "diametral_clearance = \"5 um\"\nelement_damping = 30");
+    let text = with(MINIMAL, "contact_angle = \"15 deg\"", "diametral_clearance = \"5 um\"\nelement_damping = 30");
     let text = with(&text, "\"angular\"", "\"dynamic\"")
         + "[integration]\nmethod = \"newmark\"\nstep = \"10 us\"\nnewton_steps = 4\n";
     let scene = read(&text).unwrap();
@@ -190,7 +190,7 @@ fn moving_elements_and_integration() {
 #[rustfmt::skip] // a table
 fn surfaces() {
     let defect = "defect = [{ surface = \"outer\", azimuth = 0, half_width = 0.1, depth = 1e-6, shape = \"rectangular\" }]";
-    assert_refused(&format!("{LEAST}{defect}\n"), &[
+    assert_refused(&format!("{MINIMAL}{defect}\n"), &[
         ("\"outer\"", "\"outer\", element = 1", &["defect[0].element: invalid value: 1, expected the number of the damaged ball, 1 to 8, only with surface = \"ball\""]),
         ("\"outer\"", "\"ball\", element = 9", &["invalid value: 9, expected the number of the damaged ball, 1 to 8"]),
         ("\"outer\"", "\"outside\"", &["invalid value: \"outside\", expected \"inner\" or \"outer\" or \"ball\""]),
@@ -202,7 +202,7 @@ fn surfaces() {
         ("depth = 1e-6", "deep = 1e-6", &["defect[0].deep: unknown key"]),
     ]);
     let wave = "waviness = [{ surface = \"inner\", order = 13, amplitude = \"0.1 um\" }]";
-    assert_refused(&format!("{LEAST}{wave}\n"), &[
+    assert_refused(&format!("{MINIMAL}{wave}\n"), &[
         ("order = 13", "order = 0", &["waviness[0].order: invalid value: 0, expected a whole number from 1 to 10000"]),
         ("\"inner\"", "\"ball\", direction = \"axial\"", &["waviness[0].direction: invalid value: \"axial\", expected \"radial\""]),
         ("\"0.1 um\"", "0", &["a length above 0"]),
@@ -213,7 +213,7 @@ fn surfaces() {
 #[test]
 #[rustfmt::skip] // a table
 fn effects_and_preload() {
-    let text = with(LEAST, "\"angular\"", "\"quasi-static\"");
+    let text = with(MINIMAL, "\"angular\"", "\"quasi-static\"");
     let full = format!("{text}effects = [\"centrifugal\", \"gyroscopic\", \"film\"]\nrace_control = \"inner\"\n\
         friction_sharing = \"proportional\"\nlubricant = {{ viscosity = \"0.04 Pa s\", pressure_viscosity = \"2.2e-8 1/Pa\" }}\n\
         preload = {{ force = \"500 N\" }}\n");

@@ -7,7 +7,7 @@ const STEEL: &str = "fit = { shaft_interference = \"10 um\", bore = \"30 mm\", o
 const WARM: &str = "temperatures = { inner = \"60 degC\", outer = \"45 degC\" }";
 
 fn mounted(keys: &str) -> String {
-    LEAST.replace("contact_angle = \"15 deg\"", &format!("diametral_clearance = \"20 um\"\n{keys}"))
+    MINIMAL.replace("contact_angle = \"15 deg\"", &format!("diametral_clearance = \"20 um\"\n{keys}"))
 }
 
 fn clearance(keys: &str) -> f64 {
@@ -32,8 +32,9 @@ fn operating_clearance() {
 /// A contact angle of 15 degrees is a clearance of 34.1 um, from which the fit takes 7.5 um.
 #[test]
 fn a_fit_changes_the_contact_angle() {
-    let free = read(LEAST).unwrap().bearings[0].geometry.unwrap();
-    let tight = read(&LEAST.replace("15 deg\"", &format!("15 deg\"\n{STEEL}"))).unwrap().bearings[0].geometry.unwrap();
+    let free = read(MINIMAL).unwrap().bearings[0].geometry.unwrap();
+    let tight =
+        read(&MINIMAL.replace("15 deg\"", &format!("15 deg\"\n{STEEL}"))).unwrap().bearings[0].geometry.unwrap();
     assert!((free.clearance() - tight.clearance() - 7.5e-6).abs() < 1e-12);
     assert!(matches!(tight.fit, FreeAngle::ContactAngle(angle) if (angle.to_degrees() - 13.237).abs() < 0.01));
 }
