@@ -6,9 +6,10 @@ use super::motion::{D, Motion, PARTS};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_base::parallel;
+use ballrace_models::bearing_model;
 use ballrace_models::build::{self, AnyBearing};
 use ballrace_plant::{Plant, unbalance_planes};
-use ballrace_scene::{Bearing as BearingScene, Defect, FreeAngle, Linear, Model, Scene, Surface, Unbalance};
+use ballrace_scene::{Bearing as BearingScene, Defect, FreeAngle, Scene, Surface, Unbalance};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -166,11 +167,7 @@ fn alone(of: &BearingScene, j: usize) -> Option<BearingScene> {
 impl PassingBalls {
     /// Returns the balls of a bearing with spalls, each alone. The points of a displaced housing belong to all balls, and a table is
     /// expensive: such a bearing is evaluated as a whole.
-    fn of(
-        bearing: &BearingScene,
-        model: Model,
-        built: impl Fn(&BearingScene) -> Result<AnyBearing<f64>>,
-    ) -> Result<Vec<Self>> {
+    fn of(bearing: &BearingScene, built: impl Fn(&BearingScene) -> Result<AnyBearing<f64>>) -> Result<Vec<Self>> {
         let pair = |balls: Range<usize>, with: &BearingScene| {
             let sound = built(&BearingScene { defect: vec![], ..with.clone() })?;
             Ok(Self { balls, sound, damaged: built(with)? })
@@ -178,19 +175,11 @@ impl PassingBalls {
         if bearing.defect.is_empty() {
             return Ok(vec![]);
         }
-        if model == Model::Tabulated || !bearing.has_rigid_outer_ring() {
+        if !bearing_model(bearing.evaluated_model()).has_cheap_elements() || !bearing.has_rigid_outer_ring() {
             return Ok(vec![pair(0..bearing.elements, bearing)?]);
         }
         let single = |j: usize| Some(pair(j..j + 1, &alone(bearing, j)?));
         (0..bearing.elements).filter_map(single).collect()
-    }
-}
-
-/// Returns the model by which a bearing is evaluated: that of the scene; for a linearised bearing, the model that is linearised.
-fn model(of: &BearingScene) -> Model {
-    match (of.model, &of.linear) {
-        (Model::Linear, Some(Linear::Of(source))) => *source,
-        (model, _) => model,
     }
 }
 
@@ -203,12 +192,12 @@ impl Evaluated {
         of: &MachineBearing,
         displaced: Arc<Vec<Displacement<f64>>>,
     ) -> Result<Self> {
-        let built = |of: &BearingScene| build::bearing(scene, of, model(of));
+        let built = |of: &BearingScene| build::bearing(scene, of, of.evaluated_model());
         let sound = BearingScene { defect: vec![], ..of.scene.clone() };
         let kinematics = &plant.bearings[i].kinematics;
         Ok(Self {
             bearing: built(&sound)?,
-            passing: PassingBalls::of(&of.scene, model(&of.scene), built)?,
+            passing: PassingBalls::of(&of.scene, built)?,
             spalls: of.scene.defect.clone(),
             azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
             offset: plant.bearings[i].offset,

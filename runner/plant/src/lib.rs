@@ -38,7 +38,7 @@ use ballrace_base::eigenvalues::eigenvalues;
 use ballrace_models::build::{self, ElementContact};
 use ballrace_outcome::{ClearanceOutcome, RotorOutcome};
 use ballrace_scene::{
-    Bearing, Clock, FromCatalogue, Integration, Linear, Method, Model, PreloadAmount, PreloadState, Rotor, Scene, Speed,
+    Bearing, Clock, FromCatalogue, Integration, Method, PreloadAmount, PreloadState, Rotor, Scene, Speed,
 };
 use nalgebra::{Complex, DMatrix};
 pub use plant_error::{PlantError, Result};
@@ -129,11 +129,7 @@ impl Plant {
         };
         plant.settle()?;
         plant.refine(scene)?;
-        let linearised: Vec<bool> = scene
-            .bearings
-            .iter()
-            .map(|b| b.model == Model::Linear && matches!(b.linear, Some(Linear::Of(_))))
-            .collect();
+        let linearised: Vec<bool> = scene.bearings.iter().map(Bearing::is_linearised).collect();
         if linearised.contains(&true) {
             plant = plant.linearised(&linearised)?;
         }

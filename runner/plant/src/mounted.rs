@@ -4,9 +4,10 @@ use super::plant_error::Result;
 use super::warm::{ColdAndFew, WARM_STEPS, Warm};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Phase};
+use ballrace_models::bearing_model;
 pub use ballrace_models::build::Balls;
 use ballrace_models::build::{self, AnyBearing, Kinematics, Shared};
-use ballrace_scene::{Bearing as BearingScene, Linear, Model, Scene};
+use ballrace_scene::{Bearing as BearingScene, Model, Scene};
 use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
@@ -40,14 +41,10 @@ impl MountedBearing {
     /// # Errors
     /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
     pub fn new(scene: &Scene, bearing: &BearingScene) -> Result<Self> {
-        let model = match (bearing.model, &bearing.linear) {
-            // The source model is replaced by its tangent once the rotor's equilibrium is known.
-            (Model::Linear, Some(Linear::Of(source))) => *source,
-            (model, _) => model,
-        };
-        let moving = bearing.model != Model::Linear || matches!(bearing.linear, Some(Linear::Of(_)));
+        // A model that is linearised is replaced by its tangent once the rotor's equilibrium is known.
+        let model = bearing.evaluated_model();
         let mut kinematics = build::kinematics(scene, bearing)?;
-        if !moving {
+        if !model.has_elements() {
             kinematics.cage_ratio = 0.0;
         }
         let (loaded, offset) = loaded(scene, bearing, model)?;
@@ -60,8 +57,8 @@ impl MountedBearing {
             offset,
             bearing: loaded,
             description: describe(bearing),
-            solved: (bearing.model == Model::QuasiStatic).then(|| solved(bearing)).transpose()?,
-            balls: (model == Model::Dynamic).then(|| build::moving_balls(scene, bearing)).transpose()?,
+            solved: solved(bearing)?,
+            balls: model.properties().moving_elements.then(|| build::moving_balls(scene, bearing)).transpose()?,
         })
     }
 
@@ -98,9 +95,10 @@ impl MountedBearing {
     }
 }
 
-fn solved(bearing: &BearingScene) -> Result<ColdAndFew> {
-    let cold = build::quasi_static(bearing)?;
-    Ok(ColdAndFew { cold, few: build::solved_in(bearing, WARM_STEPS)? })
+fn solved(bearing: &BearingScene) -> Result<Option<ColdAndFew>> {
+    let model = bearing_model(bearing.model);
+    let (cold, few) = (model.solved(bearing, None)?, model.solved(bearing, Some(WARM_STEPS))?);
+    Ok(cold.zip(few).map(|(cold, few)| ColdAndFew { cold, few }))
 }
 
 /// Returns the bearing with its preload, and the offset: the given displacement, or the one at which it reacts with the given force.

@@ -363,7 +363,7 @@ pub fn only_rotor(scene: &Scene, command: &str) -> Result<()> {
 /// # Errors
 /// [`PlantError::MovingBalls`] for a scene with a bearing of moving balls.
 pub fn only_observable(scene: &Scene, command: &str) -> Result<()> {
-    match scene.bearings.iter().find(|b| b.model == ballrace_scene::Model::Dynamic) {
+    match scene.bearings.iter().find(|b| b.model.properties().moving_elements) {
         Some(b) => Err(PlantError::MovingBalls {
             file: scene.path.clone(),
             bearing: b.name.clone(),

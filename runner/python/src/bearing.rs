@@ -43,9 +43,9 @@ impl Bearing {
 
     fn model(&self, py: Python<'_>, name: Option<&str>) -> PyResult<Model> {
         let Some(name) = name else { return Ok(self.bearing.model) };
-        let names = Model::ALL.map(|(name, _)| name).join(", ");
-        let found = Model::ALL.iter().find(|(own, _)| *own == name).map(|(_, model)| *model);
-        found.ok_or_else(|| wrong_argument(py, &format!("model: no such model: {name:?}, expected one of {names}")))
+        let names = Model::ALL.map(Model::name).join(", ");
+        Model::from_name(name)
+            .ok_or_else(|| wrong_argument(py, &format!("model: no such model: {name:?}, expected one of {names}")))
     }
 
     fn force_of(&self, py: Python<'_>, choice: Choice) -> PyResult<Arc<BearingForce>> {

@@ -1,6 +1,6 @@
 //! `[[bearing]]` of a scene: geometry, model, effects, damage.
 
-use super::{Coordinates, Mounting};
+use super::{Coordinates, Model, Mounting};
 use crate::catalogue::Listed;
 use ballrace::bearing::quasi_static::film;
 
@@ -67,6 +67,21 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// Returns true for springs with the tangent of another model.
+    #[must_use]
+    pub fn is_linearised(&self) -> bool {
+        self.evaluated_model() != self.model
+    }
+
+    /// Returns the model by which the bearing is evaluated: for a linearised bearing, the model that is linearised.
+    #[must_use]
+    pub fn evaluated_model(&self) -> Model {
+        match self.linear {
+            Some(Linear::Of(source)) if !self.model.has_elements() => source,
+            _ => self.model,
+        }
+    }
+
     /// Returns true where the outer ring keeps its shape.
     #[must_use]
     pub fn has_rigid_outer_ring(&self) -> bool {
@@ -279,41 +294,6 @@ pub enum Facing {
     MinusZ,
     /// `"both"`: a deep groove bearing
     Both,
-}
-
-/// `model`
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Model {
-    /// A constant 5 x 5 stiffness.
-    Linear,
-    /// Separate radial and axial elements (Hajzman).
-    Lumped,
-    /// Closed-form variable contact angle (`docs/src/models.md#angular-contact-bearing`).
-    Angular,
-    /// Every ball in equilibrium between both races, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
-    QuasiStatic,
-    /// The quasi-static model interpolated in a table, at a small fixed cost.
-    Tabulated,
-    /// Elements with a mass of their own that moves along their radius (`docs/src/models.md#balls-with-mass`).
-    Dynamic,
-}
-
-impl Model {
-    /// All models by their names in a scene.
-    pub const ALL: [(&'static str, Self); 6] = [
-        ("linear", Self::Linear),
-        ("lumped", Self::Lumped),
-        ("angular", Self::Angular),
-        ("quasi-static", Self::QuasiStatic),
-        ("tabulated", Self::Tabulated),
-        ("dynamic", Self::Dynamic),
-    ];
-
-    /// Returns the name of the model in a scene.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
-    }
 }
 
 /// Ball, races and material of one bearing.

@@ -8,6 +8,7 @@ mod bearing;
 pub mod catalogue;
 pub mod edit;
 pub mod flexible_rotor;
+mod model;
 mod mounting;
 pub mod read;
 mod recording;
@@ -17,9 +18,10 @@ pub mod units;
 pub use crate::flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use bearing::{
     Axial, Bearing, CageRunout, Defect, DefectShape, Effects, Facing, FreeAngle, FrictionSharing, FromCatalogue,
-    Geometry, InletHeating, Law, Linear, Lubricant, Model, OuterRing, Preload, PreloadAmount, PreloadState,
-    RaceControl, Support, Surface, TableRange, Wave,
+    Geometry, InletHeating, Law, Linear, Lubricant, OuterRing, Preload, PreloadAmount, PreloadState, RaceControl,
+    Support, Surface, TableRange, Wave,
 };
+pub use model::{Model, ModelInput, ModelProperties};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,

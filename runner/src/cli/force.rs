@@ -14,7 +14,7 @@ use ballrace_twin::scene::bounded::open_regular;
 use ballrace_twin::scene::build;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::{Bearing, Model, Scene};
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -41,8 +41,8 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
     /// Model to use instead of the scene's.
-    #[arg(long, value_enum)]
-    model: Option<ModelName>,
+    #[arg(long, value_parser = models_with_forces())]
+    model: Option<Model>,
     /// Floating-point precision of the kernel.
     #[arg(long, value_enum, default_value_t = Precision::F64)]
     precision: Precision,
@@ -56,13 +56,10 @@ pub struct Args {
     pub(super) limit: super::ErrorLimit,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ModelName {
-    Linear,
-    Lumped,
-    Angular,
-    QuasiStatic,
-    Tabulated,
+/// Returns the parser of the models with forces of their own.
+fn models_with_forces() -> impl TypedValueParser<Value = Model> {
+    let models = Model::ALL.into_iter().filter(|model| !model.properties().moving_elements);
+    PossibleValuesParser::new(models.map(Model::name)).try_map(|name| Model::from_name(&name).ok_or("no such model"))
 }
 
 /// Runs the command.
@@ -72,14 +69,7 @@ enum ModelName {
 pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     let scene = read_file(&args.scene)?;
     let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::with_bearing_option)?;
-    let model = match args.model {
-        None => bearing.model,
-        Some(ModelName::Linear) => Model::Linear,
-        Some(ModelName::Lumped) => Model::Lumped,
-        Some(ModelName::Angular) => Model::Angular,
-        Some(ModelName::QuasiStatic) => Model::QuasiStatic,
-        Some(ModelName::Tabulated) => Model::Tabulated,
-    };
+    let model = args.model.unwrap_or(bearing.model);
     let kinematics_at = |time| Ok(build::rotation_at(&scene, bearing, time).map_err(UsageError::new)?);
     // An invalid scene is reported before an invalid file of displacements.
     kinematics_at(0.0)?;

@@ -211,7 +211,7 @@ pub fn of_bearing(
         let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
         [change(thrown, right), change(spun, thrown)]
     };
-    let solved = matches!(of.model, Model::QuasiStatic | Model::Tabulated);
+    let solved = of.model.properties().effects;
     let named = of.name.clone();
     let entry = |effect, change, modelled, because: String| EffectSignificance {
         bearing: named.clone(),
@@ -268,10 +268,10 @@ pub fn of_bearing(
         entry(
             "contact-angle",
             loaded.held_angle(fixed, force),
-            !matches!(of.model, Model::Linear | Model::Lumped | Model::Dynamic),
+            of.model.has_contact_angle(),
             format!("contact angles up to {turned:.2} degrees from a fixed one of {:.2}", fixed.abs().to_degrees()),
         ),
-        entry("moving-balls", pass, of.model != Model::Linear, "force at rest over a ball pitch".to_owned()),
+        entry("moving-balls", pass, of.model.has_elements(), "force at rest over a ball pitch".to_owned()),
     ];
     // A change that is not finite has no meaning.
     Ok(inertial

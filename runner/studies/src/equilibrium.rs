@@ -12,7 +12,7 @@ use ballrace_models::build::{self, AnyBearing, ElementContact, Kinematics, rolli
 use ballrace_outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use ballrace_plant::error::{NoLoad, Result};
 use ballrace_plant::{LARGEST_RESIDUAL, Plant};
-use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, Model, PreloadAmount, Scene};
+use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, PreloadAmount, Scene};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -330,7 +330,7 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
         for (sum, f) in force.iter_mut().zip(wrench) {
             *sum += f;
         }
-        let plain = build::bearing(scene, of, model_with_elements(of))?;
+        let plain = build::bearing(scene, of, of.evaluated_model())?;
         let elements = elements(of, &plain, &total, &at)?;
         bearings.push(one.with_kinematics(scene, of, &elements)?);
         all.extend(elements);
@@ -360,14 +360,6 @@ fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f6
     (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
 }
 
-/// Returns the model with elements: for a linearised bearing, the model that is linearised.
-fn model_with_elements(of: &BearingScene) -> Model {
-    match &of.linear {
-        Some(ballrace_scene::Linear::Of(source)) => *source,
-        _ => of.model,
-    }
-}
-
 /// Returns load, angle, pressure and film of each element for the ring displacement `u`.
 fn elements(
     of: &BearingScene,
@@ -376,13 +368,12 @@ fn elements(
     at: &BearingKinematicState<f64>,
 ) -> Result<Vec<Element>> {
     let (geometry, contact) = (build::geometry(of)?, ElementContact::of(of)?);
-    let states = match of.model {
-        Model::QuasiStatic | Model::Tabulated | Model::Angular => {
-            let mut states = vec![BallState::default(); of.elements];
-            build::quasi_static(of)?.ball_states(u, at, &mut states);
-            Some(states)
-        }
-        _ => None,
+    let states = if of.model.has_contact_angle() {
+        let mut states = vec![BallState::default(); of.elements];
+        build::quasi_static(of)?.ball_states(u, at, &mut states);
+        Some(states)
+    } else {
+        None
     };
     let mut loads = vec![0.0; of.elements];
     bearing.element_loads(u, at, &mut loads);

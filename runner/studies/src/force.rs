@@ -6,7 +6,7 @@ use ballrace_models::build::{self, BuildError};
 use ballrace_models::handle::{AnyBearing, BearingHandle, ForceModel};
 use ballrace_plant::Plant;
 use ballrace_plant::error::{Error, Result};
-use ballrace_scene::{Bearing, Linear, Model, Scene};
+use ballrace_scene::{Bearing, Model, Scene};
 use std::marker::PhantomData;
 
 /// Floating-point precision of the kernel.
@@ -138,7 +138,7 @@ pub fn handle<T: Scalar, H: BearingHandle<T>>(
     model: Model,
     build: Build<H>,
 ) -> Result<H> {
-    if model == Model::Linear && matches!(bearing.linear, Some(Linear::Of(_))) {
+    if model == bearing.model && bearing.is_linearised() {
         return Ok(build::spring_of(&Plant::try_new(scene)?.mounted(&bearing.name)?.bearing));
     }
     build(scene, bearing, model).map_err(Error::in_file(&scene.path))

@@ -2,11 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
+use super::super::model::{ModelProperties, choice_of, models_with};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
     Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, FreeAngle, Geometry, Law, Linear, Model,
-    OuterRing, Support, Surface, Wave,
+    ModelInput, OuterRing, Support, Surface, Wave,
 };
 
 const KEYS: [&str; 45] = [
@@ -104,17 +105,6 @@ pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
     node.table(&KEYS)
 }
 
-/// Input of a bearing's model, which determines required and rejected keys.
-#[derive(Clone, Copy, PartialEq)]
-enum RequiredInput {
-    /// The closed form of the angular model, and whatever else needs a free contact angle.
-    ContactAngle,
-    /// The law of the lumped model.
-    Law,
-    /// None: a given geometry only defines the speeds of balls and cage.
-    Nothing,
-}
-
 /// Reads and checks one bearing.
 pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     let expected = "a name, such as \"DE\"";
@@ -125,7 +115,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     check_law(table, required, geometry.as_ref(), law.as_ref())?;
     check_two_spring(table, elements, linear.as_ref())?;
     check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
-    check_dynamic(table, model, geometry.as_ref())?;
+    check_moving_elements(table, model, geometry.as_ref())?;
     Ok(Bearing {
         name: table.required("name", expected)?.text(expected)?.to_owned(),
         station: station(table, on_system)?,
@@ -159,8 +149,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
 }
 
 fn model(table: &Table<'_>) -> Read<Model> {
-    let expected = "\"linear\", \"lumped\", \"angular\", \"quasi-static\", \"tabulated\" or \"dynamic\"";
-    table.required("model", expected)?.choice(&Model::ALL)
+    table.required("model", &choice_of(Model::ALL))?.choice(&Model::ALL.map(|model| (model.name(), model)))
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
@@ -174,15 +163,26 @@ fn elements(table: &Table<'_>) -> Read<usize> {
     usize::try_from(number).map_err(|_| node.refuse(expected))
 }
 
-fn required_input(model: Model, linear: Option<&Linear>) -> RequiredInput {
-    match (model, linear) {
-        (Model::Angular | Model::QuasiStatic | Model::Tabulated, _)
-        | (_, Some(Linear::Of(Model::Angular | Model::QuasiStatic | Model::Tabulated) | Linear::TwoSpring { .. })) => {
-            RequiredInput::ContactAngle
-        }
-        (Model::Lumped | Model::Dynamic, _) | (_, Some(Linear::Of(Model::Lumped))) => RequiredInput::Law,
-        (Model::Linear, _) => RequiredInput::Nothing,
+/// Returns the values that determine required and rejected keys.
+fn required_input(model: Model, linear: Option<&Linear>) -> ModelInput {
+    match linear {
+        None | Some(Linear::Matrix(_)) => model.properties().input,
+        Some(Linear::TwoSpring { .. }) => ModelInput::ContactAngle,
+        Some(Linear::Of(source)) => source.properties().input,
     }
+}
+
+/// Rejects keys that other models take: those whose properties pass `has`.
+fn check_only_with(table: &Table<'_>, keys: &[&str], model: Model, has: impl Fn(&ModelProperties) -> bool) -> Read<()> {
+    if has(model.properties()) {
+        return Ok(());
+    }
+    refuse(table, keys, &format!("only with model = {}; remove it", choice_of(models_with(has))))
+}
+
+/// Returns the models with a load-deflection law of their own keys.
+fn models_with_law() -> String {
+    choice_of(models_with(|of| of.input == ModelInput::Law && !of.moving_elements))
 }
 
 /// Rejects each of `keys` that is present, because it excludes others.
@@ -194,9 +194,10 @@ fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
 }
 
 fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
-    if model != Model::Linear {
-        let why = "only with model = \"linear\"; remove it";
-        return refuse(table, &LINEAR, why).map(|()| None);
+    let has_stiffness = |of: &ModelProperties| of.input == ModelInput::Stiffness;
+    check_only_with(table, &LINEAR, model, has_stiffness)?;
+    if !has_stiffness(model.properties()) {
+        return Ok(None);
     }
     check_one_source(table)?;
     if let Some(matrix) = table.read("stiffness_matrix", stiffness_matrix)? {
@@ -205,10 +206,9 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    let of = |n: &Node<'_>| {
-        n.choice(&[("angular", Model::Angular), ("lumped", Model::Lumped), ("quasi-static", Model::QuasiStatic)])
-    };
-    Ok(table.read("linearise", of)?.map(Linear::Of))
+    let mut sources: Vec<_> = models_with(|of| of.linearise).map(|model| (model.name(), model)).collect();
+    sources.sort_unstable();
+    Ok(table.read("linearise", |n| n.choice(&sources))?.map(Linear::Of))
 }
 
 /// Checks that a linear bearing has exactly one source of its stiffness. None is the default: each means another stiffness.
@@ -264,8 +264,8 @@ fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>)
     Err(table.required("elements", expected)?.refuse(expected))
 }
 
-fn geometry(table: &Table<'_>, required: RequiredInput) -> Read<Option<Geometry>> {
-    if required != RequiredInput::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
+fn geometry(table: &Table<'_>, required: ModelInput) -> Read<Option<Geometry>> {
+    if required != ModelInput::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
         return Ok(None);
     }
     check_complete(table)?;
@@ -316,7 +316,7 @@ fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
-fn fit(table: &Table<'_>, required: RequiredInput, groove_centres: f64) -> Read<FreeAngle> {
+fn fit(table: &Table<'_>, required: ModelInput, groove_centres: f64) -> Read<FreeAngle> {
     let choice = "exactly one of contact_angle (such as \"40 deg\") \
                   and diametral_clearance (such as \"10 um\")";
     match (table.optional("contact_angle"), table.optional("diametral_clearance")) {
@@ -338,10 +338,10 @@ fn contact_angle(node: &Node<'_>) -> Read<f64> {
 
 /// The clearance s gives the free contact angle by `cos(alpha_0) = 1 - s/(2 A)`; s below A keeps it below 60 degrees,
 /// and a negative one, an interference, leaves none.
-fn diametral_clearance(node: &Node<'_>, required: RequiredInput, groove_centres: f64) -> Read<f64> {
+fn diametral_clearance(node: &Node<'_>, required: ModelInput, groove_centres: f64) -> Read<f64> {
     let most = format!("{} um", micrometres(groove_centres));
-    let (least, range) = if required == RequiredInput::ContactAngle {
-        let range = format!("from 0 to below {most} (an interference only with model = \"lumped\")");
+    let (least, range) = if required == ModelInput::ContactAngle {
+        let range = format!("from 0 to below {most} (an interference only with model = {})", models_with_law());
         (0.0, range)
     } else {
         (-groove_centres, format!("between -{most} and {most}"))
@@ -355,10 +355,11 @@ fn micrometres(metres: f64) -> f64 {
     (metres * 1e7).round() / 10.0
 }
 
-fn law(table: &Table<'_>, required: RequiredInput) -> Read<Option<Law>> {
-    if required != RequiredInput::Law {
-        let why = "only with model = \"lumped\" (or linearise = \"lumped\"); remove it";
-        return refuse(table, &LUMPED, why).map(|()| None);
+fn law(table: &Table<'_>, required: ModelInput) -> Read<Option<Law>> {
+    if required != ModelInput::Law {
+        let models = models_with_law();
+        let why = format!("only with model = {models} (or linearise = {models}); remove it");
+        return refuse(table, &LUMPED, &why).map(|()| None);
     }
     if !LUMPED.iter().take(3).any(|key| table.has(key)) {
         return Ok(None);
@@ -379,8 +380,8 @@ fn exponent(table: &Table<'_>) -> Read<f64> {
 }
 
 /// The lumped model takes stiffness and play from the law, and from geometry what the law does not give.
-fn check_law(table: &Table<'_>, required: RequiredInput, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
-    if required != RequiredInput::Law {
+fn check_law(table: &Table<'_>, required: ModelInput, geometry: Option<&Geometry>, law: Option<&Law>) -> Read<()> {
+    if required != ModelInput::Law {
         return Ok(());
     }
     if law.and_then(|l| l.stiffness).is_none() {
@@ -482,7 +483,7 @@ fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Optio
 fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<Option<f64>> {
     let range = "0 or more and below 1 (cage speed / shaft speed)";
     let given = table.read("cage_ratio", |n| n.number(range, |x| (0.0..1.0).contains(&x)))?;
-    if given.is_some() || has_rolling_speed || model == Model::Linear {
+    if given.is_some() || has_rolling_speed || !model.has_elements() {
         return Ok(given);
     }
     let expected = format!("{range}; without geometry it must be given (0 for elements at rest)");
@@ -557,33 +558,32 @@ fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout>
 }
 
 fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
-    if model != Model::Dynamic {
-        refuse(table, &["element_damping"], "only with model = \"dynamic\"; remove it")?;
-    }
+    check_only_with(table, &["element_damping"], model, |of| of.moving_elements)?;
     Ok(table.read("element_damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0))
 }
 
 fn solver_steps(table: &Table<'_>, model: Model) -> Read<Option<u8>> {
-    if model != Model::QuasiStatic {
-        refuse(table, &["solver_steps"], "only with model = \"quasi-static\"; remove it")?;
-    }
+    check_only_with(table, &["solver_steps"], model, |of| of.solver_steps)?;
     let steps = table.read("solver_steps", |n| n.integer(1, 50, "a whole number from 1 to 50"))?;
     Ok(steps.and_then(|steps| u8::try_from(steps).ok()))
 }
 
 /// Balls with a mass need their geometry, and move in the plane of the bearing on round races.
-fn check_dynamic(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -> Read<()> {
-    if model != Model::Dynamic {
+fn check_moving_elements(table: &Table<'_>, model: Model, geometry: Option<&Geometry>) -> Read<()> {
+    if !model.properties().moving_elements {
         return Ok(());
     }
+    let name = model.name();
     if geometry.is_none() {
-        let expected =
-            "the geometry of the bearing, from which model = \"dynamic\" has mass and contact stiffness of a ball";
-        return Err(table.missing("ball_diameter", expected));
+        let expected = format!(
+            "the geometry of the bearing, from which model = \"{name}\" has mass and contact stiffness of a ball"
+        );
+        return Err(table.missing("ball_diameter", &expected));
     }
     let keys =
         ["stiffness", "exponent", "axial", "housing_displacement", "outer_ring", "defect", "waviness", "preload"];
-    refuse(table, &keys, "none with model = \"dynamic\", whose balls move in one plane on round races; remove it")
+    let why = format!("none with model = \"{name}\", whose balls move in one plane on round races; remove it");
+    refuse(table, &keys, &why)
 }
 
 fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {
@@ -597,10 +597,11 @@ fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>
 
 /// Rejects damage and waviness of a linear bearing, whose springs have no surfaces.
 fn check_has_surfaces(node: &Node<'_>, model: Model) -> Read<()> {
-    if model == Model::Linear {
-        return Err(node.misplaced("only with a model that has rolling elements, not with \"linear\"; remove it"));
+    if model.has_elements() {
+        return Ok(());
     }
-    Ok(())
+    let expected = format!("only with a model that has rolling elements, not with \"{}\"; remove it", model.name());
+    Err(node.misplaced(expected))
 }
 
 fn defect(node: &Node<'_>, elements: usize) -> Read<Defect> {

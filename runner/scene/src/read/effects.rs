@@ -1,10 +1,11 @@
 //! Keys of effects of the quasi-static and tabulated models, and of preload.
 
+use super::super::model::{choice_of, models_with};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
-    Effects, FrictionSharing, InletHeating, Lubricant, Model, Preload, PreloadAmount, PreloadState, RaceControl,
-    TableRange,
+    Effects, FrictionSharing, InletHeating, Lubricant, Model, ModelInput, Preload, PreloadAmount, PreloadState,
+    RaceControl, TableRange,
 };
 
 /// The values of `effects`.
@@ -17,10 +18,13 @@ enum Effect {
 
 /// Reads `effects`, `race_control`, `friction_sharing` and `lubricant`.
 pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
-    if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
+    if !model.properties().effects {
         let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
         return match keys.iter().find_map(|key| table.optional(key)) {
-            Some(node) => Err(node.misplaced("only with model = \"quasi-static\" or \"tabulated\"; remove it")),
+            Some(node) => {
+                let models = choice_of(models_with(|of| of.effects));
+                Err(node.misplaced(format!("only with model = {models}; remove it")))
+            }
             None => Ok(Effects::default()),
         };
     }
@@ -101,8 +105,9 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
     let Some(node) = table.optional("preload") else {
         return Ok(None);
     };
-    if matches!(model, Model::Linear | Model::Lumped) {
-        let expected = "only with model = \"angular\", \"quasi-static\" or \"tabulated\" (lumped: a negative radial_play); remove it";
+    if !model.has_contact_angle() {
+        let models = choice_of(models_with(|of| of.input == ModelInput::ContactAngle));
+        let expected = format!("only with model = {models} (lumped: a negative radial_play); remove it");
         return Err(node.misplaced(expected));
     }
     let inner = node.table(&["force", "displacement", "set"])?;
@@ -120,8 +125,9 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
     let Some(node) = table.optional("table") else {
         return Ok(None);
     };
-    if !matches!(model, Model::QuasiStatic | Model::Tabulated) {
-        return Err(node.misplaced("only with model = \"tabulated\" or \"quasi-static\"; remove it"));
+    if !model.properties().effects {
+        let models = choice_of(models_with(|of| of.effects).rev());
+        return Err(node.misplaced(format!("only with model = {models}; remove it")));
     }
     let inner = node.table(&["approach", "angle", "speed", "intervals"])?;
     let pair = |key: &str, dimension: Dimension| {

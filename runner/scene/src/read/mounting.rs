@@ -1,9 +1,10 @@
 //! `fit` and `temperatures` of a bearing: its operating clearance.
 
+use super::super::model::{choice_of, models_with};
 use super::super::mounting::{Mounting, PartMaterial, RingFit, Temperatures};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::super::{Bearing, Model};
+use super::super::{Bearing, ModelInput};
 use super::bearing::{POISSONS_RATIO, YOUNGS_MODULUS};
 
 /// Thermal expansion of bearing steel, 1/K.
@@ -22,9 +23,11 @@ pub(super) fn read(table: &Table<'_>, bearing: &mut Bearing) -> Read<()> {
             None => Ok(()),
         };
     };
-    let Some(unmounted_clearance) = bearing.clearance().filter(|_| bearing.model != Model::Linear) else {
-        let expected =
-            "a bearing with a clearance: diametral_clearance, contact_angle or radial_play, and not model = \"linear\"";
+    let Some(unmounted_clearance) = bearing.clearance().filter(|_| bearing.model.has_elements()) else {
+        let springs = choice_of(models_with(|of| of.input == ModelInput::Stiffness));
+        let expected = format!(
+            "a bearing with a clearance: diametral_clearance, contact_angle or radial_play, and not model = {springs}"
+        );
         return Err(node.misplaced(expected));
     };
     let (temperatures, expansion) = match &temperatures {
@@ -40,7 +43,7 @@ pub(super) fn read(table: &Table<'_>, bearing: &mut Bearing) -> Read<()> {
     let fits = fit.as_ref().map(|node| read_fit(node, bearing, raceways, ring_material)).transpose()?;
     let mounting = Mounting { unmounted_clearance, raceways, ring_material, fits, temperatures };
     let operating = mounting.operating();
-    if operating.value() < 0.0 && has_no_interference(bearing) {
+    if operating.value() < 0.0 && bearing.model.has_contact_angle() {
         let found = format!("operating clearance of {:.1} um", operating.value() * 1e6);
         let expected = format!(
             "0 or more with this model: {:.1} um before mounting, less {:.1} um by the fits and {:.1} um by temperature",
@@ -53,11 +56,6 @@ pub(super) fn read(table: &Table<'_>, bearing: &mut Bearing) -> Read<()> {
     bearing.set_clearance(operating.value());
     bearing.mounting = Some(mounting);
     Ok(())
-}
-
-/// Returns true where the model takes no negative clearance.
-const fn has_no_interference(bearing: &Bearing) -> bool {
-    matches!(bearing.model, Model::Angular | Model::QuasiStatic | Model::Tabulated)
 }
 
 /// Reads the diameters of the raceways: given, of the geometry, or of the catalogue.

@@ -1,6 +1,6 @@
 //! Error of the written constants against the highest-fidelity model, over poses of the scene's bearings.
 
-use super::{Language, baked_model, c, preload_offset};
+use super::{Language, Selected};
 use crate::force;
 use crate::trade::FidelityLevel;
 use crate::trade::force::{apart, in_precision, rounded};
@@ -9,6 +9,7 @@ use ballrace::bearing::Bearing as _;
 use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::{BearingKinematicState, Displacement, Exact, Wrench};
 use ballrace_diagnosis::plausibility::range::{LARGEST_UNSEEN_FORCE, plausible_force};
+use ballrace_models::bearing_model;
 use ballrace_models::build::{self, TableData};
 use ballrace_models::handle::{AnyBearing, AnyForceModel, ForceModel};
 use ballrace_plant::error::{BakeError, Error, Result};
@@ -82,7 +83,8 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
 fn scene_as_written(scene: &Scene) -> Scene {
     let mut written = scene.clone();
     for bearing in &mut written.bearings {
-        bearing.model = baked_model(bearing.model);
+        bearing.model =
+            bearing_model(bearing.model).firmware(bearing).map_or(bearing.model, |firmware| firmware.model());
     }
     written
 }
@@ -182,15 +184,20 @@ impl BakedModel {
     ///
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
-    pub fn try_new(scene: &Scene, of: &Bearing, table: Option<&TableData>, language: Language) -> Result<Self> {
-        let (model, offset) = (baked_model(of.model), preload_offset(scene, of)?);
+    pub fn try_new(
+        scene: &Scene,
+        Selected { of, firmware }: Selected<'_>,
+        table: Option<&TableData>,
+        language: Language,
+    ) -> Result<Self> {
+        let (model, offset) = (firmware.model(), build::offset_by_preload(scene, of)?);
         let force = |of: &Bearing| match table {
             Some(made) => Ok(build::of_table::<f32, Exact, AnyForceModel<f32>>(of, made)?),
             None => force::handle(scene, of, model, build::force_model::<f32, Exact>),
         };
         let force = match language {
             Language::Rust => force(of)?,
-            Language::C => c::force_of_powers(of)?.map_or_else(|| force(&c::as_written(of)), Ok)?,
+            Language::C => firmware.force_in_c(of)?.map_or_else(|| force(&firmware.in_c(of)), Ok)?,
         };
         Ok(Self { model, force, offset })
     }
@@ -263,7 +270,7 @@ type Reference = (String, AnyBearing<f64>, Displacement<f64>);
 fn dearest(scene: &Scene, text: &str, i: usize) -> Result<Reference> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let levels = FidelityLevel::all(scene);
-    let levels = levels.iter().rev().filter(|level| level.model() != Model::Dynamic);
+    let levels = levels.iter().rev().filter(|level| !level.has_moving_elements());
     let mut levels = levels.filter_map(|level| reference(&level.converged(), scene, text, i).ok());
     levels.next().map_or_else(|| own_model(scene, i), Ok)
 }
@@ -272,8 +279,8 @@ fn reference(level: &FidelityLevel, scene: &Scene, text: &str, i: usize) -> Resu
     let edited = level.scene_with_one(text, scene, i)?;
     let (own, bearing, offset) = own_model(&edited, i)?;
     let name = match edited.bearings.get(i) {
-        Some(of) if of.model == Model::QuasiStatic => format!("{own}, {}", effects(of)),
-        Some(of) if of.model != Model::Linear => level.name.clone(),
+        Some(of) if of.model.properties().solver_steps => format!("{own}, {}", effects(of)),
+        Some(of) if of.model.has_elements() => level.name().to_owned(),
         _ => own,
     };
     Ok((name, bearing, offset))
@@ -291,7 +298,7 @@ fn effects(of: &Bearing) -> String {
 fn own_model(scene: &Scene, i: usize) -> Result<Reference> {
     let of = scene.bearings.get(i).ok_or(ballrace_plant::error::TradeError::NoModel)?;
     let bearing = force::handle(scene, of, of.model, build::bearing)?;
-    Ok((of.model.name().to_owned(), bearing, preload_offset(scene, of)?))
+    Ok((of.model.name().to_owned(), bearing, build::offset_by_preload(scene, of)?))
 }
 
 fn pose_of_sample((u, at): &(Displacement<f32>, BearingKinematicState<f32>), offset: &Displacement<f64>) -> Pose {

@@ -1,21 +1,16 @@
 //! Constants as a header and a source file of C99, for the library `ballrace-c`.
 
-use super::direct::spring;
 use super::observer::ObserverConstants;
-use super::{BakedFile, Comments, Part, embedded, preload_offset, rotor};
+use super::{BakedFile, Comments, Part, Selected, embedded, linearised, rotor};
+use ballrace::Displacement;
 use ballrace::bearing::ElementPosition;
-use ballrace::bearing::angular::AngularConstants;
 use ballrace::bearing::checksum::ChecksumRange;
-use ballrace::bearing::lumped::{self, Combined, Radial};
-use ballrace::bearing::quasi_static::TableConstants;
-use ballrace::bearing::tabulated::Axis;
-use ballrace::contact::law::PowerLaw;
 use ballrace::rotor::{RotorParams, Unbalance};
-use ballrace::{Displacement, Exact};
-use ballrace_models::build::{self, Exponent, TableData};
-use ballrace_models::handle::{AnyForceModel, BearingHandle};
+use ballrace_models::build;
+use ballrace_models::firmware::Constants;
+use ballrace_models::firmware::c::{close, list, single};
 use ballrace_plant::error::{BakeError, Result};
-use ballrace_scene::{Axial, Bearing, Facing, Model, Scene};
+use ballrace_scene::{Bearing, Scene};
 use std::fmt::Write;
 
 /// Largest number of elements of the library.
@@ -44,65 +39,6 @@ pub fn check(scene: &Scene, chosen: &[&Bearing], whole: bool) -> Result<(), Bake
         return Err(refused("[rotor]".to_owned(), "flexible rotor or elastic support".to_owned(), expected));
     }
     Ok(())
-}
-
-/// Returns the bearing as it is written in C: the force of radial elements does not depend on the facing.
-#[must_use]
-pub fn as_written(of: &Bearing) -> Bearing {
-    let radial = of.model == Model::Lumped && of.axial.is_none();
-    Bearing { facing: if radial { Facing::Both } else { of.facing }, ..of.clone() }
-}
-
-/// Returns the force of radial and axial elements with different laws, which C computes as powers; `None` for any other bearing.
-///
-/// # Errors
-/// Returns an error if the scene does not define the law.
-pub fn force_of_powers(of: &Bearing) -> Result<Option<AnyForceModel<f32>>> {
-    let Some(axial) = of.axial.filter(|axial| of.model == Model::Lumped && law_of(of, axial) == Law::Power) else {
-        return Ok(None);
-    };
-    let (stiffness, exponent, play) = build::law(of)?;
-    let law = |stiffness: f64, exponent: f64| PowerLaw { stiffness: stiffness as f32, exponent: exponent as f32 };
-    let places = || build::places::<f32>(of);
-    let radial = Radial::<f32, Exact, _, _>::from_constants(places(), law(stiffness, exponent), play as f32);
-    let (play, radius) = (axial.play as f32, axial.radius as f32);
-    let axial =
-        lumped::Axial::<f32, Exact, _, _>::from_constants(places(), law(axial.stiffness, axial.exponent), play, radius);
-    let force = AnyForceModel::new(Combined(radial, axial));
-    Ok(Some(if of.facing == Facing::MinusZ { force.mirrored() } else { force }))
-}
-
-/// Law of all elements of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Law {
-    Point,
-    Line,
-    Power,
-}
-
-impl Law {
-    fn of(exponent: f64) -> Self {
-        match Exponent::of(exponent) {
-            Exponent::Point => Self::Point,
-            Exponent::Line => Self::Line,
-            Exponent::Other => Self::Power,
-        }
-    }
-
-    /// Returns the suffix of the model's name in C.
-    const fn suffix(self) -> &'static str {
-        match self {
-            Self::Point => "",
-            Self::Line => "_line",
-            Self::Power => "_power",
-        }
-    }
-}
-
-/// Returns the law of radial and axial elements: powers where they differ.
-fn law_of(of: &Bearing, axial: &Axial) -> Law {
-    let radial = Law::of(of.law.map_or(1.5, |law| law.exponent));
-    if radial == Law::of(axial.exponent) { radial } else { Law::Power }
 }
 
 /// Returns the header and the source file.
@@ -158,8 +94,8 @@ struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     fn new(scene: &'a Scene, part: &'a Part<'a>) -> Result<Self> {
-        let of = as_written(part.of);
-        let elements = if of.model == Model::Linear { vec![] } else { build::places(&of) };
+        let of = part.selected.firmware.in_c(part.selected.of);
+        let elements = if of.model.has_elements() { build::places(&of) } else { vec![] };
         Ok(Self { scene, of, part, name: &part.certificate.module, elements })
     }
 
@@ -180,13 +116,15 @@ impl<'a> Writer<'a> {
         writeln!(header, "// Checksum of 1024 forces, computed on the desktop.")?;
         writeln!(header, "#define {upper}_CHECKSUM UINT64_C({:#018x})\n", self.part.certificate.checksum)?;
         writeln!(source, "\n// Bearing \"{title}\".\n")?;
-        let offset = preload_offset(scene, self.part.of)?.to_array().map(|x| x as f32);
+        let offset = build::offset_by_preload(scene, self.part.selected.of)?.to_array().map(|x| x as f32);
         writeln!(header, "// By preload, to be added to every displacement.\nextern const float {name}_offset[5];")?;
         writeln!(source, "const float {name}_offset[5] = {};\n", list(&offset))?;
         if !self.elements.is_empty() {
             self.write_elements(source)?;
         }
-        let kind = self.write_model(source)?;
+        let springs = linearised(scene, of)?;
+        let constants = Constants { scene, of, table: self.part.table.as_ref(), springs: springs.as_ref() };
+        let kind = self.part.selected.firmware.write_c(source, name, &constants)?;
         writeln!(header, "// The bearing: `&{name}.head` is the argument of all calls.\nextern const {kind} {name};")?;
         self.write_checksum(header, source)
     }
@@ -200,126 +138,6 @@ impl<'a> Writer<'a> {
         }
         writeln!(source, "}};\n")?;
         Ok(())
-    }
-
-    /// Writes the struct of the model and returns its type.
-    fn write_model(&self, source: &mut String) -> Result<&'static str> {
-        let of = &self.of;
-        if let Some(made) = &self.part.table {
-            return self.write_table(source, made);
-        }
-        match (of.model, of.axial) {
-            (Model::Linear, _) => self.write_springs(source),
-            (Model::Angular, _) => self.write_angular(source),
-            (_, Some(axial)) => self.write_radial_and_axial(source, &axial),
-            (_, None) => self.write_radial(source),
-        }
-    }
-
-    /// Writes the beginning of the struct: its head.
-    fn open(&self, source: &mut String, kind: &str, model: &str) -> Result<()> {
-        let (name, count) = (self.name, self.elements.len());
-        let elements = if count == 0 { "NULL".to_owned() } else { format!("{name}_elements") };
-        writeln!(source, "const {kind} {name} = {{\n    .head = {{ &{model}, {elements}, {count} }},")?;
-        Ok(())
-    }
-
-    /// Returns the part of a model's name for a bearing that carries thrust towards -Z.
-    fn facing(&self) -> &'static str {
-        if self.of.facing == Facing::MinusZ { "_mirrored" } else { "" }
-    }
-
-    fn write_springs(&self, source: &mut String) -> Result<&'static str> {
-        let (force, stiffness) = spring(self.scene, &self.of)?;
-        self.open(source, "ballrace_linear", "ballrace_linear_model")?;
-        writeln!(source, "    .stiffness = {{")?;
-        for row in stiffness {
-            writeln!(source, "        {},", row.map(single).join(", "))?;
-        }
-        writeln!(source, "    }},")?;
-        close(source, &[("reference", list(&[0.0; 5])), ("force", list(&force))])?;
-        Ok("ballrace_linear")
-    }
-
-    fn write_angular(&self, source: &mut String) -> Result<&'static str> {
-        let (geometry, datum) = build::contact_geometry(&self.of, "angular")?;
-        let constants = AngularConstants::try_new(geometry, datum).map_err(|e| build::named(&self.of, e))?;
-        let AngularConstants { stiffness, distance: [distance, square], unloaded: [radial, axial], excess, arm } =
-            constants.rounded::<f32>();
-        self.open(source, "ballrace_angular", &format!("ballrace_angular{}_model", self.facing()))?;
-        let members = [
-            ("stiffness", stiffness),
-            ("distance", distance),
-            ("distance_squared", square),
-            ("unloaded_radial", radial),
-            ("unloaded_axial", axial),
-            ("excess", excess),
-            ("arm", arm),
-        ];
-        close(source, &members.map(|(name, value)| (name, single(value))))?;
-        Ok("ballrace_angular")
-    }
-
-    fn write_radial(&self, source: &mut String) -> Result<&'static str> {
-        let (stiffness, exponent, play) = build::law(&self.of)?;
-        let model = format!("ballrace_lumped_radial{}_model", Law::of(exponent).suffix());
-        self.open(source, "ballrace_lumped_radial", &model)?;
-        let members = [("stiffness", stiffness), ("exponent", exponent), ("play", play)];
-        close(source, &members.map(|(name, value)| (name, single(value as f32))))?;
-        Ok("ballrace_lumped_radial")
-    }
-
-    fn write_radial_and_axial(&self, source: &mut String, axial: &Axial) -> Result<&'static str> {
-        let (stiffness, exponent, play) = build::law(&self.of)?;
-        let law = law_of(&self.of, axial).suffix();
-        let model = format!("ballrace_lumped_radial_axial{law}{}_model", self.facing());
-        self.open(source, "ballrace_lumped_radial_axial", &model)?;
-        let members = [
-            ("stiffness", stiffness),
-            ("exponent", exponent),
-            ("play", play),
-            ("axial_stiffness", axial.stiffness),
-            ("axial_exponent", axial.exponent),
-            ("axial_play", axial.play),
-            ("radius", axial.radius),
-        ];
-        close(source, &members.map(|(name, value)| (name, single(value as f32))))?;
-        Ok("ballrace_lumped_radial_axial")
-    }
-
-    fn write_table(&self, source: &mut String, made: &TableData) -> Result<&'static str> {
-        let (name, fields, count) = (self.name, made.fields(), made.nodes.len());
-        let flash = self.part.certificate.table_bytes;
-        writeln!(source, "// The table: {flash} bytes of flash.")?;
-        writeln!(source, "static const float {name}_nodes[{}] = {{", fields * count)?;
-        for row in made.nodes.chunks(6) {
-            let numbers = row.iter().flat_map(|node| node.iter().take(fields));
-            let text: Vec<String> = numbers.map(|x| single(*x as f32)).collect();
-            writeln!(source, "    {},", text.join(", "))?;
-        }
-        writeln!(source, "}};\n")?;
-        let friction = if made.friction { "_friction" } else { "" };
-        self.open(source, "ballrace_tabulated", &format!("ballrace_tabulated{friction}{}_model", self.facing()))?;
-        let TableConstants { couple, distance, axis: [cos, sin], offset, arm } = made.constants.rounded::<f32>();
-        let grid = made.grid.rounded::<f32>();
-        let members = [
-            ("couple", single(couple)),
-            ("distance", single(distance)),
-            ("axis_cos", single(cos)),
-            ("axis_sin", single(sin)),
-            ("offset", single(offset)),
-            ("arm", single(arm)),
-            ("scale", single(grid.scale)),
-            ("speed_scale", single(grid.speed_scale)),
-            ("approach", axis(&grid.approach)),
-            ("angle", axis(&grid.angle)),
-            ("speed", axis(&grid.speed)),
-            ("by_outer_speed", u32::from(made.by_outer).to_string()),
-            ("node_count", count.to_string()),
-            ("nodes", format!("{name}_nodes")),
-        ];
-        close(source, &members)?;
-        Ok("ballrace_tabulated")
     }
 
     fn write_checksum(&self, header: &mut String, source: &mut String) -> Result<()> {
@@ -379,7 +197,7 @@ fn write_observer(scene: &Scene, parts: &[Part<'_>], header: &mut String, source
     writeln!(header, "extern const ballrace_observer_params observer_params;")?;
     write_rotor(source, &rotor, &unbalances)?;
     writeln!(source, "const ballrace_rotor_bearing observer_bearings[{bearings}] = {{")?;
-    for Part { of, certificate, .. } in parts {
+    for Part { selected: Selected { of, .. }, certificate, .. } in parts {
         let kinematics = build::kinematics(scene, of)?;
         let ratios = [kinematics.cage_ratio, kinematics.ball_ratio(), kinematics.outer_ratio];
         let ratios = ratios.map(|ratio| format!("{ratio:?}")).join(", ");
@@ -415,7 +233,8 @@ fn write_observer(scene: &Scene, parts: &[Part<'_>], header: &mut String, source
             ("load_retention", single(constants.memory)),
             ("gate", single(constants.gate)),
         ],
-    )
+    )?;
+    Ok(())
 }
 
 /// Writes the rotor and its unbalances.
@@ -449,28 +268,4 @@ fn write_rotor(source: &mut String, rotor: &RotorParams, unbalances: &[Unbalance
     )?;
     writeln!(source)?;
     Ok(())
-}
-
-/// Writes members and the end of a struct.
-fn close(source: &mut String, members: &[(&str, String)]) -> Result<()> {
-    for (name, value) in members {
-        writeln!(source, "    .{name} = {value},")?;
-    }
-    writeln!(source, "}};")?;
-    Ok(())
-}
-
-/// Returns a number in single precision: its shortest decimal text is read as the same bits.
-fn single(x: f32) -> String {
-    format!("{x:?}f")
-}
-
-fn list(numbers: &[f32]) -> String {
-    format!("{{ {} }}", numbers.iter().map(|x| single(*x)).collect::<Vec<_>>().join(", "))
-}
-
-fn axis(axis: &Axis<f32>) -> String {
-    let [least, greatest] = axis.range;
-    let numbers = [axis.origin, axis.density, least, greatest].map(single).join(", ");
-    format!("{{ {}, {numbers} }}", axis.count)
 }

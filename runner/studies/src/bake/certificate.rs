@@ -3,7 +3,7 @@
 use super::accuracy::{Accuracy, BakedModel, PoseSource, accuracy, poses, totals};
 use super::embedded::escaped;
 use super::range::{Coverage, range};
-use super::{BakeOptions, Core, Language, identifier};
+use super::{BakeOptions, Core, Language, Selected, identifier};
 use crate::trade::{Cost, cortex};
 use ballrace::bearing::LastValidWrench;
 use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
@@ -121,15 +121,16 @@ impl Certificate {
     ///
     /// # Errors
     /// Returns an error if a bearing or its poses cannot be built.
-    pub fn try_new(
+    pub(super) fn try_new(
         (scene, text): (&Scene, &str),
         options: &BakeOptions<'_>,
-        chosen: &[(&Bearing, Option<&TableData>)],
+        chosen: &[(Selected<'_>, Option<&TableData>)],
     ) -> Result<Self> {
         let (pose_source, poses) = poses(scene, options.poses)?;
-        let bearing = |&(of, table): &(&Bearing, Option<&TableData>)| -> Result<BearingCertificate> {
+        let bearing = |&(selected, table): &(Selected<'_>, Option<&TableData>)| -> Result<BearingCertificate> {
+            let of = selected.of;
             let index = scene.bearings.iter().position(|bearing| bearing.name == of.name).unwrap_or_default();
-            let baked = BakedModel::try_new(scene, of, table, options.language)?;
+            let baked = BakedModel::try_new(scene, selected, table, options.language)?;
             let totals = poses.as_ref().and_then(|poses| poses.get(index)).map(|poses| totals(poses, &baked.offset));
             let (range, coverage) = range((scene, of), &baked, totals.as_deref());
             let found = accuracy((scene, text), index, &baked, (poses.as_ref(), &range))?;
@@ -139,7 +140,7 @@ impl Certificate {
                 &baked,
                 &found,
                 (pose_source, options),
-                ConstantBytes::of(of, table),
+                ConstantBytes::of(selected, table),
                 (range, coverage),
             ))
         };

@@ -6,7 +6,7 @@ use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use ballrace::{Displacement, Status};
 use ballrace_models::build;
 use ballrace_models::handle::ForceModel;
-use ballrace_scene::{Bearing, Model, Scene};
+use ballrace_scene::{Bearing, Scene};
 use std::cmp::Reverse;
 
 /// Factors of the amplitude that are tried, the preferred one first.
@@ -57,7 +57,7 @@ pub fn range(
         (range, coverage(baked, &range))
     };
     // Springs never lose contact.
-    if baked.model == Model::Linear {
+    if !baked.model.has_elements() {
         return covered((preferred, 1.0));
     }
     let candidates: Vec<_> = candidates.map(covered).collect();

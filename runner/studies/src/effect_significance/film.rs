@@ -6,7 +6,7 @@ use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::film::{central_film, thermal_reduction};
 use ballrace::contact::hertz::{PointContact, Race};
 use ballrace_models::build::point_contact_load;
-use ballrace_scene::{Bearing as BearingScene, InletHeating, Lubricant, Model};
+use ballrace_scene::{Bearing as BearingScene, InletHeating, Lubricant};
 
 /// Name of the effect of a film that is thinner than the isothermal one.
 pub(super) const INLET_HEATING: &str = "inlet-heating";
@@ -39,7 +39,7 @@ pub(super) fn film_alone(
     geometry: &BallBearingGeometry,
     at: &BearingKinematicState<f64>,
 ) -> Vec<EffectSignificance> {
-    let Some(oil) = of.effects.film.filter(|_| matches!(of.model, Model::QuasiStatic | Model::Tabulated)) else {
+    let Some(oil) = of.effects.film.filter(|_| of.model.properties().effects) else {
         return vec![];
     };
     let carried = |force: &dyn Fn(&Ball) -> [f64; 2]| balls.0.iter().map(force).map(|[x, y]| x.hypot(y)).sum::<f64>();

@@ -3,7 +3,7 @@
 use ballrace_base::least_squares::Bounds;
 use ballrace_diagnosis::CageEstimate;
 use ballrace_plant::{Plant, unbalance_planes};
-use ballrace_scene::{FreeAngle, Linear, Model, Preload, PreloadAmount, Scene, Unbalance};
+use ballrace_scene::{FreeAngle, ModelInput, Preload, PreloadAmount, Scene, Unbalance};
 use std::f64::consts::TAU;
 
 /// Groups of parameters.
@@ -209,12 +209,8 @@ fn bounds(scene: &Scene, kind: ParameterKind) -> [f64; 2] {
     let ParameterKind::Clearance(b) = kind else { return OPEN };
     let Some((bearing, g)) = scene.bearings.get(b).and_then(|b| b.geometry.map(|g| (b, g))) else { return OPEN };
     let largest = LARGEST_CLEARANCE * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter;
-    let is_lumped = |model: Model| matches!(model, Model::Lumped | Model::Dynamic);
-    let source = match bearing.linear {
-        Some(Linear::Of(source)) => source,
-        _ => bearing.model,
-    };
-    [if is_lumped(source) { -largest } else { 0.0 }, largest]
+    let takes_interference = bearing.evaluated_model().properties().input == ModelInput::Law;
+    [if takes_interference { -largest } else { 0.0 }, largest]
 }
 
 fn lever(plant: &Plant) -> f64 {

@@ -1,8 +1,9 @@
 //! Cost of a force on a Cortex-M4F: the table that the tests of the target measure and check, and its interpolation
 //! for element counts and solver steps between its rows.
 
-use ballrace_models::build::Exponent;
-use ballrace_scene::{Bearing, FrictionSharing, Model, RaceControl};
+use ballrace_models::bearing_model;
+pub use ballrace_models::firmware::NotCounted;
+use ballrace_scene::Bearing;
 use serde::Serialize;
 
 /// Bearing, N, precision, math, function, instructions, cycles, bytes of stack and bytes of flash between semicolons, written by
@@ -48,35 +49,6 @@ impl Cost {
             stack: mix(self.stack, other.stack),
             flash: mix(self.flash, other.flash),
             counted: false,
-        }
-    }
-}
-
-/// Reason why a force was not counted on the target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NotCounted {
-    /// The model is not counted in this precision with these math functions.
-    Arithmetic,
-    /// The surfaces of the bearing deviate: waviness, a defect, a displaced housing, a bending outer ring.
-    Surface,
-    /// The load law along the axis is not counted with that of the radius.
-    Law,
-    /// The effects are not counted together.
-    Effects,
-}
-
-impl NotCounted {
-    /// Returns the reason as a sentence.
-    #[must_use]
-    pub const fn reason(self) -> &'static str {
-        match self {
-            Self::Arithmetic => "the model is not counted in this arithmetic",
-            Self::Surface => {
-                "bearings with waviness, defects, a displaced housing or a bending outer ring are not counted"
-            }
-            Self::Law => "the axial load law is counted together with a radial one of power 3/2 alone",
-            Self::Effects => "these effects are not counted together",
         }
     }
 }
@@ -134,34 +106,7 @@ fn name(of: &Bearing) -> Result<&'static str, NotCounted> {
     if !smooth {
         return Err(NotCounted::Surface);
     }
-    let exponent = Exponent::of(of.law.map_or(1.5, |law| law.exponent));
-    let outer = of.effects.sharing == FrictionSharing::Outer;
-    Ok(match of.model {
-        Model::Linear => "linear",
-        Model::Lumped | Model::Dynamic => match (exponent, of.axial.map(|axial| Exponent::of(axial.exponent))) {
-            (Exponent::Point, Some(Exponent::Point)) => "radial and axial 3/2",
-            (_, Some(_)) => return Err(NotCounted::Law),
-            (Exponent::Point, None) => "radial 3/2",
-            (Exponent::Line, None) => "radial 10/9",
-            (Exponent::Other, None) => "radial, any power",
-        },
-        Model::Angular => "angular",
-        // A table with friction at the inner contact has a third number in each node.
-        Model::Tabulated if of.effects.gyroscopic && !outer => return Err(NotCounted::Effects),
-        Model::Tabulated => "tabulated",
-        Model::QuasiStatic => {
-            let e = &of.effects;
-            let plain = e.control == RaceControl::Outer && outer;
-            match (e.centrifugal, e.gyroscopic, e.film.is_some()) {
-                (false, false, false) => "quasi-static, no effects",
-                (true, false, false) => "quasi-static, centrifugal",
-                (_, true, false) if plain => "quasi-static, gyroscopic",
-                (_, true, false) => "quasi-static, gyroscopic, any control",
-                (_, true, true) if plain => "quasi-static, gyroscopic, film",
-                _ => return Err(NotCounted::Effects),
-            }
-        }
-    })
+    bearing_model(of.model).cortex_row(of)
 }
 
 /// Returns the row with this number of elements, or the linear interpolation of the two nearest.

@@ -77,10 +77,8 @@ impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
         build: fn(&Scene, &ballrace_scene::Bearing, Model) -> Result<H, BuildError>,
     ) -> Result<Self, BuildError> {
         let mounted = |(of, mounted): (&ballrace_scene::Bearing, &ballrace_plant::MountedBearing)| {
-            let bearing = match of.model {
-                Model::Linear => build::spring_of(&mounted.bearing),
-                model => build(scene, of, model)?,
-            };
+            let bearing =
+                if of.model.has_elements() { build(scene, of, of.model)? } else { build::spring_of(&mounted.bearing) };
             Ok((bearing, rounded(&mounted.offset)))
         };
         Ok(Self {

@@ -3,24 +3,18 @@
 //! A candidate is the scene as a user would have written it, read and checked like any other: what the reader or the
 //! kernel rejects does not apply to the scene; the error states the reason.
 
+use ballrace_models::{LevelOptions, bearing_model};
 use ballrace_plant::error::{Result, TradeError};
 use ballrace_scene::read::read_str;
-use ballrace_scene::{Bearing, Effects, Linear, Model, Scene};
+use ballrace_scene::{Bearing, Effects, Linear, Model, ModelInput, Scene};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
 
 /// One level with its options.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FidelityLevel {
-    /// Name of the level.
-    pub name: String,
     model: Model,
-    /// Effects of the scene that are kept.
-    effects: Vec<&'static str>,
-    /// Newton steps of a cold start, where not the kernel's own number.
-    steps: Option<u8>,
-    /// Intervals of the table.
-    intervals: Option<[i64; 3]>,
+    options: LevelOptions,
 }
 
 /// Keys of a bearing that only models with balls in equilibrium accept.
@@ -29,85 +23,54 @@ const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lub
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
 /// Effects in the order in which they can be omitted.
 const NESTED: [&str; 3] = ["centrifugal", "gyroscopic", "film"];
-/// Newton steps of a cold solution that are compared, and those of the reference.
-const STEPS: [u8; 4] = [3, 4, 5, 6];
+/// Newton steps of a cold solution of the reference.
 const CONVERGED: u8 = 20;
-/// Intervals of a table along approach and angle that are compared.
-const TABLES: [i64; 4] = [8, 16, 24, 32];
-/// Intervals along a speed that hardly changes.
-const ABOUT_ONE_SPEED: i64 = 2;
-/// Intervals along a speed that changes.
-const OVER_SPEEDS: i64 = 8;
 
 impl FidelityLevel {
-    fn new(name: &str, model: Model) -> Self {
-        Self { name: name.to_owned(), model, effects: vec![], steps: None, intervals: None }
+    /// Returns the name of the level.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.options.name
     }
 
-    /// Returns the kernel's model.
+    /// Returns true for a model whose elements are coordinates of the system, and which has no forces of its own.
     #[must_use]
-    pub fn model(&self) -> Model {
-        self.model
+    pub fn has_moving_elements(&self) -> bool {
+        self.model.properties().moving_elements
     }
 
     /// Returns every level for a scene, in the order of cost.
     #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let named = named(scene);
-        let mut levels = vec![Self::new("linear", Model::Linear)];
-        if scene.bearings.iter().all(given_as_springs) {
-            return levels;
-        }
-        levels.push(Self::new("lumped", Model::Lumped));
-        levels.push(Self::new("angular", Model::Angular));
-        let span = match scene.shaft.speed {
-            ballrace_scene::Speed::Constant(_) => ABOUT_ONE_SPEED,
-            _ => OVER_SPEEDS,
-        };
-        for intervals in TABLES {
-            let mut level = Self::new(&format!("tabulated {intervals} x {intervals}"), Model::Tabulated);
-            level.effects.clone_from(&named);
-            level.intervals = Some([intervals, intervals, span]);
-            levels.push(level);
-        }
-        for kept in 0..=named.len() {
-            let effects = named.get(..kept).unwrap_or_default().to_vec();
-            let name = if effects.is_empty() { "no effects".to_owned() } else { effects.join(", ") };
-            let base = Self { effects, ..Self::new(&format!("quasi-static, {name}"), Model::QuasiStatic) };
-            if kept == named.len() {
-                levels.extend(STEPS.map(|steps| Self {
-                    name: format!("{}, {steps} steps", base.name),
-                    steps: Some(steps),
-                    ..base.clone()
-                }));
-            }
-            levels.push(base);
-        }
-        if scene.bearings.iter().any(|b| b.model == Model::Dynamic) {
-            levels.push(Self::new("dynamic", Model::Dynamic));
-        }
-        levels
+        let effects = named(scene);
+        let springs_alone = scene.bearings.iter().all(given_as_springs);
+        let mut models: Vec<Model> =
+            Model::ALL.into_iter().filter(|model| !springs_alone || !model.has_elements()).collect();
+        // In the order of cost.
+        models.sort_unstable();
+        let levels = models.into_iter().map(|model| (model, bearing_model(model).levels(scene, &effects)));
+        levels.flat_map(|(model, all)| all.into_iter().map(move |options| Self { model, options })).collect()
     }
 
     /// Returns this level with the number of solver steps of a converged solution (quasi-static model) or with the kernel's
     /// default (other models).
     #[must_use]
     pub fn converged(&self) -> Self {
-        let steps = (self.model == Model::QuasiStatic).then_some(CONVERGED);
-        Self { steps, ..self.clone() }
+        let steps = self.model.properties().solver_steps.then_some(CONVERGED);
+        Self { options: LevelOptions { steps, ..self.options.clone() }, ..*self }
     }
 
     /// Returns true where the level has another number of steps than the kernel's default.
     #[must_use]
     pub fn has_own_steps(&self) -> bool {
-        self.steps.is_some()
+        self.options.steps.is_some()
     }
 
     /// Returns the name of the level without a number of steps of its own.
     #[must_use]
     pub fn name_without_steps(&self) -> &str {
-        let name = self.steps.and_then(|steps| self.name.strip_suffix(&format!(", {steps} steps")));
-        name.unwrap_or(&self.name)
+        let LevelOptions { name, steps, .. } = &self.options;
+        steps.and_then(|steps| name.strip_suffix(&format!(", {steps} steps"))).unwrap_or(name)
     }
 
     /// Returns the scene's text with this level as the model of its bearings. Bearings given by a stiffness matrix keep it.
@@ -135,32 +98,32 @@ impl FidelityLevel {
             }
             let has = |key: &str| table.contains_key(key);
             let (geometry, film) = (has("ball_diameter"), has("lubricant"));
-            let mut gone: Vec<&str> = Vec::new();
-            if !matches!(self.model, Model::QuasiStatic | Model::Tabulated) {
+            let model = self.model.properties();
+            let mut gone = vec!["solver_steps", "linearise"];
+            if !model.effects {
                 gone.extend(OF_BALLS);
             }
-            if geometry && !matches!(self.model, Model::Lumped | Model::Dynamic) {
+            if geometry && model.input != ModelInput::Law {
                 gone.extend(OF_LUMPED);
             }
-            gone.extend(["solver_steps", "linearise", "element_damping"]);
-            for key in gone.iter().filter(|key| self.model != Model::Dynamic || **key != "element_damping") {
+            if !model.moving_elements {
+                gone.push("element_damping");
+            }
+            for key in gone {
                 table.remove(key);
             }
-            table.insert("model", value(self.model.name()));
-            match self.model {
-                Model::QuasiStatic | Model::Tabulated => {
-                    let kept = self.effects.iter().filter(|e| **e != "film" || film);
-                    table.insert("effects", value(kept.copied().collect::<Array>()));
-                }
-                Model::Linear => {
-                    table.insert("linearise", value(if geometry { "angular" } else { "lumped" }));
-                }
-                _ => {}
+            table.insert("model", value(model.name));
+            if model.effects {
+                let kept = self.options.effects.iter().filter(|e| **e != "film" || film);
+                table.insert("effects", value(kept.copied().collect::<Array>()));
             }
-            if let Some(steps) = self.steps {
+            if model.input == ModelInput::Stiffness {
+                table.insert("linearise", value(if geometry { "angular" } else { "lumped" }));
+            }
+            if let Some(steps) = self.options.steps {
                 table.insert("solver_steps", value(i64::from(steps)));
             }
-            if let Some(intervals) = self.intervals {
+            if let Some(intervals) = self.options.intervals {
                 let list: Value = intervals.into_iter().collect::<Array>().into();
                 match table.get_mut("table").and_then(Item::as_table_like_mut) {
                     Some(given) => {

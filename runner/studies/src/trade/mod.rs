@@ -22,7 +22,7 @@ pub use timing::TimingSpread;
 use crate::effect_significance::{self, EffectSignificance};
 use ballrace_plant::Plant;
 use ballrace_plant::error::{Result, TradeError, with_causes};
-use ballrace_scene::{Method, Model, Scene};
+use ballrace_scene::{Method, Scene};
 use force::{ARITHMETICS, Reference, forces};
 use response::METHODS;
 use serde::Serialize;
@@ -158,14 +158,14 @@ pub fn trade(
     let work = allowed.len() * if motions { 1 + METHODS.len() * STEPS.len() } else { 1 };
     let mut candidates = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
-        if one.level.model() != Model::Dynamic {
+        if !one.level.has_moving_elements() {
             candidates.extend(candidates_of(one, &truth, &poses)?);
         }
         progress(i + 1, work);
     }
     let responses = if motions { responses(&allowed, (&truth_scene, &truth_plant), work, progress)? } else { vec![] };
     for candidate in &mut candidates {
-        let level = allowed.iter().find(|one| one.level.name == candidate.model);
+        let level = allowed.iter().find(|one| one.level.name() == candidate.model);
         let model = level.map_or(candidate.model.as_str(), |one| one.level.name_without_steps());
         let motions: Vec<&Response> = responses.iter().filter(|r| r.model == model).collect();
         if motions.iter().all(|motion| motion.overflow.is_some()) {
@@ -179,7 +179,7 @@ pub fn trade(
         scene: scene.name.clone(),
         motion: if recording.is_some() { "recording" } else { "simulation" },
         poses: poses.first().map_or(0, Vec::len),
-        truth: truth_level.name,
+        truth: truth_level.name().to_owned(),
         largest_load: truth.largest(),
         candidates,
         responses,
@@ -197,7 +197,7 @@ pub fn trade(
 pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String, TradeError> {
     let levels = FidelityLevel::all(scene);
     let unknown = || TradeError::UnknownLevel { found: level.to_owned() };
-    levels.iter().find(|r| r.name == level).ok_or_else(unknown)?.written(text, scene)
+    levels.iter().find(|r| r.name() == level).ok_or_else(unknown)?.written(text, scene)
 }
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
@@ -209,7 +209,7 @@ fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)>
         let tried = level.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
         match tried {
             Ok((plant, scene)) => allowed.push(Allowed { level, scene, plant }),
-            Err(error) => impossible.push(Impossible { model: level.name, why: with_causes(&error) }),
+            Err(error) => impossible.push(Impossible { model: level.name().to_owned(), why: with_causes(&error) }),
         }
     }
     Ok((allowed, impossible))
@@ -217,7 +217,7 @@ fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)>
 
 /// Returns the most expensive level with forces of its own.
 fn dearest(allowed: &[Allowed]) -> Option<&Allowed> {
-    allowed.iter().rev().find(|one| one.level.model() != Model::Dynamic)
+    allowed.iter().rev().find(|one| !one.level.has_moving_elements())
 }
 
 fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Result<Vec<Candidate>> {
@@ -229,7 +229,7 @@ fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Resu
         let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Ok(a?.plus(b?))).transpose();
         let (desktop_ns, desktop_spread) = forces.time(poses);
         Ok(Candidate {
-            model: one.level.name.clone(),
+            model: one.level.name().to_owned(),
             arithmetic,
             error: truth.errors(forces.as_ref(), poses),
             modelling,
@@ -256,7 +256,7 @@ fn responses(
     progress: Progress<'_>,
 ) -> Result<Vec<Response>> {
     // Balls with mass describe the motion more accurately than balls in equilibrium.
-    let dynamic = allowed.iter().find(|one| one.level.model() == Model::Dynamic);
+    let dynamic = allowed.iter().find(|one| one.level.has_moving_elements());
     let (moving, plant) = dynamic.map_or(solved, |one| (&one.scene, &one.plant));
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
     let span = poses::span(moving, &truth_plant);
@@ -276,7 +276,7 @@ fn responses(
                 let plant = one.plant.with_step(method, part);
                 let usual = part == 1.0 && method == Method::RungeKutta;
                 all.push(response_of(one, &plant, (name, "f64", usual), span, &truth)?);
-                if usual && one.level.model() != Model::Dynamic {
+                if usual && !one.level.has_moving_elements() {
                     let single = force::in_single(&one.scene, plant)?;
                     all.push(response_of(one, &single, (name, "f32", usual), span, &truth)?);
                 }
@@ -296,7 +296,7 @@ fn response_of(
 ) -> Result<Response> {
     let found = response::run(&one.scene, plant, span)?;
     Ok(Response {
-        model: one.level.name.clone(),
+        model: one.level.name().to_owned(),
         precision,
         method,
         step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?),

@@ -1,12 +1,13 @@
 //! Static equilibrium of one bearing under a load, and its preload.
 
 use super::{AnyBearing, BuildError, Shared, rotation_at};
+use crate::registry::bearing_model;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
 };
 use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
-use ballrace_scene::{Bearing as BearingScene, Facing, Model, PreloadAmount, PreloadState, Scene};
+use ballrace_scene::{Bearing as BearingScene, Facing, PreloadAmount, PreloadState, Scene};
 use std::sync::Arc;
 
 /// A bearing with a constant displacement by its preload.
@@ -56,9 +57,7 @@ pub fn preload_offset(
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     if let Some(set) = as_set(bearing) {
-        // A table of that state would be used only here.
-        let model = if set.model == Model::Tabulated { Model::QuasiStatic } else { set.model };
-        let at_setting = super::bearing(scene, &set, model)?;
+        let at_setting = super::bearing(scene, &set, bearing_model(set.model).preload_model())?;
         let axial = |of: &BearingScene| match of.facing {
             // Without a displacement the grooves of a deep groove bearing are opposite each other.
             Facing::Both => 0.0,
@@ -84,6 +83,18 @@ pub fn preload_offset(
             Ok(Some(rest.displacement()))
         }
     }
+}
+
+/// Returns the displacement of the inner ring by the preload; 0 without one.
+///
+/// # Errors
+/// As [`preload_offset`].
+pub fn offset_by_preload(scene: &Scene, of: &BearingScene) -> Result<Displacement<f64>, BuildError> {
+    if of.preload.is_none() {
+        return Ok(Displacement::default());
+    }
+    let built = super::bearing(scene, of, bearing_model(of.model).preload_model())?;
+    Ok(preload_offset(scene, of, &built)?.unwrap_or_default())
 }
 
 /// Returns the bearing as its preload is set, without mounting; `None` where it is set in operation or nothing changes it.

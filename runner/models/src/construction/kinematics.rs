@@ -133,7 +133,7 @@ pub fn kinematics_of(
     Ok(Kinematics { cage_ratio, rolling_cage_ratio, orders, spin_known: spin.is_some(), outer_ratio: outer })
 }
 
-pub(super) fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
+pub fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
     match (scene.shaft.outer_speed, scene.shaft.speed) {
         (0.0, _) => Ok(0.0),
         (outer, Speed::Constant(shaft)) if shaft != 0.0 => Ok(outer / shaft),

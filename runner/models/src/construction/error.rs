@@ -94,13 +94,16 @@ pub enum BuildError {
         /// Names of the scene's bearings.
         names: String,
     },
+    /// A text that cannot be formatted.
+    #[error(transparent)]
+    Text(#[from] std::fmt::Error),
 }
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::build;
+    use crate::construction as build;
     use ballrace_scene::read::read_str;
     use ballrace_scene::{Model, Scene};
     use std::path::Path;

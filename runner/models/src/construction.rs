@@ -1,33 +1,34 @@
 //! Conversion of a scene to kernel types.
 
-mod balls;
+mod contact;
 mod error;
 mod kinematics;
-mod lumped;
 mod preload;
-mod service_load;
+pub(crate) mod service_load;
 
-pub use balls::{
-    DESKTOP_TABLE, ElementContact, FIRMWARE_TABLE, Solved, TableData, TableSize, inertia_params, of_table,
-    point_contact_approach, point_contact_load, quasi_static, solved_in, static_limit, table,
-};
+pub use crate::dynamic::{Balls, moving_balls};
+pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
+pub use crate::linear::{linearised, spring_of};
+pub use crate::lumped::{Exponent, law};
+pub use crate::quasi_static::{Solved, inertia_params, quasi_static, solved_in};
+pub use crate::tabulated::{DESKTOP_TABLE, FIRMWARE_TABLE, TableData, TableSize, of_table, table};
+pub(crate) use contact::PRESSURE_LIMIT;
+pub use contact::{ElementContact, point_contact_approach, point_contact_load, static_limit};
 pub use error::BuildError;
-use kinematics::outer_ratio;
+pub(crate) use kinematics::outer_ratio;
 pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
-pub use lumped::{Exponent, law};
-pub use preload::{loaded, preload_force, preload_offset, preloaded};
+pub use preload::{loaded, offset_by_preload, preload_force, preload_offset, preloaded};
 
 use crate::handle::BearingHandle;
-pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
-use ballrace::bearing::angular::{Angular, DisplacementDatum};
+use crate::registry;
+use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
-use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
-use ballrace::bearing::{BLOCK_SIZE, Bearing as _, BlockedPositions, ElementBlock, ElementPosition};
-use ballrace::contact::hertz::{Material, Race};
-use ballrace::rotor::{MovingBallsParams, RotorParams, Support, Unbalance};
-use ballrace::{Displacement, Exact, Math, Phase, Scalar, Stiffness, Wrench};
-use ballrace_scene::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Linear, Model, Rotor, Scene, Surface};
+use ballrace::bearing::{BLOCK_SIZE, BlockedPositions, ElementBlock, ElementPosition};
+use ballrace::contact::hertz::Material;
+use ballrace::rotor::{RotorParams, Support, Unbalance};
+use ballrace::{Exact, Math, Phase, Scalar};
+use ballrace_scene::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Model, Rotor, Scene, Surface};
 
 /// Returns the kernel's geometry, where the scene has one.
 ///
@@ -60,7 +61,12 @@ pub fn named(bearing: &BearingScene, error: InvalidParameter) -> BuildError {
 }
 
 /// Returns the error of a value of a bearing, or of a missing one.
-fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<String>, expected: &str) -> BuildError {
+pub(crate) fn invalid(
+    bearing: &BearingScene,
+    key: impl Into<String>,
+    found: impl Into<String>,
+    expected: &str,
+) -> BuildError {
     BuildError::Value {
         bearing: bearing.name.clone(),
         key: key.into(),
@@ -75,7 +81,7 @@ fn invalid(bearing: &BearingScene, key: impl Into<String>, found: impl Into<Stri
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
 pub fn bearing(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<f64>, BuildError> {
-    built::<f64, Exact, _>(scene, of, model)
+    registry::build::<f64, Exact, _>(scene, of, model)
 }
 
 /// Builds the force of the model `model` of one bearing, in any precision and with any math backend.
@@ -87,22 +93,7 @@ pub fn force_model<T: Scalar, M: Math<T>>(
     of: &BearingScene,
     model: Model,
 ) -> Result<AnyForceModel<T>, BuildError> {
-    built::<T, M, _>(scene, of, model)
-}
-
-fn built<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
-    scene: &Scene,
-    of: &BearingScene,
-    model: Model,
-) -> Result<H, BuildError> {
-    match model {
-        Model::Linear => linear(of),
-        // The quasi-static limit of moving balls.
-        Model::Lumped | Model::Dynamic => lumped::lumped::<T, M, H>(of),
-        Model::Angular => angular::<T, M, H>(of),
-        Model::QuasiStatic => balls::quasi_static_bearing::<T, M, H>(of),
-        Model::Tabulated => balls::tabulated::<T, M, H>(scene, of),
-    }
+    registry::build::<T, M, _>(scene, of, model)
 }
 
 /// Returns the positions of the elements with the cage at angle 0, mirrored where the bearing faces -Z.
@@ -113,7 +104,7 @@ pub fn places<T: Scalar>(scene: &BearingScene) -> Vec<ElementPosition<T>> {
 }
 
 /// Returns the positions of [`places`], also in SIMD blocks.
-fn blocked_places<T: Scalar>(
+pub(crate) fn blocked_places<T: Scalar>(
     scene: &BearingScene,
 ) -> BlockedPositions<Vec<ElementPosition<T>>, Vec<ElementBlock<T, BLOCK_SIZE>>> {
     BlockedPositions::new(places(scene))
@@ -126,7 +117,7 @@ pub fn place<T: Scalar>(scene: &BearingScene, j: usize) -> ElementPosition<T> {
 }
 
 /// Returns the bearing, rotated about X by pi where it faces -Z.
-fn facing<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene, bearing: H) -> H {
+pub(crate) fn facing<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene, bearing: H) -> H {
     if scene.facing == Facing::MinusZ { bearing.mirrored() } else { bearing }
 }
 
@@ -164,18 +155,9 @@ fn part(scene: &BearingScene, surface: Surface) -> BearingComponent {
 }
 
 /// Returns the surface deviations; `None` for a bearing without waviness and damage.
-fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviation<M, Vec<Feature<T>>>> {
+pub(crate) fn uneven<T: Scalar, M: Math<T>>(scene: &BearingScene) -> Option<SurfaceDeviation<M, Vec<Feature<T>>>> {
     let features = features(scene);
     (!features.is_empty()).then(|| SurfaceDeviation::new(features))
-}
-
-fn angular<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
-    let (geometry, zero) = contact_geometry(scene, "angular")?;
-    let built = Angular::<T, M, _>::try_new(geometry, blocked_places(scene), zero).map_err(|e| named(scene, e))?;
-    Ok(match uneven::<T, M>(scene) {
-        None => facing(scene, H::dispatched(built)),
-        Some(surface) => facing(scene, H::dispatched(built.with_surface(surface))),
-    })
 }
 
 /// Returns the geometry of a model with a contact angle, and its displacement datum.
@@ -194,55 +176,6 @@ pub fn contact_geometry(
         return Err(invalid(scene, "diametral_clearance", format!("invalid value: {s} m"), &expected));
     }
     Ok((geometry, if scene.facing == Facing::Both { DisplacementDatum::Centred } else { DisplacementDatum::Touching }))
-}
-
-fn linear<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
-    match &scene.linear {
-        Some(Linear::Matrix(rows)) => {
-            let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));
-            Ok(H::new(LinearBearing::new(k)))
-        }
-        Some(Linear::TwoSpring { static_load }) => {
-            let Some(g) = geometry(scene)? else {
-                return Err(invalid(scene, "two_spring", "no geometry", "ball_diameter and the others"));
-            };
-            let springs = two_spring_ball(scene.elements, g.ball_diameter, *static_load, g.contact_angle)
-                .map_err(|e| named(scene, e))?;
-            // Along the static load: gravity acts along Y.
-            Ok(H::new(LinearBearing::new(springs.stiffness(std::f64::consts::FRAC_PI_2))))
-        }
-        Some(Linear::Of(_)) => Err(invalid(
-            scene,
-            "linearise",
-            "a bearing taken alone",
-            "a scene with a [rotor], at whose equilibrium it is linearised",
-        )),
-        None => Err(invalid(scene, "model linear", "no stiffness", "stiffness_matrix, two_spring or linearise")),
-    }
-}
-
-/// Returns springs with the mean force and tangent of a bearing at the given states.
-pub fn linearised(states: &[(Displacement<f64>, Wrench<f64>, Stiffness<f64>)]) -> AnyBearing<f64> {
-    let weight = 1.0 / states.len().max(1) as f64;
-    let (mut u, mut f, mut k) = ([0.0; 5], [0.0; 5], Stiffness::from_element(0.0));
-    for (displacement, wrench, tangent) in states {
-        for (sum, x) in u.iter_mut().zip(displacement.to_array()) {
-            *sum += weight * x;
-        }
-        for (sum, x) in f.iter_mut().zip(wrench.to_array()) {
-            *sum += weight * x;
-        }
-        k += tangent * weight;
-    }
-    AnyBearing::new(LinearBearing::about(k, Displacement::from_array(u), Wrench::from_array(f)))
-}
-
-/// Returns a spring bearing in any precision, from its tangent and its force at zero displacement.
-pub fn spring_of<T: Scalar, H: BearingHandle<T>>(spring: &AnyBearing<f64>) -> H {
-    let zero = Displacement::default();
-    let (reaction, k) = spring.reaction_and_stiffness(&zero, &Phase::ZERO.into());
-    let force = Wrench::from_array(reaction.wrench.to_array().map(T::from_f64));
-    H::new(LinearBearing::about(k.map(T::from_f64), Displacement::default(), force))
 }
 
 /// Returns the parameters of the rotor.
@@ -264,42 +197,6 @@ pub fn rotor_params(rotor: &Rotor) -> RotorParams {
 pub fn support(support: &ballrace_scene::Support) -> Support {
     let ([x, y], cross, c) = (support.stiffness, support.cross_stiffness, support.damping);
     Support { mass: support.mass, stiffness: [[x, cross], [cross, y]], damping: [[c, 0.0], [0.0, c]] }
-}
-
-/// The moving balls of the `dynamic` model.
-#[derive(Clone)]
-pub struct Balls {
-    /// Parameters of the kernel.
-    pub params: MovingBallsParams,
-    /// Damping of each ball's radial motion, N s/m.
-    pub damping: f64,
-    /// Positions at cage angle 0.
-    pub places: Vec<ElementPosition<f64>>,
-}
-
-/// Returns the moving balls of a bearing with the `dynamic` model.
-///
-/// # Errors
-/// Returns an error if the bearing has no geometry, from which mass and contact stiffness of the balls follow.
-pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls, BuildError> {
-    let Some(geometry) = geometry(of)? else {
-        return Err(invalid(of, "model dynamic", "no geometry", "ball_diameter and the others"));
-    };
-    let gravity = scene.rotor.as_ref().map_or([0.0; 3], |r| r.gravity);
-    let density = of.geometry.map_or(0.0, |g| g.density);
-    let (_, _, radial_play) = law(of)?;
-    Ok(Balls {
-        params: MovingBallsParams {
-            stiffness: [Race::Inner, Race::Outer].map(|race| geometry.contact(race).stiffness),
-            pitch_radius: 0.5 * geometry.pitch_diameter,
-            radial_play,
-            ball_mass: density * std::f64::consts::PI / 6.0 * geometry.ball_diameter.powi(3),
-            cage_ratio: kinematics(scene, of)?.cage_ratio,
-            gravity: [gravity[0], gravity[1]],
-        },
-        damping: of.element_damping,
-        places: places(of),
-    })
 }
 
 /// Returns the unbalances of the rotor.
