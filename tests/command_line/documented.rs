@@ -292,7 +292,9 @@ fn every_kind_of_event_is_documented() {
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            if path.is_dir() {
+            if path.ends_with("fleet") || path.ends_with("check") {
+                // Tables of these commands, no events.
+            } else if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("tests.rs") {
                 let text = fs::read_to_string(path).unwrap();
