@@ -1,9 +1,9 @@
 //! Angular model: closed-form variable contact angle.
 
 use crate::construction::{BuildError, blocked_places, contact_geometry, facing, named, uneven};
-use crate::firmware::{self, Constants, FirmwareModel, NotCounted, c, rust};
 use crate::handle::BearingHandle;
-use crate::registry::BearingModel;
+use crate::model::BearingModel;
+use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, c, rust};
 use ballrace::bearing::angular::{Angular, AngularConstants};
 use ballrace::{Math, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Model};
@@ -30,10 +30,10 @@ impl FirmwareModel for AngularModel {
     }
 
     fn write_rust(&self, out: &mut String, constants: &Constants<'_>) -> Result<(), BuildError> {
-        let Constants { scene, of, .. } = *constants;
+        let of = constants.of;
         let (surface, with) = rust::surface(of);
         rust::imports(out, of, "    use ballrace::bearing::angular::{Angular, AngularConstants};")?;
-        rust::position_constants(out, scene, of)?;
+        rust::position_constants(out, constants)?;
         let AngularConstants { stiffness, distance, unloaded, excess, arm } = rounded(of)?;
         writeln!(
             out,

@@ -1,34 +1,30 @@
 //! Conversion of a scene to kernel types.
 
 mod contact;
+mod effects;
 mod error;
 mod kinematics;
-mod preload;
 pub(crate) mod service_load;
+mod table;
 
-pub use crate::dynamic::{Balls, moving_balls};
-pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
-pub use crate::linear::{linearised, spring_of};
-pub use crate::lumped::{Exponent, law};
-pub use crate::quasi_static::{Solved, inertia_params, quasi_static, solved_in};
-pub use crate::tabulated::{DESKTOP_TABLE, FIRMWARE_TABLE, TableData, TableSize, of_table, table};
 pub(crate) use contact::PRESSURE_LIMIT;
 pub use contact::{ElementContact, point_contact_approach, point_contact_load, static_limit};
+pub use effects::{inertia_params, lubricant};
 pub use error::BuildError;
 pub(crate) use kinematics::outer_ratio;
 pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
-pub use preload::{loaded, offset_by_preload, preload_force, preload_offset, preloaded};
+pub use table::TableData;
+pub(crate) use table::numbers;
 
 use crate::handle::BearingHandle;
-use crate::registry;
 use ballrace::bearing::angular::DisplacementDatum;
 use ballrace::bearing::geometry::{BallBearingGeometry, InvalidParameter};
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape, SurfaceDeviation, Wave};
 use ballrace::bearing::{BLOCK_SIZE, BlockedPositions, ElementBlock, ElementPosition};
 use ballrace::contact::hertz::Material;
 use ballrace::rotor::{RotorParams, Support, Unbalance};
-use ballrace::{Exact, Math, Phase, Scalar};
-use ballrace_scene::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Model, Rotor, Scene, Surface};
+use ballrace::{Math, Phase, Scalar};
+use ballrace_scene::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Rotor, Scene, Surface};
 
 /// Returns the kernel's geometry, where the scene has one.
 ///
@@ -73,27 +69,6 @@ pub(crate) fn invalid(
         found: found.into(),
         expected: expected.to_owned(),
     }
-}
-
-/// Builds the model `model` of one bearing. A linear model derived from another one requires the rotor's equilibrium
-/// (see `ballrace_plant`) and is rejected here.
-///
-/// # Errors
-/// Returns an error if the scene lacks a value of this model or the kernel rejects one.
-pub fn bearing(scene: &Scene, of: &BearingScene, model: Model) -> Result<AnyBearing<f64>, BuildError> {
-    registry::build::<f64, Exact, _>(scene, of, model)
-}
-
-/// Builds the force of the model `model` of one bearing, in any precision and with any math backend.
-///
-/// # Errors
-/// As [`bearing`].
-pub fn force_model<T: Scalar, M: Math<T>>(
-    scene: &Scene,
-    of: &BearingScene,
-    model: Model,
-) -> Result<AnyForceModel<T>, BuildError> {
-    registry::build::<T, M, _>(scene, of, model)
 }
 
 /// Returns the positions of the elements with the cage at angle 0, mirrored where the bearing faces -Z.

@@ -1,10 +1,10 @@
 //! Dynamic model: elements with a mass of their own, which are coordinates of the system. Its forces at rest are those of the lumped model.
 
 use crate::construction::{BuildError, geometry, invalid, kinematics, places};
-use crate::firmware::{FirmwareModel, NotCounted};
 use crate::handle::BearingHandle;
 use crate::lumped::{self, LumpedModel, law};
-use crate::registry::{BearingModel, LevelOptions};
+use crate::model::{BearingModel, LevelOptions};
+use crate::model::{FirmwareModel, NotCounted};
 use ballrace::bearing::ElementPosition;
 use ballrace::contact::hertz::Race;
 use ballrace::rotor::MovingBallsParams;

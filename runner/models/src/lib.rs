@@ -2,22 +2,24 @@
 //! models: with wide registers, in two precisions.
 //!
 //! Each model is one file with all that depends on it beyond the keys of a scene: its construction, its levels of fidelity, its cost and its
-//! constants in firmware. [`bearing_model`] returns it. [`construction`] converts a scene to kernel types, [`handle`] holds a bearing of any
-//! model, [`simd`] runs it on the widest registers of the processor, [`firmware`] has the part of the constants that models have in common.
+//! constants in firmware. [`bearing_model`] returns it. [`build`] converts a scene to kernel types, [`handle`] holds a bearing of any
+//! model, [`simd`] runs it on the widest registers of the processor, [`model`] has the interface of a model and the part of the firmware constants that models have in common.
 #![forbid(unsafe_code)]
 
 mod angular;
-pub mod construction;
+pub mod build;
+mod construction;
 mod dynamic;
-pub mod firmware;
 pub mod handle;
 mod linear;
 mod lumped;
+pub mod model;
+mod preload;
 mod quasi_static;
 mod registry;
 pub mod simd;
+mod solved;
 mod tabulated;
 
-/// The name that programs use.
-pub use construction as build;
-pub use registry::{BearingModel, LevelOptions, bearing_model};
+pub use model::{BearingModel, LevelOptions};
+pub use registry::bearing_model;

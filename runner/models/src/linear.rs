@@ -1,9 +1,9 @@
 //! Linear model: a constant stiffness.
 
 use crate::construction::{BuildError, geometry, invalid, named};
-use crate::firmware::{Constants, FirmwareModel, NotCounted, c};
 use crate::handle::{AnyBearing, BearingHandle};
-use crate::registry::BearingModel;
+use crate::model::BearingModel;
+use crate::model::{Constants, FirmwareModel, NotCounted, c};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::{Displacement, Phase, Scalar, Stiffness, Wrench};

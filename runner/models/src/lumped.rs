@@ -3,9 +3,9 @@
 use crate::construction::{
     BuildError, blocked_places, element_azimuth, facing, geometry, invalid, named, places, uneven,
 };
-use crate::firmware::{self, Constants, ELEMENT_BYTES, FirmwareModel, NotCounted, c, rust};
 use crate::handle::{AnyForceModel, BearingHandle, BendingRing, Housing, HousingShape};
-use crate::registry::BearingModel;
+use crate::model::BearingModel;
+use crate::model::{self as firmware, Constants, ELEMENT_BYTES, FirmwareModel, NotCounted, c, rust};
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{Exact, Math, Scalar};
@@ -41,7 +41,7 @@ impl FirmwareModel for LumpedModel {
     }
 
     fn write_rust(&self, out: &mut String, constants: &Constants<'_>) -> Result<(), BuildError> {
-        let Constants { scene, of, .. } = *constants;
+        let of = constants.of;
         let n = of.elements;
         let (stiffness, exponent, play) = law(of)?;
         let (kind, value) = law_text(stiffness, exponent);
@@ -59,7 +59,7 @@ impl FirmwareModel for LumpedModel {
             of,
             "    use ballrace::bearing::lumped::{Axial, Combined, Radial};\n    use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};",
         )?;
-        rust::position_constants(out, scene, of)?;
+        rust::position_constants(out, constants)?;
         rust::feature_constants(out, of)?;
         rust::function(out, of, &kind, &value)
     }

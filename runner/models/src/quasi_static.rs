@@ -1,17 +1,16 @@
 //! Quasi-static model: every ball in equilibrium between both races, solved ball by ball.
 
-use crate::construction::{BuildError, Shared, contact_geometry, facing, features, named, places};
-use crate::firmware::{FirmwareModel, NotCounted};
-use crate::handle::BearingHandle;
-use crate::registry::{BearingModel, LevelOptions};
+use crate::construction::{BuildError, contact_geometry, facing, features, inertia_params, lubricant, named, places};
+use crate::handle::{BearingHandle, Shared};
+use crate::model::{BearingModel, LevelOptions};
+use crate::model::{FirmwareModel, NotCounted};
 use crate::simd::OnWideRegisters;
+use crate::solved::Solved;
 use crate::tabulated::TabulatedModel;
-use ballrace::bearing::quasi_static::film::{Film, InletHeating, Lubricant};
-use ballrace::bearing::quasi_static::inertia::{FrictionSharing, Inertia, InertiaParams, RaceControl};
-use ballrace::bearing::quasi_static::{BallPosition, BallState, DEFAULT_NEWTON_STEPS, QuasiStatic};
-use ballrace::bearing::surface::{Surface, SurfaceDeviation};
-use ballrace::bearing::{Bearing, ElementLayout, Mirrored, Reaction};
-use ballrace::{BearingKinematicState, Displacement, Exact, Math, Scalar};
+use ballrace::bearing::Mirrored;
+use ballrace::bearing::quasi_static::{DEFAULT_NEWTON_STEPS, QuasiStatic};
+use ballrace::bearing::surface::SurfaceDeviation;
+use ballrace::{Exact, Math, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Facing, Model, Scene};
 use std::sync::Arc;
 
@@ -65,102 +64,6 @@ impl BearingModel for QuasiStaticModel {
     }
 }
 
-/// Returns the parameters of the balls' inertia.
-#[must_use]
-pub fn inertia_params(scene: &BearingScene) -> InertiaParams {
-    InertiaParams {
-        density: scene.geometry.map_or(0.0, |g| g.density),
-        centrifugal: scene.effects.centrifugal,
-        gyroscopic: scene.effects.gyroscopic,
-        race_control: match scene.effects.control {
-            ballrace_scene::RaceControl::Outer => RaceControl::Outer,
-            ballrace_scene::RaceControl::Inner => RaceControl::Inner,
-        },
-        friction_sharing: match scene.effects.sharing {
-            ballrace_scene::FrictionSharing::Outer => FrictionSharing::Outer,
-            ballrace_scene::FrictionSharing::Equal => FrictionSharing::Equal,
-            ballrace_scene::FrictionSharing::Proportional => FrictionSharing::Proportional,
-        },
-    }
-}
-
-/// A quasi-static bearing with any of its effects, and its internal states.
-pub trait Solved<T: Scalar>: Bearing<T> {
-    /// Writes the state of each ball, up to the length of `states`.
-    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]);
-
-    /// Sets the balls to the positions of a cold start.
-    fn initial_ball_positions(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, balls: &mut [BallPosition<T>]);
-
-    /// Returns the reaction, with the solution started from the balls' last positions.
-    fn warm_started_reaction(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-        balls: &mut [BallPosition<T>],
-    ) -> Reaction<T>;
-}
-
-impl<T, M, P, I, F, S> Solved<T> for QuasiStatic<T, M, P, I, F, S>
-where
-    T: Scalar,
-    M: Math<T>,
-    P: ElementLayout<T>,
-    I: Inertia<T>,
-    F: Film<T>,
-    S: Surface<T>,
-{
-    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
-        QuasiStatic::ball_states(self, u, at, states);
-    }
-    fn initial_ball_positions(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-        balls: &mut [BallPosition<T>],
-    ) {
-        QuasiStatic::initial_ball_positions(self, u, at, balls);
-    }
-    fn warm_started_reaction(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-        balls: &mut [BallPosition<T>],
-    ) -> Reaction<T> {
-        QuasiStatic::warm_started_reaction(self, u, at, balls)
-    }
-}
-
-impl<T: Scalar> Solved<T> for Mirrored<Shared<dyn Solved<T>>> {
-    fn ball_states(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, states: &mut [BallState<T>]) {
-        self.0.0.ball_states(&u.mirrored(), &at.reversed(), states);
-        // Angles count towards +Z of the scene.
-        for state in states {
-            let turned = |[cos, sin]: [T; 2]| [cos, -sin];
-            state.inner_direction = turned(state.inner_direction);
-            state.outer_direction = turned(state.outer_direction);
-            state.orbital_speed = -state.orbital_speed;
-        }
-    }
-    fn initial_ball_positions(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-        balls: &mut [BallPosition<T>],
-    ) {
-        self.0.0.initial_ball_positions(&u.mirrored(), &at.reversed(), balls);
-    }
-    fn warm_started_reaction(
-        &self,
-        u: &Displacement<T>,
-        at: &BearingKinematicState<T>,
-        balls: &mut [BallPosition<T>],
-    ) -> Reaction<T> {
-        let local = self.0.0.warm_started_reaction(&u.mirrored(), &at.reversed(), balls);
-        Reaction { wrench: local.wrench.mirrored(), ..local }
-    }
-}
-
 /// Builds the quasi-static model of one bearing.
 ///
 /// # Errors
@@ -196,10 +99,4 @@ fn unmirrored<T: Scalar, M: Math<T>>(scene: &BearingScene, steps: u8) -> Result<
         .map_err(|e| named(scene, e))?;
     let surface = SurfaceDeviation::<M, _>::new(features(scene));
     Ok(built.with_newton_steps(steps).with_surface(surface))
-}
-
-/// Returns the oil of the film, where that is an effect of the scene.
-pub fn lubricant(scene: &BearingScene) -> Option<(Lubricant, Option<InletHeating>)> {
-    let oil = scene.effects.film?;
-    Some((oil.for_film(), oil.inlet_heating.map(ballrace_scene::InletHeating::of_film)))
 }

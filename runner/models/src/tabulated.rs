@@ -2,18 +2,17 @@
 
 use crate::construction::service_load::approach_in_service;
 use crate::construction::{
-    BuildError, PRESSURE_LIMIT, blocked_places, contact_geometry, facing, named, outer_ratio, point_contact_approach,
-    uneven,
+    BuildError, PRESSURE_LIMIT, TableData, blocked_places, contact_geometry, facing, inertia_params, lubricant, named,
+    numbers, outer_ratio, point_contact_approach, uneven,
 };
-use crate::firmware::{self, Constants, FirmwareModel, NotCounted, c, rust};
 use crate::handle::BearingHandle;
-use crate::quasi_static::{inertia_params, lubricant};
-use crate::registry::{BearingModel, LevelOptions};
+use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, c, rust};
+use crate::model::{BearingModel, LevelOptions};
 use crate::simd::OnWideRegisters;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::{QuasiStatic, TableConstants};
-use ballrace::bearing::tabulated::{Axis, Grid, Table, TableDomain, Tabulated, fill_table};
+use ballrace::bearing::tabulated::{Axis, Table, TableDomain, Tabulated, fill_table};
 use ballrace::contact::hertz::Race;
 use ballrace::{Exact, Math, Phase, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Facing, FrictionSharing, Model, Scene, Speed};
@@ -80,21 +79,20 @@ impl FirmwareModel for TabulatedModel {
     }
 
     fn write_rust(&self, out: &mut String, constants: &Constants<'_>) -> Result<(), BuildError> {
-        let Constants { scene, of, .. } = *constants;
+        let of = constants.of;
         let made = firmware_table(constants)?;
         let fields = made.fields();
-        let constants = made.constants.rounded::<f32>();
+        let TableConstants { couple, distance, axis, offset, arm } = made.constants.rounded::<f32>();
         let grid = made.grid.rounded::<f32>();
         writeln!(out, "    use ballrace::bearing::ElementPosition;")?;
         writeln!(out, "    use ballrace::bearing::quasi_static::TableConstants;")?;
         rust::surface_imports(out, of)?;
         writeln!(out, "    use ballrace::bearing::tabulated::{{Axis, Grid, Node, Table, Tabulated}};")?;
         writeln!(out, "    use ballrace::{{Displacement, Exact, Phase}};\n")?;
-        rust::position_constants(out, scene, of)?;
+        rust::position_constants(out, constants)?;
         writeln!(
             out,
-            "    const CONSTANTS: TableConstants<f32> = TableConstants {{ couple: {:?}, distance: {:?}, axis: {:?}, offset: {:?}, arm: {:?} }};",
-            constants.couple, constants.distance, constants.axis, constants.offset, constants.arm
+            "    const CONSTANTS: TableConstants<f32> = TableConstants {{ couple: {couple:?}, distance: {distance:?}, axis: {axis:?}, offset: {offset:?}, arm: {arm:?} }};"
         )?;
         writeln!(out, "    const GRID: Grid<f32> = Grid {{")?;
         writeln!(out, "        scale: {:?},\n        speed_scale: {:?},", grid.scale, grid.speed_scale)?;
@@ -176,40 +174,6 @@ fn axis_text(axis: &Axis<f32>) -> String {
         "Axis {{ count: {}, origin: {:?}, density: {:?}, range: [{low:?}, {high:?}] }}",
         axis.count, axis.origin, axis.density
     )
-}
-
-/// Table of a bearing.
-#[derive(Clone)]
-pub struct TableData {
-    /// True where the speed axis is that of the outer ring.
-    pub by_outer: bool,
-    /// Grid of the nodes.
-    pub grid: Grid<f64>,
-    /// Nodes; the third number is the friction, where the inner contact has one.
-    pub nodes: Vec<[f64; 3]>,
-    /// Constants of the bearing.
-    pub constants: TableConstants<f64>,
-    /// True where the third number is used.
-    pub friction: bool,
-}
-
-impl TableData {
-    /// Returns the numbers of each node that are used.
-    #[must_use]
-    pub const fn fields(&self) -> usize {
-        numbers(self.friction)
-    }
-
-    /// Returns the size of the nodes in single precision, bytes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        self.nodes.len() * self.fields() * size_of::<f32>()
-    }
-}
-
-/// Returns the numbers of a node.
-const fn numbers(friction: bool) -> usize {
-    if friction { 3 } else { 2 }
 }
 
 /// Returns true where the inner contact has friction.

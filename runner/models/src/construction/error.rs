@@ -103,7 +103,7 @@ pub enum BuildError {
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::construction as build;
+    use crate::build;
     use ballrace_scene::read::read_str;
     use ballrace_scene::{Model, Scene};
     use std::path::Path;

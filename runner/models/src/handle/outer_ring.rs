@@ -174,7 +174,7 @@ fn precision<T: Scalar>() -> f64 {
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::construction;
+    use crate::build;
     use crate::handle::AnyBearing;
     use ballrace::bearing::Bearing;
     use ballrace::{BearingKinematicState, Displacement};
@@ -208,7 +208,7 @@ mod tests {
              axial = {{ stiffness = 1e9, play = \"-1 um\", radius = \"20 mm\" }}\n{more}\n"
         );
         let scene = read::read_str(&text, std::path::Path::new("scene.toml")).unwrap();
-        construction::bearing(&scene, &scene.bearings[0], scene.bearings[0].model).unwrap()
+        build::bearing(&scene, &scene.bearings[0], scene.bearings[0].model).unwrap()
     }
 
     fn ring(thickness: &str, modulus: &str) -> AnyBearing<f64> {

@@ -7,8 +7,8 @@ use ballrace::bearing::ElementPosition;
 use ballrace::bearing::checksum::ChecksumRange;
 use ballrace::rotor::{RotorParams, Unbalance};
 use ballrace_models::build;
-use ballrace_models::firmware::Constants;
-use ballrace_models::firmware::c::{close, list, single};
+use ballrace_models::model::Constants;
+use ballrace_models::model::c::{close, list, single};
 use ballrace_plant::error::{BakeError, Result};
 use ballrace_scene::{Bearing, Scene};
 use std::fmt::Write;
@@ -116,14 +116,14 @@ impl<'a> Writer<'a> {
         writeln!(header, "// Checksum of 1024 forces, computed on the desktop.")?;
         writeln!(header, "#define {upper}_CHECKSUM UINT64_C({:#018x})\n", self.part.certificate.checksum)?;
         writeln!(source, "\n// Bearing \"{title}\".\n")?;
-        let offset = build::offset_by_preload(scene, self.part.selected.of)?.to_array().map(|x| x as f32);
+        let offset = build::offset_by_preload(scene, self.part.selected.of)?;
         writeln!(header, "// By preload, to be added to every displacement.\nextern const float {name}_offset[5];")?;
-        writeln!(source, "const float {name}_offset[5] = {};\n", list(&offset))?;
+        writeln!(source, "const float {name}_offset[5] = {};\n", list(&offset.to_array().map(|x| x as f32)))?;
         if !self.elements.is_empty() {
             self.write_elements(source)?;
         }
         let springs = linearised(scene, of)?;
-        let constants = Constants { scene, of, table: self.part.table.as_ref(), springs: springs.as_ref() };
+        let constants = Constants { scene, of, table: self.part.table.as_ref(), offset, springs: springs.as_ref() };
         let kind = self.part.selected.firmware.write_c(source, name, &constants)?;
         writeln!(header, "// The bearing: `&{name}.head` is the argument of all calls.\nextern const {kind} {name};")?;
         self.write_checksum(header, source)

@@ -2,7 +2,7 @@
 //! for element counts and solver steps between its rows.
 
 use ballrace_models::bearing_model;
-pub use ballrace_models::firmware::NotCounted;
+pub use ballrace_models::model::NotCounted;
 use ballrace_scene::Bearing;
 use serde::Serialize;
 

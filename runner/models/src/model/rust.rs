@@ -1,9 +1,10 @@
 //! Parts of a bearing's module of Rust that models have in common.
 
+use super::Constants;
 use crate::construction::{self, BuildError};
 use ballrace::Displacement;
 use ballrace::bearing::surface::{BearingComponent, Direction, Feature, Spall, SpallShape};
-use ballrace_scene::{Bearing, Facing, Scene};
+use ballrace_scene::{Bearing, Facing};
 use std::fmt::Write;
 
 /// Returns a displacement as an expression of Rust.
@@ -14,9 +15,12 @@ pub fn displacement_text(of: &Displacement<f32>) -> String {
 }
 
 /// Writes station, speed ratios, displacement by preload, and element positions.
-pub(crate) fn position_constants(out: &mut String, scene: &Scene, of: &Bearing) -> Result<(), BuildError> {
+pub(crate) fn position_constants(
+    out: &mut String,
+    &Constants { scene, of, offset, .. }: &Constants<'_>,
+) -> Result<(), BuildError> {
     let kinematics = construction::kinematics(scene, of)?;
-    let offset = construction::offset_by_preload(scene, of)?.to_array().map(|x| x as f32);
+    let offset = offset.to_array().map(|x| x as f32);
     writeln!(
         out,
         "    /// Along Z from the rotor's centre of mass, m.\n    pub const STATION: f32 = {:?};",

@@ -1,16 +1,76 @@
-//! Constants of a bearing for firmware, in Rust and in C.
+//! Interface of the bearing models, and their constants for firmware in Rust and in C.
 
 pub mod c;
 pub mod rust;
 
 use crate::construction::{BuildError, TableData};
 use crate::handle::{AnyBearing, AnyForceModel};
-use crate::registry::BearingModel;
+use crate::solved::Solved;
 use ballrace::Displacement;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::surface::Feature;
-use ballrace_scene::{Bearing, Scene};
+use ballrace_scene::{Bearing, Model, Scene};
 use serde::Serialize;
+use std::sync::Arc;
+
+/// All that depends on a bearing model beyond the keys of a scene, whose properties are [`Model::properties`], and its construction.
+pub trait BearingModel: Sync {
+    /// Returns the model.
+    fn model(&self) -> Model;
+
+    /// Returns the levels of fidelity of this model for a scene, in the order of cost; `effects` are those of the scene.
+    fn levels(&self, _scene: &Scene, _effects: &[&'static str]) -> Vec<LevelOptions> {
+        vec![LevelOptions::plain(self.model())]
+    }
+
+    /// Returns the model with its balls in equilibrium in `steps` Newton steps, else in those of the scene; `None` for a model that is
+    /// evaluated without iteration.
+    ///
+    /// # Errors
+    /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
+    fn solved(&self, _of: &Bearing, _steps: Option<u8>) -> Result<Option<Arc<dyn Solved<f64>>>, BuildError> {
+        Ok(None)
+    }
+
+    /// Returns true where a bearing with one of its elements alone is cheap to build.
+    fn has_cheap_elements(&self) -> bool {
+        true
+    }
+
+    /// Returns the model by which the displacement of a preload is computed.
+    fn preload_model(&self) -> Model {
+        self.model()
+    }
+
+    /// Returns the constants of a bearing in firmware; `None` where it has none.
+    fn firmware(&self, of: &Bearing) -> Option<&'static dyn FirmwareModel>;
+
+    /// Returns the name of a smooth bearing in the table of costs on a Cortex-M4F.
+    ///
+    /// # Errors
+    /// Returns the reason where the table has no similar bearing.
+    fn cortex_row(&self, of: &Bearing) -> Result<&'static str, NotCounted>;
+}
+
+/// Options of a level of fidelity.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LevelOptions {
+    /// Name of the level.
+    pub name: String,
+    /// Effects of the scene that are kept.
+    pub effects: Vec<&'static str>,
+    /// Newton steps of a cold start, where not the kernel's own number.
+    pub steps: Option<u8>,
+    /// Intervals of the table.
+    pub intervals: Option<[i64; 3]>,
+}
+
+impl LevelOptions {
+    /// Returns the level of a model without options.
+    pub(crate) fn plain(model: Model) -> Self {
+        Self { name: model.name().to_owned(), ..Self::default() }
+    }
+}
 
 /// Values from which the constants of a bearing are written.
 #[derive(Clone, Copy)]
@@ -21,6 +81,8 @@ pub struct Constants<'a> {
     pub of: &'a Bearing,
     /// [`FirmwareModel::table`] of the bearing.
     pub table: Option<&'a TableData>,
+    /// Displacement by preload, which is added to every displacement.
+    pub offset: Displacement<f64>,
     /// Springs of a linearised bearing, at the equilibrium of its rotor.
     pub springs: Option<&'a AnyBearing<f64>>,
 }

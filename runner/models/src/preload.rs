@@ -1,7 +1,8 @@
 //! Static equilibrium of one bearing under a load, and its preload.
 
-use super::{AnyBearing, BuildError, Shared, rotation_at};
-use crate::registry::bearing_model;
+use crate::construction::{BuildError, rotation_at};
+use crate::handle::{AnyBearing, Shared};
+use crate::registry::{self, bearing_model};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
@@ -57,7 +58,7 @@ pub fn preload_offset(
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     if let Some(set) = as_set(bearing) {
-        let at_setting = super::bearing(scene, &set, bearing_model(set.model).preload_model())?;
+        let at_setting = registry::bearing(scene, &set, bearing_model(set.model).preload_model())?;
         let axial = |of: &BearingScene| match of.facing {
             // Without a displacement the grooves of a deep groove bearing are opposite each other.
             Facing::Both => 0.0,
@@ -93,7 +94,7 @@ pub fn offset_by_preload(scene: &Scene, of: &BearingScene) -> Result<Displacemen
     if of.preload.is_none() {
         return Ok(Displacement::default());
     }
-    let built = super::bearing(scene, of, bearing_model(of.model).preload_model())?;
+    let built = registry::bearing(scene, of, bearing_model(of.model).preload_model())?;
     Ok(preload_offset(scene, of, &built)?.unwrap_or_default())
 }
 
@@ -123,7 +124,7 @@ pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64
     {
         return Ok(Some(force));
     }
-    let built = super::bearing(scene, bearing, bearing.model)?;
+    let built = registry::bearing(scene, bearing, bearing.model)?;
     let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
     let at = rotation_at(scene, bearing, 0.0)?;
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
