@@ -1,5 +1,6 @@
 //! Work of live operation on threads of its own: when it starts and when its result is taken.
 
+use ballrace_base::priority;
 use ballrace_outcome::options::BackgroundSchedule;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -37,6 +38,13 @@ impl<T> Task<T> {
             BackgroundSchedule::Samples(_) => Pause::default(),
         };
         (result, pause)
+    }
+}
+
+/// Lowers the priority of this thread where samples do not wait for its result.
+pub(super) fn set_priority(schedule: BackgroundSchedule) {
+    if schedule == BackgroundSchedule::WallClock {
+        priority::lower();
     }
 }
 

@@ -1,9 +1,8 @@
 //! Diagnosis while a recording runs: the last block of samples on a thread of its own, with a bounded share of one core.
 
-use super::background::{Pause, Task};
+use super::background::{Pause, Task, set_priority};
 use super::notices::Notices;
 use ballrace_base::parallel;
-use ballrace_base::priority;
 use ballrace_diagnosis::block::Block;
 use ballrace_diagnosis::plausibility::implausible_samples;
 use ballrace_diagnosis::{self as diagnosis, DiagnosisInput, DiagnosisResult};
@@ -277,7 +276,7 @@ impl RunningDiagnosis {
         }
         let thread = std::thread::Builder::new().name("diagnosis".to_owned());
         let diagnose = move || {
-            priority::lower();
+            set_priority(schedule);
             // The samples have the other processors.
             parallel::on_this_thread(|| machine.diagnose(&samples))
         };

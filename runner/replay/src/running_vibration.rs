@@ -1,11 +1,10 @@
 //! Vibration sensors in live operation: statistics of every second, and the envelope spectra of blocks on a thread of their own,
 //! with a bounded share of one core.
 
-use super::background::{Pause, Task};
+use super::background::{Pause, Task, set_priority};
 use super::notices::Notices;
 use super::running_diagnosis::OpenFaults;
 use super::second::{SensorSecond, StatisticsOfSensors};
-use ballrace_base::priority;
 use ballrace_diagnosis::vibration::signals::{Evaluation, Signals};
 use ballrace_outcome::baseline::Baseline;
 use ballrace_outcome::options::BackgroundSchedule;
@@ -113,8 +112,9 @@ impl RunningVibration {
         let (scene, baseline) = (self.scene.clone(), self.baseline.clone());
         let time = sample.row.time;
         let thread = std::thread::Builder::new().name("vibration".to_owned());
+        let schedule = self.schedule;
         let evaluate = move || {
-            priority::lower();
+            set_priority(schedule);
             signals.evaluate(&scene, baseline.as_deref())
         };
         match thread.spawn(evaluate) {
