@@ -439,6 +439,9 @@ pub struct ProbeOutcome {
     pub list: Option<TabularList>,
 }
 
+/// Value of an indicator of a probe.
+pub type ProbeValue = fn(&ProbeOutcome) -> f64;
+
 impl ProbeOutcome {
     /// Place and direction of the probe.
     pub const PLACE: [NumericField<Self>; 2] = [
@@ -459,7 +462,7 @@ impl ProbeOutcome {
         NumericField::new("noise_um", "Probe noise", "um rms", |p| p.noise_um.unwrap_or(f64::NAN));
 
     /// Indicators with a value of the whole recording, in the unit of [`Indicator::unit`].
-    pub const INDICATORS: [(Indicator, fn(&Self) -> f64); 7] = [
+    pub const INDICATORS: [(Indicator, ProbeValue); 7] = [
         (Indicator::Residual, |p| p.residual_rms_um),
         (Indicator::OneX, |p| p.measured.one_x_um),
         (Indicator::TwoX, |p| p.list.map_or(f64::NAN, |list| list.two_x_um_pp / 2.0)),
