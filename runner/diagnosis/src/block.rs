@@ -62,7 +62,7 @@ impl Block {
     }
 
     /// Returns the number of samples in a row.
-    pub fn len(&self) -> usize {
+    pub fn length(&self) -> usize {
         self.samples.len()
     }
 

@@ -301,8 +301,8 @@ impl RunningDiagnosis {
             return DiagnosisState::Computing { time_s: end.time };
         }
         let period = self.machine.period;
-        let required = Block::full_length(sample.speed * period / TAU).max(block.len());
-        DiagnosisState::Collecting { collected_s: block.len() as f64 * period, required_s: required as f64 * period }
+        let required = Block::full_length(sample.speed * period / TAU).max(block.length());
+        DiagnosisState::Collecting { collected_s: block.length() as f64 * period, required_s: required as f64 * period }
     }
 
     /// Ends the diagnoses; limits stay in force.
