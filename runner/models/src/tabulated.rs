@@ -198,7 +198,7 @@ pub const FIRMWARE_TABLE: TableSize = TableSize { bytes: 32 << 10, over_speeds: 
 /// Samples the quasi-static model of one bearing.
 ///
 /// # Errors
-/// As [`quasi_static`], and a table with states without equilibrium.
+/// As [`crate::build::quasi_static`], and a table with states without equilibrium.
 pub fn table(scene: &Scene, of: &BearingScene, size: TableSize) -> Result<TableData, BuildError> {
     let (geometry, zero) = contact_geometry(of, "tabulated")?;
     let (domain, by_outer) = domain(scene, of, &geometry, size)?;

@@ -29,7 +29,7 @@ pub struct Pose {
     pub at: BearingKinematicState<f64>,
 }
 
-/// Poses of every bearing in the scene's order, at most [`MAX_POSES`] of each.
+/// Poses of every bearing in the scene's order, at most `MAX_POSES` of each.
 pub type Poses = Vec<Vec<Pose>>;
 
 /// Returns rate and length of a computed motion.
