@@ -30,13 +30,13 @@ pub struct Draft<'a> {
 /// Returns the scene as TOML with a comment on each key.
 ///
 /// ```
-/// use ballrace_twin::catalogue::find;
-/// use ballrace_twin::draft::{Draft, draft};
+/// use ballrace_scene::catalogue::find;
+/// use ballrace_replay::draft::{Draft, draft};
 ///
 /// let bearings = vec![find("6205")?, find("6205")?];
 /// let text = draft(&Draft { name: "pump".to_owned(), speed: Some("3000 rpm".to_owned()), bearings, recording: None });
 /// assert!(text.contains("bearing = \"6205 CN\"") && text.contains("mass = \"?\""));
-/// # Ok::<(), ballrace_twin::catalogue::UnknownBearing>(())
+/// # Ok::<(), ballrace_scene::catalogue::UnknownBearing>(())
 /// ```
 #[must_use]
 pub fn draft(of: &Draft) -> String {

@@ -6,7 +6,7 @@
 //! threads and keeps the rows in a [`Store`], from which a second run continues.
 //!
 //! ```
-//! use ballrace_twin::fleet::{Machine, SceneSource, State, evaluate};
+//! use ballrace_replay::fleet::{Machine, SceneSource, State, evaluate};
 //!
 //! let machine = Machine::new("pump 7", SceneSource::Path("no-such-scene.toml".into()));
 //! let row = evaluate(&machine).row;

@@ -67,7 +67,7 @@ impl std::error::Error for UnknownBearing {}
 /// of clearance.
 ///
 /// ```
-/// use ballrace_twin::catalogue::{ClearanceClass, find};
+/// use ballrace_scene::catalogue::{ClearanceClass, find};
 ///
 /// let listed = find("SKF 6205-2RS1/C3").unwrap();
 /// assert_eq!(listed.entry.designation, "6205");
