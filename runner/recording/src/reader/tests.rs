@@ -190,7 +190,7 @@ fn files_that_cannot_be_read() {
     let gone = Reader::open(Path::new("no/such/file.csv"), &rated()).err().unwrap();
     assert!(matches!(gone, RecordingError::Open { .. }) && !gone.is_scene_fault());
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("notes.txt"), "no recording").unwrap();
+    std::fs::write(folder.path().join("notes.toml"), "no recording").unwrap();
     let folder = Reader::open(folder.path(), &rated()).err().unwrap();
     assert!(folder.to_string().ends_with(": folder without a recording: 1 other file, expected files of a recording"));
 }
