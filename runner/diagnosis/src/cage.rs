@@ -90,7 +90,7 @@ impl CageHarmonics {
 
 /// Fall of chi-squared from which the angle of a cage counts as observable: four unknowns found among a few hundred
 /// independent trials.
-pub const OBSERVABLE: f64 = 40.0;
+pub(crate) const OBSERVABLE: f64 = 40.0;
 
 /// Cages of the search that are tried with the whole residual.
 const TRIED: usize = 6;
@@ -133,7 +133,7 @@ const APART: f64 = 4.0;
 ///
 /// Where the lines of both cages overlap, the first cage may take the line of the second, and a fit of one after the other does not leave that
 /// minimum: the likeliest slips of both are tried together.
-pub fn fit_cages_together(
+pub(crate) fn fit_cages_together(
     e: &Evidence,
     band: &Baseband,
     machine: &Machine,
@@ -190,7 +190,12 @@ pub fn fit_cages_together(
 }
 
 /// Fits slip and phase of every cage; returns which are observable.
-pub fn fit_cages(e: &Evidence, band: &Baseband, machine: &Machine, range: [f64; 2]) -> Result<(Fitted, Vec<bool>)> {
+pub(crate) fn fit_cages(
+    e: &Evidence,
+    band: &Baseband,
+    machine: &Machine,
+    range: [f64; 2],
+) -> Result<(Fitted, Vec<bool>)> {
     let mut now = evaluate(e, machine)?;
     let mut observable = vec![false; machine.bearings.len()];
     for round in 0..ROUNDS {

@@ -56,7 +56,7 @@ enum Inertia {
 }
 
 /// Displacement by a unit unbalance at angle 0 and at a quarter of a revolution: for each bearing and plane, sample by sample.
-pub type UnitResponses = Vec<[[Vec<Displacement<f64>>; 2]; 2]>;
+pub(crate) type UnitResponses = Vec<[[Vec<Displacement<f64>>; 2]; 2]>;
 
 struct Elastic {
     /// Stations of two planes at which unbalance is taken to change, m.
@@ -123,7 +123,7 @@ impl Dynamics {
     }
 
     /// Returns the effect of a wrench at bearing `b` as one about the centre of mass.
-    pub fn to_centre(&self, b: usize, line: usize) -> &Square {
+    pub(crate) fn to_centre(&self, b: usize, line: usize) -> &Square {
         at(&self.bearings[b], line)
     }
 
@@ -221,7 +221,7 @@ impl Dynamics {
     /// Returns the displacement of every bearing by a unit unbalance in each plane while the pose stays; `None` for a rigid rotor.
     ///
     /// `unit` is the force along X and Y of a unit unbalance at angle 0, sample by sample.
-    pub fn unit_responses(&self, unit: &[[f64; 2]]) -> Option<UnitResponses> {
+    pub(crate) fn unit_responses(&self, unit: &[[f64; 2]]) -> Option<UnitResponses> {
         let elastic = self.elastic.as_ref()?;
         let ahead: Vec<[f64; D]> = unit.iter().map(|[p, q]| [*p, *q, 0.0, 0.0, 0.0]).collect();
         let behind: Vec<[f64; D]> = unit.iter().map(|[p, q]| [-q, *p, 0.0, 0.0, 0.0]).collect();
@@ -230,7 +230,7 @@ impl Dynamics {
     }
 
     /// Returns the displacement of bearing `b` by unbalance, load and weight while the pose stays; `None` for a rigid rotor.
-    pub fn by_loads(
+    pub(crate) fn by_loads(
         &self,
         b: usize,
         unbalance: [f64; 4],
@@ -251,7 +251,7 @@ impl Dynamics {
     }
 
     /// Returns the largest static displacement of a bearing across the axis by load and weight while the pose stays, m.
-    pub fn sag(&self, load: &[f64; D], weight: &[f64; D]) -> f64 {
+    pub(crate) fn sag(&self, load: &[f64; D], weight: &[f64; D]) -> f64 {
         let Some(elastic) = &self.elastic else { return 0.0 };
         let of = |b: usize| {
             let moved = elastic.by_steady_loads(b, load, weight);
@@ -261,7 +261,7 @@ impl Dynamics {
     }
 
     /// Adds the displacement of every bearing by `wrenches` of the bearings, sample by sample, while the pose stays.
-    pub fn add_by_bearings(&self, wrenches: &[Vec<[f64; D]>], displacements: &mut [Vec<Displacement<f64>>]) {
+    pub(crate) fn add_by_bearings(&self, wrenches: &[Vec<[f64; D]>], displacements: &mut [Vec<Displacement<f64>>]) {
         let Some(elastic) = &self.elastic else { return };
         for (b, displaced) in displacements.iter_mut().enumerate() {
             for (wrench, matrices) in wrenches.iter().zip(&elastic.by_bearing[b]) {
@@ -307,7 +307,7 @@ impl Elastic {
 
 /// Share of a record at each end over which a series rises before it is mapped line by line. A step there would excite a free
 /// vibration that lasts into the record; a rise over many periods does not.
-pub const LEAD: f64 = 0.08;
+pub(crate) const LEAD: f64 = 0.08;
 
 /// Treatment of the lines beyond the last matrix.
 #[derive(Clone, Copy, PartialEq)]

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 /// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
 const WITHIN_95: f64 = 1.96;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
-pub const STIFFNESS_ERROR: f64 = 0.005;
+pub(crate) const STIFFNESS_ERROR: f64 = 0.005;
 /// Search for the end of an interval: share of the error of the profile below which it is not made, factor of its steps, steps of the
 /// fit of the other unknowns, and largest size over that of a parabola.
 const SMALL: f64 = 0.4;
@@ -99,7 +99,7 @@ impl Estimates<'_, '_> {
     }
 
     /// Returns an unknown as [`Estimates::estimate`], with the ends of its interval by the profile of chi-squared.
-    pub fn profile_estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
+    pub(crate) fn profile_estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
         let value = unknown.get(&self.last.machine) / unit;
         let reach = self.reach(unknown, model_error);
         let [down, up] = reach.map(|reach| (reach / unit).hypot(WITHIN_95 * model_error * value));
@@ -113,7 +113,7 @@ impl Estimates<'_, '_> {
     }
 
     /// Widens an angle from the keyphasor mark: its pulse is detected at the first sample after it, up to one sample late.
-    pub fn with_pulse_error(&self, angle: Estimate) -> Estimate {
+    pub(crate) fn with_pulse_error(&self, angle: Estimate) -> Estimate {
         let rotation = self.e.scene.recording.as_ref().map(|recording| &recording.rotation);
         if !matches!(rotation, Some(RotationSource::Keyphasor { .. })) {
             return angle;
@@ -140,7 +140,7 @@ impl Estimates<'_, '_> {
 ///
 /// With the slopes `J` of the unknowns and the change `v` of the residual by one deviation of a parameter, the unknowns change by
 /// `-C J^T v`.
-pub fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
+pub(crate) fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
     let changes = e.uncertain_changes(&last.spectra, &last.machine)?;
     if changes.is_empty() || last.unknowns.is_empty() {
         return Ok(last);
@@ -167,7 +167,7 @@ pub fn described(estimate: Option<Estimate>, digits: usize) -> String {
 }
 
 /// Describes a size that is not negative; by its interval alone if that includes 0.
-pub fn described_size(estimate: Option<Estimate>, digits: usize) -> String {
+pub(crate) fn described_size(estimate: Option<Estimate>, digits: usize) -> String {
     match estimate {
         Some(e) if e.low <= 0.0 => format!("between 0 and {:.digits$}", e.high),
         _ => described(estimate, digits),
@@ -181,7 +181,7 @@ pub fn around(value: f64, deviation: f64) -> Estimate {
 }
 
 /// Returns an angle with its value between 0 and 360 degrees.
-pub fn within_turn(e: Estimate) -> Estimate {
+pub(crate) fn within_turn(e: Estimate) -> Estimate {
     let shift = e.value.rem_euclid(360.0) - e.value;
     Estimate { value: e.value + shift, low: e.low + shift, high: e.high + shift }
 }

@@ -37,7 +37,7 @@ const APART: f64 = 0.15;
 const USUAL_BALL: f64 = 0.2;
 
 /// A fault with the machines that have it and lack it.
-pub struct Contrast<'a, 'b> {
+pub(crate) struct Contrast<'a, 'b> {
     input: &'a DiagnosisInput<'b>,
     e: &'a Evidence<'b>,
     pub machine: &'a Machine,

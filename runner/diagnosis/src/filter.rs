@@ -13,7 +13,7 @@ const ONE: f64 = 7.0;
 const MEAN_OF_FIVE: f64 = 2.5;
 
 /// Filter that keeps the lines above the noise, coordinate by coordinate.
-pub struct LineFilter {
+pub(crate) struct LineFilter {
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
     kept: [Vec<bool>; D],

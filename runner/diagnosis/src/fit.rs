@@ -60,7 +60,7 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
 
 /// Relative amount by which the chi-squared of a true machine may exceed the number of values: the force is evaluated at samples
 /// and interpolated between them.
-pub const MODEL_ERROR: f64 = 0.03;
+pub(crate) const MODEL_ERROR: f64 = 0.03;
 /// Fall of chi-squared in a step below which a fit ends.
 pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
@@ -78,7 +78,7 @@ pub struct Prior {
 
 impl Prior {
     /// Returns the mean of an unknown; 0 without one.
-    pub fn mean_of(&self, unknown: Unknown) -> f64 {
+    pub(crate) fn mean_of(&self, unknown: Unknown) -> f64 {
         self.unknowns.iter().zip(&self.mean).find(|(own, _)| **own == unknown).map_or(0.0, |(_, mean)| *mean)
     }
 
@@ -156,7 +156,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
 }
 
 /// Fits `unknowns` with a prior of some of them, in the weights of each machine tried, in at most `iterations` and until `end`.
-pub fn fit_whole(
+pub(crate) fn fit_whole(
     e: &Evidence,
     start: &Fitted,
     unknowns: &[Unknown],

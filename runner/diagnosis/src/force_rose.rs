@@ -11,7 +11,7 @@ use ballrace::{BearingKinematicState, Exact};
 use std::f64::consts::TAU;
 
 /// Sectors of a rose.
-pub const SECTORS: usize = 72;
+pub(crate) const SECTORS: usize = 72;
 /// Instants of the mean pass.
 pub const STEPS: usize = 1440;
 /// Harmonics of the passing that are followed.

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Identified fault, with the machine that contains it and all faults before it.
 #[derive(Clone)]
-pub struct IdentifiedFault {
+pub(crate) struct IdentifiedFault {
     pub fault: AnyFault,
     /// Fall of chi-squared by it.
     pub gain: f64,
@@ -92,7 +92,7 @@ const FURTHER: usize = 3;
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Least significant fall of chi-squared by a fault: odds of e^50 against chance, with thousands of alternatives tried.
-pub const MIN_GAIN: f64 = 100.0;
+pub(crate) const MIN_GAIN: f64 = 100.0;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
 /// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
 const FORCE_ERROR: f64 = 0.01;

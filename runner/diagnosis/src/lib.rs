@@ -53,7 +53,7 @@ use surface::Baseband;
 type Result<T> = std::result::Result<T, BuildError>;
 
 /// Smallest number of shaft revolutions in a block.
-pub const MIN_REVOLUTIONS: f64 = 16.0;
+pub(crate) const MIN_REVOLUTIONS: f64 = 16.0;
 /// Highest line over the highest natural frequency: above it the rotor's inertia leaves less of a force than noise.
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
 /// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.

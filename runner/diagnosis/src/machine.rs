@@ -39,7 +39,7 @@ impl Cage {
 
 /// One bearing of the machine.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MachineBearing {
+pub(crate) struct MachineBearing {
     pub scene: BearingScene,
     pub cage: Cage,
     /// Tilt of the outer ring about X and Y, rad.
@@ -292,7 +292,7 @@ impl Evaluated {
     }
 
     /// Returns the force at sample `t` with an error of the displacement of the rotor.
-    pub fn force_with(&self, motion: &Motion, t: usize, error: &Displacement<f64>) -> [f64; D] {
+    pub(crate) fn force_with(&self, motion: &Motion, t: usize, error: &Displacement<f64>) -> [f64; D] {
         self.wrench(&self.bearing, &(self.displaced[t] + *error), &self.state(motion, t))
     }
 
@@ -303,7 +303,7 @@ impl Evaluated {
 
     /// Returns the change of the force by the spalls at sample `t` with the cage at another angle, at which only the first ball is on
     /// a spall.
-    pub fn change_at_first_ball(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
+    pub(crate) fn change_at_first_ball(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
         let state = BearingKinematicState { cage, ..self.state(motion, t) };
         self.passing.first().map_or([0.0; D], |one| self.change(one, &self.displaced[t], &state))
     }

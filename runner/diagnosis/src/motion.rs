@@ -38,7 +38,7 @@ pub struct Motion {
 
 impl Motion {
     /// Returns the force along X and Y of a unit unbalance at angle 0, sample by sample.
-    pub fn unit_unbalance(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn unit_unbalance(&self) -> Vec<[f64; 2]> {
         let force = |t: usize| {
             let (s, c) = self.angle[t].radians().sin_cos();
             let (w2, a) = (self.speed[t] * self.speed[t], self.acceleration[t]);
@@ -127,7 +127,7 @@ impl Transform {
     }
 
     /// Returns the window at a share of the record.
-    pub fn window_at(&self, share: f64) -> f64 {
+    pub(crate) fn window_at(&self, share: f64) -> f64 {
         let window = &self.window[0];
         window[((share * window.len() as f64) as usize).min(window.len() - 1)]
     }
@@ -168,7 +168,7 @@ impl Transform {
     }
 
     /// Transforms five series of [`PARTS`] values per sample, as the mean over each sample period.
-    pub fn five_fine(&self, values: &[[f64; D]]) -> [Vec<C>; D] {
+    pub(crate) fn five_fine(&self, values: &[[f64; D]]) -> [Vec<C>; D] {
         let n = values.len();
         let m = self.lines.len();
         let mut out: [Vec<C>; D] = Default::default();

@@ -28,11 +28,11 @@ impl Parameter {
         self.of_bearing_at(bearing, 0)
     }
 
-    pub const fn of_bearing_at(&'static self, bearing: usize, index: usize) -> Unknown {
+    pub(crate) const fn of_bearing_at(&'static self, bearing: usize, index: usize) -> Unknown {
         Unknown { parameter: self, bearing, index }
     }
 
-    pub const fn of_rotor(&'static self, index: usize) -> Unknown {
+    pub(crate) const fn of_rotor(&'static self, index: usize) -> Unknown {
         Unknown { parameter: self, bearing: 0, index }
     }
 }
@@ -65,7 +65,7 @@ impl Unknown {
     }
 
     /// Returns true for the angle and the speed of a cage.
-    pub fn is_of_cage(self) -> bool {
+    pub(crate) fn is_of_cage(self) -> bool {
         [&CAGE_PHASE, &CAGE_SLIP, &CAGE_DRIFT].into_iter().any(|parameter| self.is(parameter))
     }
 
@@ -105,7 +105,7 @@ pub fn union(mut first: Vec<Unknown>, others: &[Unknown]) -> Vec<Unknown> {
 const LEAST_OF_BEFORE: f64 = 1e-3;
 
 /// Angle of a cage.
-pub static CAGE_PHASE: Parameter = Parameter {
+pub(crate) static CAGE_PHASE: Parameter = Parameter {
     step: 1e-6,
     longest_step: |elements, _| 0.1 / elements,
     changes_stiffness: false,
@@ -116,7 +116,7 @@ pub static CAGE_PHASE: Parameter = Parameter {
 };
 
 /// Cage speed below pure rolling.
-pub static CAGE_SLIP: Parameter = Parameter {
+pub(crate) static CAGE_SLIP: Parameter = Parameter {
     step: 1e-8,
     longest_step: |elements, turns| 0.2 / (elements * 0.4 * turns),
     changes_stiffness: false,
@@ -127,7 +127,7 @@ pub static CAGE_SLIP: Parameter = Parameter {
 };
 
 /// Change of the cage speed; the longest step is that at the ends of the record.
-pub static CAGE_DRIFT: Parameter = Parameter {
+pub(crate) static CAGE_DRIFT: Parameter = Parameter {
     step: 1e-10,
     longest_step: |elements, turns| 0.1 / (elements * 0.125 * turns * turns),
     changes_stiffness: false,
@@ -135,7 +135,7 @@ pub static CAGE_DRIFT: Parameter = Parameter {
 };
 
 /// Ball spin below pure rolling.
-pub static SPIN_SLIP: Parameter = Parameter {
+pub(crate) static SPIN_SLIP: Parameter = Parameter {
     step: 1e-8,
     longest_step: |elements, turns| 0.2 / (elements * 0.4 * turns),
     changes_stiffness: false,
@@ -146,7 +146,7 @@ pub static SPIN_SLIP: Parameter = Parameter {
 };
 
 /// Young's modulus of a bearing.
-pub static MODULUS: Parameter = Parameter {
+pub(crate) static MODULUS: Parameter = Parameter {
     step: 1e6,
     longest_step: |_, _| 2e10,
     changes_stiffness: true,

@@ -24,7 +24,7 @@ pub(super) use weights::Normal;
 const RIGID_WINDOW: [f64; 2] = [0.0, 0.12];
 const ELASTIC_WINDOW: [f64; 2] = [LEAD, 0.4];
 /// Lines over which the window spreads a mean.
-pub const MEAN_LINES: usize = 5;
+pub(crate) const MEAN_LINES: usize = 5;
 /// Relative standard deviation of a shaft's elasticity: Young's modulus of steels differs by 2 %, shrunk-on parts stiffen the shaft.
 const ELASTICITY_ERROR: f64 = 0.02;
 /// Rounds in which moments and displacements of the bearings of an elastic rotor are found.
@@ -246,12 +246,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns true if the axial motion is computed: no probe measures it, and the rotor is rigid.
-    pub fn follows_axially(&self) -> bool {
+    pub(crate) fn follows_axially(&self) -> bool {
         !self.weighting.has_axial_probe && !self.is_elastic()
     }
 
     /// Returns the standard deviation that the noise of the probes causes in the reading of the pose by a probe with this row.
-    pub fn reading_noise(&self, row: &[f64; D]) -> f64 {
+    pub(crate) fn reading_noise(&self, row: &[f64; D]) -> f64 {
         self.weighting.reading_noise(row)
     }
 
@@ -300,7 +300,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns another bearing in the place of bearing `b` of a machine.
-    pub fn evaluated_as(&self, machine: &Machine, b: usize, of: &MachineBearing) -> Result<Evaluated> {
+    pub(crate) fn evaluated_as(&self, machine: &Machine, b: usize, of: &MachineBearing) -> Result<Evaluated> {
         Evaluated::new(self.scene, self.plant, b, of, self.displaced(machine, b))
     }
 
@@ -333,7 +333,7 @@ impl<'a> Evidence<'a> {
     /// In these the noise of the probes does not depend on the machine, so that the fit of a machine as a whole has no advantage
     /// from less damping or stiffness. The noise of the bearing forces over that of the probes is taken from the machine by which
     /// the residual is weighted.
-    pub fn own_residual(&self, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
+    pub(crate) fn own_residual(&self, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
         let own = self.mean_stiffness(machine)?;
         let mut force = self.force(spectra);
         self.stiffen(&mut force, &own);
@@ -342,7 +342,12 @@ impl<'a> Evidence<'a> {
 
     /// Returns the changes of [`Evidence::own_residual`] by each unknown. With `d` the displacement that the unexplained force
     /// causes, the change of the weights is that of the mean dynamic stiffness times `-d`.
-    pub fn own_slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
+    pub(crate) fn own_slopes(
+        &self,
+        spectra: &Spectra,
+        machine: &Machine,
+        unknowns: &[Unknown],
+    ) -> Result<Vec<Vec<f64>>> {
         let own = self.mean_stiffness(machine)?;
         let whitening = self.own_whitening(&own);
         let mut force = self.force(spectra);
@@ -388,7 +393,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Returns the spectra of a force at bearing `b`, sample by sample, as one about the centre of mass.
-    pub fn about_centre(&self, b: usize, of: &dyn Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
+    pub(crate) fn about_centre(&self, b: usize, of: &dyn Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
         let mut sum: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
         self.shaft.dynamics.add(b, &self.transform.five(0, of), &mut sum);
         sum
@@ -459,7 +464,7 @@ impl<'a> Evidence<'a> {
     /// is held where it is not measured.
     ///
     /// The stiffness changes along the motion: at a resonance of its mean, the displacement alone would be too large.
-    pub fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
+    pub(crate) fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
         let mut out: [Vec<C>; D] = Default::default();
         for (k, w) in self.transform.lines.iter().enumerate() {
             let stiffness = self.held(self.dynamic_stiffness(&self.reference, k, *w));
@@ -473,7 +478,7 @@ impl<'a> Evidence<'a> {
 
     /// Returns a force as a residual at the probes in units of their noise: line by line, probe by probe, real and imaginary
     /// part.
-    pub fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {
+    pub(crate) fn at_probes(&self, force: &[Vec<C>; D]) -> Vec<f64> {
         self.tolerated(whitened(&self.whitening, force))
     }
 
@@ -488,7 +493,7 @@ impl<'a> Evidence<'a> {
 
     /// Returns the change of the residual of a machine by one deviation of each independent uncertain parameter, less the change that
     /// is subtracted from every residual: the same fault has another force where the bearing is stiffer.
-    pub fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
+    pub(crate) fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
         let slope = |u: &Unknown| self.slope(spectra, machine, *u);
         let mut slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;

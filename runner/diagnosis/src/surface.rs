@@ -85,7 +85,7 @@ pub struct Coarse {
 }
 
 /// Transforms between coarse samples and lines about a carrier.
-pub struct Baseband {
+pub(crate) struct Baseband {
     half_width: usize,
     count: usize,
     forward: std::sync::Arc<dyn rustfft::Fft<f64>>,
@@ -186,7 +186,7 @@ impl Baseband {
 }
 
 /// Carrier of an order of the shaft at the coarse samples, moved by the line about which its band is.
-pub struct Carrier {
+pub(crate) struct Carrier {
     pub line: usize,
     /// True for a negative frequency.
     is_backward: bool,
@@ -203,7 +203,7 @@ impl Carrier {
 }
 
 /// Force per deflection of a ball along the motion, as harmonics around the ring.
-pub struct Compliance {
+pub(crate) struct Compliance {
     bearing: usize,
     /// l from -L to L.
     harmonics: Vec<Coarse>,
@@ -249,7 +249,7 @@ struct Harmonic {
 }
 
 /// A family of lines fitted to the unexplained force at one slip.
-pub struct Family {
+pub(crate) struct Family {
     pub component: Component,
     pub bearing: usize,
     /// Slip of the cage, or of the ball's spin.
@@ -503,7 +503,7 @@ impl Family {
 
 /// Initial estimate of a spall.
 #[derive(Debug, Clone, Copy)]
-pub struct SpallGuess {
+pub(crate) struct SpallGuess {
     /// Angle of the spall on its component, rad.
     pub centre: f64,
     pub half_width: f64,
@@ -523,7 +523,7 @@ fn half_sine(m: f64, w: f64) -> f64 {
 const REFINED: usize = 2;
 
 /// Returns the family at the slip that explains most.
-pub fn best_family(
+pub(crate) fn best_family(
     e: &Evidence,
     band: &Baseband,
     from: &Fitted,

@@ -10,7 +10,7 @@ use ballrace_scene::{Bearing as BearingScene, Model};
 use std::fmt::Write;
 
 /// [`Model::Angular`]
-pub struct AngularModel;
+pub(crate) struct AngularModel;
 
 impl BearingModel for AngularModel {
     fn model(&self) -> Model {

@@ -12,7 +12,7 @@ use ballrace::{Math, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Model, Scene};
 
 /// [`Model::Dynamic`]
-pub struct DynamicModel;
+pub(crate) struct DynamicModel;
 
 impl BearingModel for DynamicModel {
     fn model(&self) -> Model {

@@ -11,7 +11,7 @@ use ballrace_scene::{Bearing as BearingScene, Linear, Model};
 use std::fmt::Write;
 
 /// [`Model::Linear`]
-pub struct LinearModel;
+pub(crate) struct LinearModel;
 
 impl BearingModel for LinearModel {
     fn model(&self) -> Model {

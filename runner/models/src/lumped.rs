@@ -12,7 +12,7 @@ use ballrace::{Exact, Math, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Facing, FreeAngle, Model};
 
 /// [`Model::Lumped`]
-pub struct LumpedModel;
+pub(crate) struct LumpedModel;
 
 impl BearingModel for LumpedModel {
     fn model(&self) -> Model {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 const COMPARED_STEPS: [u8; 4] = [3, 4, 5, 6];
 
 /// [`Model::QuasiStatic`]
-pub struct QuasiStaticModel;
+pub(crate) struct QuasiStaticModel;
 
 impl BearingModel for QuasiStaticModel {
     fn model(&self) -> Model {

@@ -27,7 +27,7 @@ const ABOUT_ONE_SPEED: i64 = 2;
 const OVER_SPEEDS: i64 = 8;
 
 /// [`Model::Tabulated`]
-pub struct TabulatedModel;
+pub(crate) struct TabulatedModel;
 
 impl BearingModel for TabulatedModel {
     fn model(&self) -> Model {

@@ -159,7 +159,7 @@ pub struct ComparedTwin {
 impl ComparedTwin {
     /// Returns true where the residual has a meaning: the scene determines the motion, or the twin is synchronised.
     #[must_use]
-    pub const fn is_comparable(&self) -> bool {
+    pub(crate) const fn is_comparable(&self) -> bool {
         self.synchronised || self.spread.is_none()
     }
 }
@@ -440,7 +440,7 @@ pub struct ProbeOutcome {
 }
 
 /// Value of an indicator of a probe.
-pub type ProbeValue = fn(&ProbeOutcome) -> f64;
+pub(crate) type ProbeValue = fn(&ProbeOutcome) -> f64;
 
 impl ProbeOutcome {
     /// Place and direction of the probe.

@@ -48,7 +48,7 @@ use twin::StartTask;
 /// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of integration steps in one sample period.
-pub const MAX_SUBSTEPS: u32 = 10_000;
+pub(crate) const MAX_SUBSTEPS: u32 = 10_000;
 const MM: f64 = 1e3;
 /// Coordinate of the centre of mass along the axis.
 pub const AXIAL: usize = 2;
@@ -184,7 +184,7 @@ impl Plant {
     ///
     /// # Errors
     /// As [`Plant::substeps`] and [`Plant::stable_step`].
-    pub fn unstable_step(&self, sample_period: f64) -> Result<Option<String>> {
+    pub(crate) fn unstable_step(&self, sample_period: f64) -> Result<Option<String>> {
         if self.integration.step.is_none() {
             return Ok(None);
         }
@@ -203,7 +203,7 @@ impl Plant {
     ///
     /// # Errors
     /// Mass or stiffness out of the range of numbers.
-    pub fn stable_step(&self) -> Result<Option<f64>> {
+    pub(crate) fn stable_step(&self) -> Result<Option<f64>> {
         let most = match self.integration.method {
             Method::RungeKutta => 2.5865,
             Method::Verlet => 2.0,

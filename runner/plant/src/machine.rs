@@ -36,11 +36,11 @@ pub trait SystemTask<R> {
 }
 
 /// A rigid rotor on bearings.
-pub type RigidSystem<const N: usize> =
+pub(crate) type RigidSystem<const N: usize> =
     RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
 
 /// Function that returns the kernel's bearing of a mounted bearing: [`MountedBearing::cold`] or [`MountedBearing::moving`].
-pub type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
+pub(crate) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
 
 /// A bearing without force, for an unused position of the system.
 struct NoBearing;
@@ -66,7 +66,7 @@ impl ReactingElement<5> for BearingAtStation<f64, AnyBearing<f64>> {
 }
 
 /// A bearing on any coordinates, or one whose balls are coordinates.
-pub enum MountedElement<const D: usize> {
+pub(crate) enum MountedElement<const D: usize> {
     /// Bearing on coordinates of the system.
     Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),
     /// Balls with coordinates of their own.

@@ -321,7 +321,7 @@ pub(super) fn add_loads(rotor: &Rotor, rows: impl Fn(f64) -> Rows, load: &mut [f
 }
 
 /// A matrix of the kernel on the heap: with 128 coordinates it has 128 KiB.
-pub type OnHeap<const D: usize> = Box<SMatrix<f64, D, D>>;
+pub(crate) type OnHeap<const D: usize> = Box<SMatrix<f64, D, D>>;
 
 /// Returns the matrix `from` with `idle` on the rest of its diagonal. Not inlined, so that the stack of its caller does not hold
 /// several matrices at once.

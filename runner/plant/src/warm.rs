@@ -11,7 +11,7 @@ pub const WARM_STEPS: u8 = 3;
 
 /// One model with two numbers of solver steps.
 #[derive(Clone)]
-pub struct ColdAndFew {
+pub(crate) struct ColdAndFew {
     /// With the steps of a cold start.
     pub cold: Arc<dyn Solved<f64>>,
     /// With [`WARM_STEPS`].
@@ -20,7 +20,7 @@ pub struct ColdAndFew {
 
 /// A bearing that starts each solution from the last three, for the consecutive samples of one twin. Its result differs from that
 /// of a cold start by less than the residual of a converged ball. It makes a cold start where the warm start does not converge.
-pub struct Warm {
+pub(crate) struct Warm {
     solved: ColdAndFew,
     offset: Displacement<f64>,
     /// Number of balls.

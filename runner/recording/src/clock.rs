@@ -91,7 +91,7 @@ pub fn check_rate(rate: f64, recording: &Recording, speed: Speed) -> Result<(), 
 }
 
 /// Number of rows from which the step is determined.
-pub const LEARN: usize = 1000;
+pub(crate) const LEARN: usize = 1000;
 
 /// Share of the difference between stamp and grid by which the grid is corrected at each sample. It averages the rounding of
 /// printed stamps and still follows a clock that drifts by 1 % of the step.
@@ -235,7 +235,7 @@ impl Grid {
 
     /// Returns true where the stamp continues from the last sample as if the row between them had a regular stamp.
     #[must_use]
-    pub fn skips_one(&self, stamp: f64) -> bool {
+    pub(crate) fn skips_one(&self, stamp: f64) -> bool {
         ((stamp - self.at) / self.step - 2.0).abs() < 0.5
     }
 

@@ -133,7 +133,7 @@ impl FlawLedger {
     }
 
     /// Extends the last occurrence by one sample, where there is one.
-    pub fn lengthen(&mut self, flaw: Flaw, column: Option<&str>) {
+    pub(crate) fn lengthen(&mut self, flaw: Flaw, column: Option<&str>) {
         if let Some(entry) = self.find(flaw, column) {
             entry.lengthen(1);
         }

@@ -34,7 +34,7 @@ const STEP_TOLERANCE: f64 = 1e-3;
 
 /// Classification of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReadingState {
+pub(crate) enum ReadingState {
     /// The reading is valid.
     Good,
     /// The probe is stuck from this reading on; the run began earlier.
@@ -50,7 +50,7 @@ pub enum ReadingState {
 
 /// State of the detection for one probe.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ProbeWatch {
+pub(crate) struct ProbeWatch {
     limit: u64,
     reading: f64,
     run: u64,
@@ -71,7 +71,7 @@ struct Extreme {
 
 /// Samples exactly at the highest or lowest reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Clipped {
+pub(crate) struct Clipped {
     /// Reading at which the probe is clipped, m.
     pub reading: f64,
     /// Number of samples.

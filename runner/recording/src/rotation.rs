@@ -39,7 +39,7 @@ use ballrace_scene::{Recording, RotationSource, Speed};
 const LONGEST_WAIT: usize = 4_000_000;
 
 /// Ratio to the scene's fastest speed above which a speed reading is implausible.
-pub const SPEED_MARGIN: f64 = 3.0;
+pub(crate) const SPEED_MARGIN: f64 = 3.0;
 /// Largest speed of any rolling bearing, rad/s: 1e6 rpm.
 const FASTEST: f64 = 1.05e5;
 

@@ -46,7 +46,7 @@ impl ProbeRunOut {
 
 impl RunOut {
     /// Subtracts the run-out at a shaft angle from the readings of all probes.
-    pub fn subtract(&self, angle: Phase, readings: &mut [f64]) {
+    pub(crate) fn subtract(&self, angle: Phase, readings: &mut [f64]) {
         let (sine, cosine) = angle.radians().sin_cos();
         for (reading, probe) in readings.iter_mut().zip(&self.probes) {
             *reading -= probe.at((cosine, sine));

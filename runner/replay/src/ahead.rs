@@ -97,7 +97,7 @@ impl Ahead {
     }
 
     /// Returns the total revolutions at the first sample.
-    pub fn first_turns(&self) -> f64 {
+    pub(crate) fn first_turns(&self) -> f64 {
         self.samples.first().map_or(0.0, Sample::total_revolutions)
     }
 

@@ -117,7 +117,7 @@ impl Comparison {
 
     /// Returns the root mean square of the residual of a probe about its mean, m.
     #[must_use]
-    pub fn residual_rms_about_mean(&self, probe: usize) -> f64 {
+    pub(crate) fn residual_rms_about_mean(&self, probe: usize) -> f64 {
         self.probes[probe].residual.rms_about_mean()
     }
 
@@ -129,14 +129,14 @@ impl Comparison {
 
     /// Returns the amplitude of a followed line in a probe's residual over the last block, m.
     #[must_use]
-    pub fn block_line(&self, line: usize, probe: usize) -> f64 {
+    pub(crate) fn block_line(&self, line: usize, probe: usize) -> f64 {
         let signal = 2 * self.probes.len() + probe;
         self.lines.block(line).get(signal).map_or(0.0, |[c, s]| c.hypot(*s))
     }
 
     /// Returns the amplitude of a followed line in a probe's residual, m.
     #[must_use]
-    pub fn residual_line(&self, line: usize, probe: usize) -> f64 {
+    pub(crate) fn residual_line(&self, line: usize, probe: usize) -> f64 {
         self.lines.amplitude(line, 2 * self.probes.len() + probe)
     }
 

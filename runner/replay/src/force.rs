@@ -10,16 +10,16 @@ use ballrace_recording::status::SampleStatus;
 use ballrace_scene::Probe;
 
 /// Number of azimuth bins around the ring for element loads.
-pub const AZIMUTH_BINS: usize = 72;
+pub(crate) const AZIMUTH_BINS: usize = 72;
 /// Largest rate of samples with evaluated forces in live operation, Hz; a quarter of them enters the figures.
-pub const LIVE_FORCE_RATE: f64 = 3200.0;
+pub(crate) const LIVE_FORCE_RATE: f64 = 3200.0;
 /// Decimation factor of the noise-band computation after the first revolutions, which the figures show; a prime number, so that it meets
 /// all angles of the shaft.
 const NOISE_BAND_DECIMATION: u64 = 31;
 
 /// Forces of one bearing at one sample: FX, FY, FZ (N), MX, MY (N m) on the inner ring.
 #[derive(Clone, Copy, Default)]
-pub struct EvaluatedForce {
+pub(crate) struct EvaluatedForce {
     /// At the measured displacement.
     pub measured: [f64; 5],
     /// At the displacement of the twin.
@@ -256,7 +256,7 @@ impl BearingForces {
 
     /// Returns the shares of samples in which no element carries load, at the displacement of `EvaluatedForce::shown` and in the twin.
     #[must_use]
-    pub fn unloaded_shares(&self) -> [f64; 2] {
+    pub(crate) fn unloaded_shares(&self) -> [f64; 2] {
         let twin = self.twin.of(0).count();
         [self.contact_lost as f64 / self.evaluated.max(1) as f64, self.twin_contact_lost as f64 / twin.max(1.0)]
     }

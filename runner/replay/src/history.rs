@@ -1,7 +1,7 @@
 //! Bounded history: when the list is full, neighbouring entries are merged.
 
 /// Entry that can be merged with the following one.
-pub trait Join {
+pub(crate) trait Join {
     /// Merges `later` into this entry; `share` (0 to 1) is its share of both.
     fn join(&mut self, later: &Self, share: f64);
 }
@@ -61,7 +61,7 @@ impl<T: Join> History<T> {
 
     /// Returns the entries in order.
     #[must_use]
-    pub fn into_entries(self) -> Vec<T> {
+    pub(crate) fn into_entries(self) -> Vec<T> {
         self.entries
     }
 }

@@ -109,7 +109,7 @@ struct Crossing {
 }
 
 /// All limits of a scene over a recording.
-pub struct LimitMonitor {
+pub(crate) struct LimitMonitor {
     limits: Vec<ProbeLimit>,
     names: Vec<String>,
     /// The current block of readings.
@@ -268,7 +268,7 @@ impl LimitMonitor {
 
     /// Continues from `state`: samples before its indices are ignored. Crossings of limits that the scene does not have are
     /// dropped.
-    pub fn restore(&mut self, state: &LimitState) {
+    pub(crate) fn restore(&mut self, state: &LimitState) {
         (self.readings.next_index, self.residuals.next_index) = (state.readings_index, state.residuals_index);
         for crossing in &state.crossings {
             let names = &self.names;
@@ -320,32 +320,32 @@ impl LimitMonitor {
 
     /// Returns true where the readings of sample `index` are not part of a block that was finished before a restart.
     #[must_use]
-    pub fn are_readings_due(&self, index: u64) -> bool {
+    pub(crate) fn are_readings_due(&self, index: u64) -> bool {
         self.readings.is_due(index)
     }
 
     /// Returns true where the residuals of sample `index` are not part of such a block.
     #[must_use]
-    pub fn are_residuals_due(&self, index: u64) -> bool {
+    pub(crate) fn are_residuals_due(&self, index: u64) -> bool {
         self.residuals.is_due(index)
     }
 
     /// Adds a sample with a reading of every probe, for limits on readings.
-    pub fn add_readings(&mut self, index: u64, time: f64, measured: &[f64]) {
+    pub(crate) fn add_readings(&mut self, index: u64, time: f64, measured: &[f64]) {
         if !self.is_empty() && self.readings.is_due(index) {
             self.readings.add(index, time, measured.iter().copied());
         }
     }
 
     /// Adds the residuals of such a sample, for limits on residuals.
-    pub fn add_residuals(&mut self, index: u64, time: f64, measured: &[f64], twin: &[f64]) {
+    pub(crate) fn add_residuals(&mut self, index: u64, time: f64, measured: &[f64], twin: &[f64]) {
         if !self.is_empty() && self.residuals.is_due(index) {
             self.residuals.add(index, time, measured.iter().zip(twin).map(|(y, x)| y - x));
         }
     }
 
     /// Ends a block of readings with the sample `index` at `time`; `amplitude` returns a followed line's amplitude in a probe's motion, m.
-    pub fn close_readings(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn close_readings(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
         let Some((start, figures)) = self.readings.close(index, time) else { return };
         self.evaluate(start, time, |monitored| {
             let of = &figures[monitored.probe];
@@ -363,7 +363,7 @@ impl LimitMonitor {
 
     /// Ends a block of residuals with the sample `index` at `time`; `amplitude` returns the amplitude of a followed line in the
     /// residual of a probe, m.
-    pub fn close_residuals(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
+    pub(crate) fn close_residuals(&mut self, index: u64, time: f64, amplitude: impl Fn(usize, usize) -> f64) {
         let Some((start, figures)) = self.residuals.close(index, time) else { return };
         self.evaluate(start, time, |monitored| match monitored.limit.indicator {
             Indicator::Residual => Some(figures[monitored.probe].rms),
@@ -376,13 +376,13 @@ impl LimitMonitor {
 
     /// Ends the crossings of limits on readings at the end of their last block and drops the unfinished one, because the shaft angle is
     /// interrupted: a block does not reach over a standstill.
-    pub fn interrupt_readings(&mut self) {
+    pub(crate) fn interrupt_readings(&mut self) {
         let end = self.readings.interrupt();
         self.end_crossings(end, false);
     }
 
     /// Ends the crossings of limits on residuals and drops their unfinished block, as [`Self::interrupt_readings`].
-    pub fn interrupt_residuals(&mut self) {
+    pub(crate) fn interrupt_residuals(&mut self) {
         let end = self.residuals.interrupt();
         self.end_crossings(end, true);
     }

@@ -14,9 +14,9 @@ use ballrace_plant::MountedBearing;
 /// Revolutions of one block: lines 3/16 of an order apart are resolved.
 pub const BLOCK_TURNS: f64 = 16.0;
 /// Harmonics of the outer ball-pass line that are followed.
-pub const OUTER_HARMONICS: i32 = 5;
+pub(crate) const OUTER_HARMONICS: i32 = 5;
 /// Harmonics of the inner ball-pass line that are followed.
-pub const INNER_HARMONICS: i32 = 3;
+pub(crate) const INNER_HARMONICS: i32 = 3;
 
 /// Angles of the shaft and of the parts of the bearings at one sample.
 #[derive(Clone, Copy)]
@@ -108,19 +108,19 @@ pub fn followed(bearings: &[MountedBearing]) -> Vec<Line> {
 
 /// Returns the orders of the followed lines.
 #[must_use]
-pub fn followed_orders(bearings: &[MountedBearing]) -> Vec<f64> {
+pub(crate) fn followed_orders(bearings: &[MountedBearing]) -> Vec<f64> {
     followed(bearings).iter().map(|line| line.order(bearings)).collect()
 }
 
 /// Returns the index in [`followed`] of harmonic `k` (1 is the fundamental) of a bearing's outer ball pass.
 #[must_use]
-pub fn outer_line(bearing: usize, k: i32) -> usize {
+pub(crate) fn outer_line(bearing: usize, k: i32) -> usize {
     2 + bearing * (OUTER_HARMONICS + INNER_HARMONICS) as usize + (k - 1) as usize
 }
 
 /// Returns the index in [`followed`] of harmonic `k` of a bearing's inner ball pass.
 #[must_use]
-pub fn inner_line(bearing: usize, k: i32) -> usize {
+pub(crate) fn inner_line(bearing: usize, k: i32) -> usize {
     outer_line(bearing, OUTER_HARMONICS + k)
 }
 
@@ -178,7 +178,7 @@ where
 
     /// Creates a demodulator of `pairs` signals, of as many others, and of the first less the others.
     #[must_use]
-    pub fn with_differences(lines: Vec<Line>, pairs: usize) -> Self {
+    pub(crate) fn with_differences(lines: Vec<Line>, pairs: usize) -> Self {
         Self::of(lines, 2 * pairs, pairs)
     }
 

@@ -20,7 +20,7 @@ pub struct Notice {
 
 /// Notices of a recording, at most one of a kind every 10 s, so that a lasting fault does not flood the log.
 #[derive(Default)]
-pub struct Notices {
+pub(crate) struct Notices {
     last: Vec<(&'static str, f64)>,
     waiting: Vec<Notice>,
 }
@@ -38,7 +38,7 @@ impl Notices {
     }
 
     /// Adds a notice, whatever came before.
-    pub fn add_always(&mut self, kind: &'static str, time_s: f64, sentence: String) {
+    pub(crate) fn add_always(&mut self, kind: &'static str, time_s: f64, sentence: String) {
         self.waiting.push(Notice { kind, time_s, sentence });
     }
 

@@ -25,7 +25,7 @@ const CAGE_TURNS: f64 = 8.0;
 const MOST: usize = 20_000;
 
 /// Collects the data of the figures.
-pub struct FigureCollector {
+pub(crate) struct FigureCollector {
     pictures: Pictures,
     planes: Vec<Plane>,
     trend: Trend,
@@ -119,7 +119,7 @@ impl FigureCollector {
 
     /// Returns true while the force traces record samples.
     #[must_use]
-    pub fn shows_forces(&self) -> bool {
+    pub(crate) fn shows_forces(&self) -> bool {
         self.open(TURNS)
     }
 
@@ -178,7 +178,7 @@ impl FigureCollector {
 
 /// Returns true where the keyphasor mark passed within the last `revolutions` before the sample.
 #[must_use]
-pub fn passes_keyphasor(sample: &Sample, revolutions: f64) -> bool {
+pub(crate) fn passes_keyphasor(sample: &Sample, revolutions: f64) -> bool {
     revolutions != 0.0 && sample.angle.revolutions() < revolutions.abs()
 }
 
@@ -215,7 +215,7 @@ fn orbit(plane: &Plane, probes: &[Probe]) -> Orbit {
 
 /// Returns 1X and the lines of every bearing; bearings with equal orders share a line.
 #[must_use]
-pub fn marked_lines(mounted: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
+pub(crate) fn marked_lines(mounted: &[MountedBearing], speed_hz: f64) -> Vec<MarkedLine> {
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: speed_hz }];
     for bearing in mounted.iter().filter(|s| s.kinematics.cage_ratio != 0.0) {
         let orders = bearing.kinematics.orders;

@@ -33,14 +33,14 @@ impl Counts {
     }
 
     /// Adds a sample without a shaft angle.
-    pub const fn add_without_angle(&mut self) {
+    pub(crate) const fn add_without_angle(&mut self) {
         self.samples += 1;
         self.angle_not_measured += 1;
     }
 
     /// Returns true where the motion of the twin overflowed at the end or in more than a few samples, so that its figures have no meaning.
     #[must_use]
-    pub fn has_overflowed(&self) -> bool {
+    pub(crate) fn has_overflowed(&self) -> bool {
         self.share(self.twin_held) > MAX_NOT_MEASURED || self.twin_is_held
     }
 
@@ -90,7 +90,7 @@ impl Counts {
 
 /// Returns the reasons why the readings cannot be of the scene's machine when they are compared with the motion of its twin.
 #[must_use]
-pub fn unlike_twin(
+pub(crate) fn unlike_twin(
     probes: &[ProbeOutcome],
     bearings: &[BearingForces],
     mounted: &[MountedBearing],

@@ -35,7 +35,7 @@ pub struct Spread {
 ///
 /// # Errors
 /// A machine that cannot be started; `cancelled` was set.
-pub fn run_in_twice(
+pub(crate) fn run_in_twice(
     plant: &Plant,
     rows: &[Vec<f64>],
     noise: &[f64],

@@ -161,7 +161,7 @@ impl RunningVibration {
     }
 
     /// Continues with the faults of an earlier process.
-    pub fn restore(&mut self, faults: &[Diagnosis]) {
+    pub(crate) fn restore(&mut self, faults: &[Diagnosis]) {
         self.faults = OpenFaults::new(faults);
     }
 
@@ -171,7 +171,7 @@ impl RunningVibration {
     }
 
     /// Drops the statistics of the seconds up to the one that ends at `time_s`.
-    pub fn drop_seconds(&mut self, time_s: f64) {
+    pub(crate) fn drop_seconds(&mut self, time_s: f64) {
         self.seconds.drop_until(time_s);
     }
 

@@ -162,7 +162,7 @@ impl BearingSecond {
 const MAX_WAITING: usize = 3600;
 
 /// Statistics of vibration sensors by the second. The twin is behind the readings, so that several seconds wait.
-pub struct StatisticsOfSensors {
+pub(crate) struct StatisticsOfSensors {
     /// Names and units.
     sensors: Vec<(String, String)>,
     /// Number of each second that is not dropped, in order.
@@ -207,7 +207,7 @@ impl StatisticsOfSensors {
     }
 
     /// Drops the seconds up to the one that ends at `time_s`.
-    pub fn drop_until(&mut self, time_s: f64) {
+    pub(crate) fn drop_until(&mut self, time_s: f64) {
         let number = time_s.round() as i64 - 1;
         while self.seconds.front().is_some_and(|(of, _)| *of <= number) {
             self.seconds.pop_front();
@@ -237,7 +237,7 @@ struct Force {
 }
 
 /// Accumulates the indicators of the current second.
-pub struct SecondIndicators {
+pub(crate) struct SecondIndicators {
     names: Vec<String>,
     bearings: Vec<String>,
     measured: Vec<Statistics<f64, f64>>,
@@ -292,13 +292,13 @@ impl SecondIndicators {
     }
 
     /// Adds a normalised innovation squared of the observer.
-    pub fn add_innovation(&mut self, nis: f64) {
+    pub(crate) fn add_innovation(&mut self, nis: f64) {
         self.innovation.0 += nis;
         self.innovation.1 += 1.0;
     }
 
     /// Adds the status flags of a sample.
-    pub fn add_status(&mut self, status: SampleStatus) {
+    pub(crate) fn add_status(&mut self, status: SampleStatus) {
         self.status = self.status.and(status);
     }
 

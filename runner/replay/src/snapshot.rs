@@ -39,7 +39,7 @@ pub struct Snapshot {
 
 /// The last [`KEPT`] samples.
 #[derive(Default)]
-pub struct RecentSamples {
+pub(crate) struct RecentSamples {
     /// Oldest first.
     pub samples: VecDeque<SnapshotSample>,
 }

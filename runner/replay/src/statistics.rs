@@ -11,7 +11,7 @@ const UM: f64 = 1e6;
 
 /// Sums of cosine and sine of the shaft angle, shared by the signals of the same samples.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ShaftAngles {
+pub(crate) struct ShaftAngles {
     /// Products of (1, cos, sin) with itself.
     products: Matrix3<f64>,
 }
@@ -33,7 +33,7 @@ impl ShaftAngles {
 
 /// Sums of a motion (m) with the shaft angle.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct MotionSums {
+pub(crate) struct MotionSums {
     moments: Moments,
     /// Smallest and largest value less the first.
     extremes: [f64; 2],
@@ -136,7 +136,7 @@ impl Running {
 
 /// Loads of the elements at one azimuth, measured and in the twin.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct LoadSums {
+pub(crate) struct LoadSums {
     count: f64,
     sum: f64,
     largest: f64,
@@ -153,7 +153,7 @@ impl LoadSums {
     }
 
     /// Adds the load of an element in the twin.
-    pub fn add_twin(&mut self, load: f64) {
+    pub(crate) fn add_twin(&mut self, load: f64) {
         self.twin_count += 1.0;
         self.twin_sum += load;
     }
@@ -189,7 +189,7 @@ const fn larger(x: f64, than: f64) -> f64 {
 
 /// [`Running`] of `K` quantities with a value in the same samples, side by side.
 #[derive(Debug, Clone, Copy)]
-pub struct RunningTogether<const K: usize> {
+pub(crate) struct RunningTogether<const K: usize> {
     n: f64,
     sum: [f64; K],
     min: [f64; K],

@@ -12,7 +12,7 @@ const STAGE_DECIMATION: u64 = 61;
 
 /// Stage of a replay that is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// The twin and its linear reference.
     Twin,
     /// The observer.
@@ -25,7 +25,7 @@ pub enum Stage {
 
 /// Clock of the work on one sample, which runs at every 7th.
 #[derive(Debug, Clone, Copy)]
-pub struct WorkClock(Option<Instant>);
+pub(crate) struct WorkClock(Option<Instant>);
 
 impl WorkClock {
     /// Starts the clock of the sample `index`.
@@ -43,7 +43,7 @@ impl WorkClock {
 
 /// Clock of the stages of one sample, which runs at every 61st.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct StageClock(Option<RunningClock>);
+pub(crate) struct StageClock(Option<RunningClock>);
 
 #[derive(Debug, Clone, Copy)]
 struct RunningClock {
@@ -76,7 +76,7 @@ impl StageClock {
 }
 
 /// Compute times of one replay.
-pub struct Ledger {
+pub(crate) struct Ledger {
     /// Times of the timed samples.
     compute: Histogram<u64>,
     /// Number of samples.
@@ -201,7 +201,7 @@ pub fn quantiles(histogram: &Histogram<u64>) -> Quantiles {
 
 /// Returns the peak resident memory of this process from the Linux status file; none on other systems.
 #[must_use]
-pub fn peak_memory() -> Option<u64> {
+pub(crate) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;

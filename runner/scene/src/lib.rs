@@ -134,7 +134,7 @@ impl Indicator {
 
     /// Returns true where the indicator is a length.
     #[must_use]
-    pub const fn is_length(self) -> bool {
+    pub(crate) const fn is_length(self) -> bool {
         !matches!(self, Self::CrestFactor | Self::Kurtosis)
     }
 

@@ -192,7 +192,7 @@ impl<'a> Node<'a> {
     }
 
     /// Returns true where this is a table of any notation.
-    pub fn is_table(&self) -> bool {
+    pub(crate) fn is_table(&self) -> bool {
         matches!(self.content, Content::Table(_))
     }
 
@@ -202,7 +202,7 @@ impl<'a> Node<'a> {
     }
 
     /// Reads a number in the one SI unit that it may have, bare or with that unit, in the range that `ok` tests and `expected` describes.
-    pub fn number_in(&self, unit: &str, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+    pub(crate) fn number_in(&self, unit: &str, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         let number = match self.text(expected) {
             Ok(text) => text.trim().strip_suffix(unit).and_then(|number| number.trim().parse().ok()),
             Err(_) => self.bare_number(),
@@ -249,7 +249,7 @@ impl<'a> Node<'a> {
     }
 
     /// Returns the text of the value, with the SI unit of a bare number.
-    pub fn shown_quantity(&self, dimension: Dimension) -> String {
+    pub(crate) fn shown_quantity(&self, dimension: Dimension) -> String {
         match self.bare_number() {
             Some(_) => format!("{} (a bare number is in {})", self.shown(), dimension.si_unit()),
             None => self.shown(),
@@ -344,7 +344,7 @@ impl<'a> Node<'a> {
     }
 
     /// Returns the table without a check of its keys, for tables that have been checked before.
-    pub fn any_table(&self) -> Read<Table<'a>> {
+    pub(crate) fn any_table(&self) -> Read<Table<'a>> {
         let Content::Table(content) = self.content else { return Err(self.refuse("a table")) };
         Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content, defaults: None })
     }
@@ -386,7 +386,7 @@ impl<'a> Table<'a> {
     }
 
     /// Returns the table with values of `content` for the keys that it does not have; `key` stands for them in errors.
-    pub fn with_defaults(self, content: &'a dyn TableLike, key: &Node<'a>) -> Self {
+    pub(crate) fn with_defaults(self, content: &'a dyn TableLike, key: &Node<'a>) -> Self {
         Self { defaults: Some(Defaults { content, span: key.span.clone() }), ..self }
     }
 

@@ -176,7 +176,7 @@ impl Dimension {
     }
 
     /// Returns the SI unit of a bare number.
-    pub fn si_unit(self) -> String {
+    pub(crate) fn si_unit(self) -> String {
         match self {
             Self::ContactStiffness(n) => format!("N/m^{}", short(n)),
             _ => self.row().si.to_owned(),
@@ -205,7 +205,7 @@ impl Dimension {
 
     /// Returns the largest magnitude that a bare number may have, and the unit that a larger one most likely has: lengths of
     /// machines are in millimetres and angles in degrees. A text with its unit may have any value.
-    pub const fn bare_limit(self) -> Option<(f64, &'static str)> {
+    pub(crate) const fn bare_limit(self) -> Option<(f64, &'static str)> {
         match self {
             Self::Length => Some((5.0, "mm")),
             Self::Angle => Some((TAU * (1.0 + 1e-12), "deg")),
@@ -302,7 +302,7 @@ pub fn voltage_column(unit: &str) -> Result<f64, Mismatch> {
 ///
 /// # Errors
 /// A text that is no unit of frequency.
-pub fn frequency_column(unit: &str) -> Result<f64, Mismatch> {
+pub(crate) fn frequency_column(unit: &str) -> Result<f64, Mismatch> {
     column(unit, Dimension::Frequency, "a unit of frequency: Hz or kHz")
 }
 
@@ -320,12 +320,12 @@ pub fn contradict(found: &str, meant: &str) -> bool {
 }
 
 /// The unit of a column of lengths, by its factor.
-pub fn length_name(metres: f64) -> Option<&'static str> {
+pub(crate) fn length_name(metres: f64) -> Option<&'static str> {
     ["um", "mil", "mm", "m", "nm", "cm", "in", "ft"].into_iter().find(|unit| near(length_column(unit), metres))
 }
 
 /// The unit of a column of voltages, by its factor.
-pub fn voltage_name(volts: f64) -> Option<&'static str> {
+pub(crate) fn voltage_name(volts: f64) -> Option<&'static str> {
     ["V", "mV"].into_iter().find(|unit| near(voltage_column(unit), volts))
 }
 
@@ -334,13 +334,13 @@ const TIME_COLUMN: [(&str, f64); 7] =
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
 
 /// Names of the units of a column of time.
-pub const TIME_UNITS: &str = "s, ms, us, ns, min, h or d";
+pub(crate) const TIME_UNITS: &str = "s, ms, us, ns, min, h or d";
 
 /// Returns the seconds in one unit of a recording's column.
 ///
 /// # Errors
 /// A text that is no unit of time.
-pub fn time_column(unit: &str) -> Result<f64, Mismatch> {
+pub(crate) fn time_column(unit: &str) -> Result<f64, Mismatch> {
     let plain = plain_signs(unit.trim());
     let found = TIME_COLUMN.iter().find(|(name, _)| *name == plain);
     found
@@ -374,7 +374,7 @@ pub fn is_unit(text: &str) -> bool {
 }
 
 /// The unit of a column of speeds, by its factor.
-pub fn speed_name(radians_per_second: f64) -> Option<&'static str> {
+pub(crate) fn speed_name(radians_per_second: f64) -> Option<&'static str> {
     ["rpm", "rev/s", "rad/s"].into_iter().find(|unit| near(speed_column(unit), radians_per_second))
 }
 

@@ -24,19 +24,19 @@ pub struct Candidate {
 /// Largest ratio of the chi-squared of a start to the chi-squared before, for which a fit is started.
 pub const FAR: f64 = 1.5;
 /// Starts of a fit that are tried.
-pub const STARTS: usize = 3;
+pub(crate) const STARTS: usize = 3;
 /// Share of the expected gain of a candidate below which further starts are tried, and of the largest expected gain below which they are
 /// not.
 pub const EXPECTED: f64 = 0.5;
 
 impl Candidate {
     /// Returns the unknowns without those of the cages.
-    pub fn own_unknowns(&self) -> Vec<Unknown> {
+    pub(crate) fn own_unknowns(&self) -> Vec<Unknown> {
         self.unknowns.iter().copied().filter(|unknown| !unknown.is_of_cage()).collect()
     }
 
     /// Returns the best of the first starts; `None` if none is near enough to the recording (see [`FAR`]).
-    pub fn near_start(&self, e: &Evidence, now: &Fitted) -> Result<Option<Fitted>> {
+    pub(crate) fn near_start(&self, e: &Evidence, now: &Fitted) -> Result<Option<Fitted>> {
         let first = &self.starts[..STARTS.min(self.starts.len())];
         let start = closest(evaluated(e, now, first)?.into_iter());
         Ok(start.filter(|start| start.chi_square < FAR * now.chi_square))
@@ -110,7 +110,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Returns the machine after a step of linear least squares in `unknowns`, with its fall of chi-squared.
-    pub fn linear_step(&self, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+    pub(crate) fn linear_step(&self, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
         let Self { e, now, .. } = self;
         let slope = |u: &Unknown| e.slope(&now.spectra, &now.machine, *u);
         let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
@@ -126,7 +126,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Tries `machines` that differ in one bearing, and returns the best with its fall of chi-squared.
-    pub fn best_of(&self, bearing: usize, machines: impl Iterator<Item = Machine>) -> Result<(f64, Machine)> {
+    pub(crate) fn best_of(&self, bearing: usize, machines: impl Iterator<Item = Machine>) -> Result<(f64, Machine)> {
         let Self { e, now, .. } = self;
         let mut best = (f64::NEG_INFINITY, now.machine.clone());
         for machine in machines {

@@ -119,7 +119,7 @@ macro_rules! registry {
     ($($module:ident::$fault:ident),+ $(,)?) => {
         /// A fault of the registry.
         #[derive(Debug, Clone, Copy, PartialEq)]
-        pub enum AnyFault {
+        pub(crate) enum AnyFault {
             $($fault($module::$fault)),+
         }
 
@@ -135,7 +135,7 @@ macro_rules! registry {
 
         impl AnyFault {
             /// Returns all faults that are searched in a machine.
-            pub fn of_machine(machine: &Machine) -> Vec<Self> {
+            pub(crate) fn of_machine(machine: &Machine) -> Vec<Self> {
                 let mut all = vec![];
                 $(all.extend($module::$fault::of_machine(machine).into_iter().map(Self::$fault));)+
                 all

@@ -212,14 +212,14 @@ impl Collector {
 
     /// Returns the root of the mean square about the mean of the readings in range, in SI; none for a column that has readings in
     /// less than half of the samples, which is a flaw of its own.
-    pub fn rms_in_range(&self) -> Vec<Option<f64>> {
+    pub(crate) fn rms_in_range(&self) -> Vec<Option<f64>> {
         let samples = self.columns.iter().map(|sums| sums.within.count()).max().unwrap_or(0);
         let is_read = |within: &Moments| within.count() > 0 && 2 * within.count() >= samples;
         self.columns.iter().map(|sums| is_read(&sums.within).then(|| sums.within.rms_about_mean())).collect()
     }
 
     /// Returns the standard deviation of the amplitude of 1X by noise as large as the whole motion, in SI.
-    pub fn one_x_noise(&self) -> Vec<f64> {
+    pub(crate) fn one_x_noise(&self) -> Vec<f64> {
         let noise = |(rms, sums): (Option<f64>, &Sums)| rms.unwrap_or(0.0) * (2.0 / sums.within.divisor()).sqrt();
         self.rms_in_range().into_iter().zip(&self.columns).map(noise).collect()
     }
@@ -292,7 +292,7 @@ impl Speeds {
     }
 
     /// Returns the share of the samples at a plausible speed.
-    pub fn share_at_speed(&self) -> f64 {
+    pub(crate) fn share_at_speed(&self) -> f64 {
         self.at_speed as f64 / self.count.max(1) as f64
     }
 }

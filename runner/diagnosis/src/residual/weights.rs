@@ -21,7 +21,7 @@ const MIN_TOLERANCE: f64 = 1e-3;
 
 impl Evidence<'_> {
     /// Weights residuals by the noise that they have with this machine.
-    pub fn weight_for(&mut self, machine: &Machine) -> Result<()> {
+    pub(crate) fn weight_for(&mut self, machine: &Machine) -> Result<()> {
         if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
             self.displace(machine)?;
         }
@@ -53,7 +53,7 @@ impl Evidence<'_> {
 
     /// Sets the parameters that are known with a covariance, so that their errors are not diagnosed as faults. The next call must be
     /// [`Evidence::weight_for`].
-    pub fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
+    pub(crate) fn set_uncertain(&mut self, (unknowns, covariance): (Vec<Unknown>, DMatrix<f64>)) {
         let deviations: Vec<f64> = (0..unknowns.len()).map(|i| covariance[(i, i)].sqrt()).collect();
         let correlation = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
             covariance[(i, j)] / (deviations[i] * deviations[j])

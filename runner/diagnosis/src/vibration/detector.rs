@@ -57,7 +57,7 @@ impl Found {
 }
 
 /// Detector of bearing faults in the envelope spectra of sensors.
-pub struct FaultDetector<'a> {
+pub(crate) struct FaultDetector<'a> {
     /// All bearings.
     pub suspects: &'a [Suspect],
     /// Rotation of the shaft.
@@ -79,7 +79,7 @@ impl FaultDetector<'_> {
     }
 
     /// Returns the diagnoses from the envelopes of all bands of each sensor, as [`all`](Self::all).
-    pub fn of_bands<'s>(
+    pub(crate) fn of_bands<'s>(
         &self,
         sensors: impl Iterator<Item = (&'s Sensor, Vec<BandEnvelope>)>,
     ) -> (Vec<Diagnosis>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
@@ -156,13 +156,13 @@ impl FaultDetector<'_> {
 
     /// Returns the smallest sampling rate that has a band with lines, Hz.
     #[must_use]
-    pub fn least_rate(&self) -> f64 {
+    pub(crate) fn least_rate(&self) -> f64 {
         // The upper half of the range up to Nyquist is the band that needs the least rate.
         4.0 * self.highest_line() * self.rotation.fastest_hz
     }
 
     /// Returns the bearings that a sensor measures.
-    pub fn measured_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
+    pub(crate) fn measured_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
         self.suspects.iter().filter(|s| sensor.bearing.as_ref().is_none_or(|name| *name == s.name))
     }
 

@@ -31,7 +31,7 @@ const MIN_BACKGROUND: usize = 8;
 
 /// The envelope spectrum of one band.
 #[derive(Clone)]
-pub struct BandEnvelope {
+pub(crate) struct BandEnvelope {
     /// Lower and upper limit of the band, Hz.
     pub band: [f64; 2],
     /// Squared amplitudes, averaged over the blocks.
@@ -46,7 +46,7 @@ pub struct BandEnvelope {
 
 /// Transforms of the lengths used so far.
 #[derive(Default)]
-pub struct Transforms {
+pub(crate) struct Transforms {
     planner: Option<FftPlanner<f64>>,
     windowed: HashMap<usize, WindowedTransform>,
 }
@@ -183,7 +183,7 @@ pub fn average(averaged: &mut Vec<BandEnvelope>, further: &[BandEnvelope]) {
 impl BandEnvelope {
     /// Returns the variance of the squared envelope over the square of its mean: 1 for noise.
     #[must_use]
-    pub fn total_modulation(&self) -> f64 {
+    pub(crate) fn total_modulation(&self) -> f64 {
         // The Hann window spreads each line over 1.5 bins.
         self.power.iter().sum::<f64>() / 3.0
     }

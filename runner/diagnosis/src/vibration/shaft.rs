@@ -25,7 +25,7 @@ pub struct Stretch {
 
 /// Shaft angle over a recording.
 #[derive(Debug, Default)]
-pub struct ShaftAngle {
+pub(crate) struct ShaftAngle {
     stretches: Vec<Stretch>,
     is_open: bool,
 }
@@ -58,7 +58,7 @@ impl ShaftAngle {
     }
 
     /// Returns true where the angle is interrupted.
-    pub const fn is_interrupted(&self) -> bool {
+    pub(crate) const fn is_interrupted(&self) -> bool {
         self.stretches.len() > 1
     }
 
@@ -104,7 +104,7 @@ impl Stretch {
 
     /// Returns the least and the greatest speed over one revolution, revolutions per sample: a wrong reading of a speed column is
     /// shorter.
-    pub fn extreme_speeds(&self) -> [f64; 2] {
+    pub(crate) fn extreme_speeds(&self) -> [f64; 2] {
         let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
         let mut starts = self.knots.iter().peekable();
         for end in &self.knots {

@@ -20,7 +20,7 @@ pub fn point_contact_approach(stiffness: f64, load: f64) -> f64 {
 }
 
 /// Permissible static contact pressure of ball bearings, Pa (ISO 76); the default upper limit of a table.
-pub const PRESSURE_LIMIT: f64 = 4.2e9;
+pub(crate) const PRESSURE_LIMIT: f64 = 4.2e9;
 /// Permissible static contact pressure of roller bearings, Pa (ISO 76).
 const ROLLER_PRESSURE_LIMIT: f64 = 4.0e9;
 /// Young's modulus (Pa) and Poisson's ratio of the rollers of the catalogue.

@@ -11,7 +11,7 @@ const MIN_THRUST_SINE: f64 = 0.17;
 /// Returns the approach of the most loaded ball, m; `None` where the scene states no load.
 ///
 /// An estimate to within some factor: each bearing carries the whole load of the rotor.
-pub fn approach_in_service(scene: &Scene, of: &Bearing, geometry: &BallBearingGeometry) -> Option<f64> {
+pub(crate) fn approach_in_service(scene: &Scene, of: &Bearing, geometry: &BallBearingGeometry) -> Option<f64> {
     let [radial, mut axial] = scene.rotor.as_ref().map_or([0.0; 2], |rotor| rotor_load(scene, rotor));
     let mut without_load = match of.geometry.map(|g| g.fit) {
         Some(FreeAngle::DiametralClearance(clearance)) => (-0.5 * clearance).max(0.0),

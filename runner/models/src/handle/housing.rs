@@ -39,7 +39,7 @@ impl HousingShape {
     }
 
     /// Returns the housing at every element with the cage at the angle `cage`. Cost: two operations per component and harmonic.
-    pub fn at_elements<T: Scalar>(&self, cage: Phase) -> Vec<HousingPoint<T>> {
+    pub(crate) fn at_elements<T: Scalar>(&self, cage: Phase) -> Vec<HousingPoint<T>> {
         let first = self.azimuths.first().copied().unwrap_or_default();
         let at = |azimuth: &Phase| {
             let angle = azimuth.wrapping_add(first.reversed()).wrapping_add(cage).radians();

@@ -14,7 +14,7 @@ use ballrace_scene::Bearing;
 use std::f64::consts::TAU;
 
 /// Difference of the cage angle between the two observers, revolutions.
-pub const DISPLACEMENT: f64 = 1e-6;
+pub(crate) const DISPLACEMENT: f64 = 1e-6;
 /// Random walk of the slip, per root second: it changes by 1 %, the spread of slips in practice, within a quarter of an hour.
 const SLIP_WALK: f64 = 3e-4;
 /// Time constant of the slip that is reported, s.

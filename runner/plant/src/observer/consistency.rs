@@ -125,7 +125,7 @@ impl Consistency {
 
     /// Returns true where forces come from the observer.
     #[must_use]
-    pub const fn is_trusted(&self) -> bool {
+    pub(crate) const fn is_trusted(&self) -> bool {
         self.trusted
     }
 }

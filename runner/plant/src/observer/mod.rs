@@ -26,7 +26,7 @@ use ballrace_scene::Speed;
 use nalgebra::DMatrix;
 
 /// Largest number of probes of an observer.
-pub const MAX_PROBES: usize = 16;
+pub(crate) const MAX_PROBES: usize = 16;
 /// Number of speeds with gains, for a shaft speed that changes.
 const SPEEDS: usize = 5;
 
@@ -150,7 +150,7 @@ impl Gains {
 impl Gains {
     /// Leaves the axial coordinate to the model. Where no probe measures it and the bearings lose contact, the mean stiffness between the radial and
     /// the axial motion, by which the gains correct it, is not that of the moment.
-    pub fn leave_axial(&mut self) {
+    pub(crate) fn leave_axial(&mut self) {
         for gain in &mut self.all {
             for part in [&mut gain.position, &mut gain.rate, &mut gain.load, &mut gain.rotating_load] {
                 part.row_mut(AXIAL).fill(0.0);
@@ -203,7 +203,7 @@ pub fn estimator(
 }
 
 /// Task that starts an estimator.
-pub struct EstimatorTask<'a> {
+pub(crate) struct EstimatorTask<'a> {
     /// Reading of each probe per unit of each coordinate.
     pub rows: &'a [Vec<f64>],
     /// Gains of the correction.

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
 /// Number of unknown loads: force and moment on a rigid rotor, or forces at two bearings of another one.
-pub const LOADS: usize = 5;
+pub(crate) const LOADS: usize = 5;
 
 /// Measurement noise and process noise of the filter.
 pub struct Uncertainty<'a> {
@@ -84,7 +84,7 @@ pub fn loads(plant: &Plant) -> DMatrix<f64> {
 /// The loads of a flexible rotor act along X and Y in two planes of unbalance; those of a given system, on the coordinates of its
 /// unbalance; all others as [`loads`].
 #[must_use]
-pub fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
+pub(crate) fn rotating_loads(plant: &Plant) -> DMatrix<f64> {
     if let Some(planes) = plant.layout.given().map(Given::unbalance_planes).filter(|planes| !planes.is_empty()) {
         let mut loads = DMatrix::zeros(plant.layout.order, LOADS);
         for (plane, first) in planes.iter().zip([0, 3]) {
@@ -109,7 +109,7 @@ fn scales(plant: &Plant) -> Result<Vec<f64>> {
 }
 
 /// Levers by which tilts become lengths and forces moments, m; 1 for lengths and forces.
-pub struct Levers {
+pub(crate) struct Levers {
     /// By coordinates.
     pub coordinates: Vec<f64>,
     /// By unknown loads.
@@ -181,7 +181,7 @@ pub fn steady(plant: &Plant, rows: &[Vec<f64>], speed: f64, period: f64, of: &Un
 
 /// Returns true where the rotor has an axial coordinate that no probe measures; `rows` are the readings per unit of each coordinate.
 #[must_use]
-pub fn is_axially_unmeasured(plant: &Plant, rows: &[Vec<f64>]) -> bool {
+pub(crate) fn is_axially_unmeasured(plant: &Plant, rows: &[Vec<f64>]) -> bool {
     let measures = |row: &Vec<f64>| row.get(AXIAL).is_some_and(|axial| *axial != 0.0);
     !plant.layout.is_given() && !rows.iter().any(measures)
 }

@@ -8,7 +8,7 @@ const DOUBLINGS: usize = 60;
 const CONVERGED: f64 = 1e-13;
 
 /// A linear system sampled: `x' = A x + w`, `y = C x + v`, with the covariances of `w` and `v`.
-pub struct Sampled {
+pub(crate) struct Sampled {
     /// Transition matrix `A`.
     pub transition: DMatrix<f64>,
     /// Measurement matrix `C`.

@@ -88,7 +88,7 @@ impl Machine {
     /// Returns a hash, in hexadecimal digits, that changes with the row of the table and with the size or modification time of the
     /// files that it names. A stored row with another hash is out of date.
     #[must_use]
-    pub fn fingerprint(&self) -> String {
+    pub(crate) fn fingerprint(&self) -> String {
         let mut hash = Fnv::default();
         hash.add(env!("CARGO_PKG_VERSION"));
         match &self.scene {

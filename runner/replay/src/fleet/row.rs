@@ -223,7 +223,7 @@ pub(super) mod tests {
         Row { indicators: vec![indicator], ..row(machine, if crossed { State::Limit } else { State::Normal }) }
     }
 
-    pub fn with_diagnosis(machine: &str, level_db: f64) -> Row {
+    pub(crate) fn with_diagnosis(machine: &str, level_db: f64) -> Row {
         let diagnosis = DiagnosisRow {
             fault: FaultKind::OuterRace,
             form: Some(FaultForm::Spall),

@@ -83,7 +83,7 @@ impl Store {
     ///
     /// # Errors
     /// Returns an error if a part cannot be written.
-    pub fn flush_if_due(&mut self) -> Result<Duration, FleetError> {
+    pub(crate) fn flush_if_due(&mut self) -> Result<Duration, FleetError> {
         let left = self.since.map_or(LONGEST_WAIT, |since| LONGEST_WAIT.saturating_sub(since.elapsed()));
         if !left.is_zero() {
             return Ok(left);

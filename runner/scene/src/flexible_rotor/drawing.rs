@@ -56,7 +56,7 @@ pub struct Disk {
 impl Section {
     /// Returns the outer diameter at a station within the section, m.
     #[must_use]
-    pub fn outer_diameter_at(&self, station: f64) -> f64 {
+    pub(crate) fn outer_diameter_at(&self, station: f64) -> f64 {
         let share = ((station - self.from) / (self.to - self.from)).clamp(0.0, 1.0);
         self.outer_diameter + share * (self.outer_diameter_to - self.outer_diameter)
     }

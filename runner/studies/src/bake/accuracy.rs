@@ -170,7 +170,7 @@ fn check_loads(scene: &Scene, plant: &Plant, (file, poses): (&Path, &Poses)) -> 
 }
 
 /// A bearing with the written constants, evaluated on the desktop.
-pub struct BakedModel {
+pub(crate) struct BakedModel {
     /// Model of the constants.
     pub model: Model,
     /// Force in single precision: the same bits as firmware.

@@ -20,15 +20,15 @@ use std::path::{Path, PathBuf};
 pub const PROGRAM: &str = concat!("ballrace ", env!("CARGO_PKG_VERSION"));
 
 /// Names of the fields that `verify` reads.
-pub const PROGRAM_FIELD: &str = "program";
-pub const LANGUAGE_FIELD: &str = "language";
-pub const BEARINGS_FIELD: &str = "bearings";
-pub const SCENE_FILE_FIELD: &str = "scene file";
-pub const POSES_FIELD: &str = "poses from";
-pub const CORE_FIELD: &str = "core";
+pub(crate) const PROGRAM_FIELD: &str = "program";
+pub(crate) const LANGUAGE_FIELD: &str = "language";
+pub(crate) const BEARINGS_FIELD: &str = "bearings";
+pub(crate) const SCENE_FILE_FIELD: &str = "scene file";
+pub(crate) const POSES_FIELD: &str = "poses from";
+pub(crate) const CORE_FIELD: &str = "core";
 /// Value of [`BEARINGS_FIELD`] for a whole scene, and start of the value for one bearing.
-pub const ALL_BEARINGS: &str = "all";
-pub const ONE_BEARING: &str = "only ";
+pub(crate) const ALL_BEARINGS: &str = "all";
+pub(crate) const ONE_BEARING: &str = "only ";
 
 /// One line of a certificate.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -109,7 +109,7 @@ fn hexadecimal<S: serde::Serializer>(checksum: &u64, serializer: S) -> Result<S:
 
 /// Bytes of the constants of one bearing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ConstantBytes {
+pub(crate) struct ConstantBytes {
     /// Nodes of the table.
     pub table: usize,
     /// Elements, model, surface deviations.

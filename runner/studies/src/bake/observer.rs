@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use std::fmt::Write;
 
 /// Constants of the observer.
-pub struct ObserverConstants {
+pub(crate) struct ObserverConstants {
     plant: Plant,
     /// Names of the probes.
     pub names: Vec<String>,
@@ -30,7 +30,7 @@ pub struct ObserverConstants {
 }
 
 /// Names and columns of the matrices of one gain; the last entry has the rows of the whitening matrix.
-pub type GainColumns = [(&'static str, Vec<Vec<f64>>); 5];
+pub(crate) type GainColumns = [(&'static str, Vec<Vec<f64>>); 5];
 
 impl ObserverConstants {
     /// Returns the constants; `None` if the scene has no `[observer]`.
@@ -81,7 +81,7 @@ impl ObserverConstants {
     ///
     /// # Errors
     /// Returns an error if the number of steps is too large.
-    pub fn verlet_substeps(&self) -> Result<u32> {
+    pub(crate) fn verlet_substeps(&self) -> Result<u32> {
         Ok(self.plant.with_step(Method::Verlet, 1.0).substeps(self.period)?)
     }
 
@@ -99,7 +99,7 @@ impl ObserverConstants {
     }
 
     /// Returns the rotor and its unbalances; `None` unless the rotor is rigid and its bearings are fixed.
-    pub fn rigid_rotor(&self) -> Option<(RotorParams, Vec<Unbalance>)> {
+    pub(crate) fn rigid_rotor(&self) -> Option<(RotorParams, Vec<Unbalance>)> {
         let rotor = self.plant.rotor().filter(|_| self.plant.layout.is_rigid())?;
         Some((build::rotor_params(rotor), build::unbalances(rotor)))
     }

@@ -7,7 +7,7 @@ use ballrace_scene::Scene;
 use std::fmt::Write;
 
 /// Returns true for a scene whose rotor has more coordinates than those of a rigid rotor on fixed bearings.
-pub fn has_further_coordinates(scene: &Scene) -> bool {
+pub(crate) fn has_further_coordinates(scene: &Scene) -> bool {
     let flexible = scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some());
     flexible || scene.rotor.is_some() && scene.bearings.iter().any(|bearing| bearing.support.is_some())
 }

@@ -10,7 +10,7 @@ use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 
 /// Name of the effect.
-pub const BENDING: &str = "bending";
+pub(crate) const BENDING: &str = "bending";
 /// Share of the strain energy in the shaft from which a mode is a bending mode.
 const BENT: f64 = 0.5;
 

@@ -91,7 +91,7 @@ const LARGEST_CAGE_RATIO: f64 = 0.999;
 impl Parameter {
     /// Returns the unknown at its start value: the mean of the prior, whose standard deviation is 1.
     #[must_use]
-    pub fn prior_mean(&self) -> f64 {
+    pub(crate) fn prior_mean(&self) -> f64 {
         if self.spread().is_some() { 0.0 } else { self.start / self.scale }
     }
 
@@ -104,7 +104,7 @@ impl Parameter {
 
     /// Returns the smallest and the largest unknown.
     #[must_use]
-    pub fn unknown_bounds(&self) -> Bounds {
+    pub(crate) fn unknown_bounds(&self) -> Bounds {
         if self.spread().is_some() { OPEN } else { self.bounds.map(|bound| bound / self.scale) }
     }
 
@@ -180,7 +180,7 @@ const CAGE_ERROR: f64 = 0.05;
 
 /// Returns the angle and the speed ratio of every observable cage; `turns` is the number of revolutions of the estimate.
 #[must_use]
-pub fn cage_parameters(scene: &Scene, plant: &Plant, cages: &[CageEstimate], turns: f64) -> Vec<Parameter> {
+pub(crate) fn cage_parameters(scene: &Scene, plant: &Plant, cages: &[CageEstimate], turns: f64) -> Vec<Parameter> {
     let of = |(b, cage): (usize, &CageEstimate)| {
         let mounted = &plant.bearings[b];
         let error = CAGE_ERROR / mounted.elements as f64;
@@ -231,7 +231,7 @@ fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
 
 /// Returns the unbalances in two planes, at the stations `planes` (m), with this sum (kg m) and couple (kg m^2).
 #[must_use]
-pub fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbalance; 2] {
+pub(crate) fn two_planes(force: [f64; 2], couple: [f64; 2], planes: [f64; 2]) -> [Unbalance; 2] {
     let [near, far] = planes;
     let second: [f64; 2] = std::array::from_fn(|i| (couple[i] - near * force[i]) / (far - near));
     let first: [f64; 2] = std::array::from_fn(|i| force[i] - second[i]);

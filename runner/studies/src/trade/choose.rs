@@ -61,7 +61,7 @@ pub fn mark(candidates: &mut [Candidate]) {
 }
 
 /// Marks the responses that no other beats in both computing time and residual.
-pub fn mark_responses(responses: &mut [Response]) {
+pub(crate) fn mark_responses(responses: &mut [Response]) {
     let points: Vec<_> = responses.iter().map(|r| Some((1.0 / r.times_real_time, r.error.residual))).collect();
     for (i, response) in responses.iter_mut().enumerate() {
         response.front = on_front(&points, i);

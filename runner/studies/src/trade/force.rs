@@ -22,7 +22,7 @@ pub struct Arithmetic {
 }
 
 /// All combinations, the most accurate first.
-pub const ARITHMETICS: [Arithmetic; 4] = [
+pub(crate) const ARITHMETICS: [Arithmetic; 4] = [
     Arithmetic { precision: "f64", math: "exact" },
     Arithmetic { precision: "f64", math: "fast" },
     Arithmetic { precision: "f32", math: "exact" },
@@ -93,7 +93,7 @@ pub fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
 }
 
 /// Returns a pose in another precision.
-pub fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
+pub(crate) fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
     let at = &pose.at;
     let turning = BearingKinematicState {
         cage: at.cage,
@@ -204,7 +204,7 @@ pub fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
-pub fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
+pub(crate) fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
     let single = CandidateBearings::try_new(scene, &plant, build::force_model::<f32, Exact>)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
         let double = mounted.cold();

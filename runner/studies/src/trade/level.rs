@@ -35,7 +35,7 @@ impl FidelityLevel {
 
     /// Returns true for a model whose elements are coordinates of the system, and which has no forces of its own.
     #[must_use]
-    pub fn has_moving_elements(&self) -> bool {
+    pub(crate) fn has_moving_elements(&self) -> bool {
         self.model.properties().moving_elements
     }
 
@@ -62,13 +62,13 @@ impl FidelityLevel {
 
     /// Returns true where the level has another number of steps than the kernel's default.
     #[must_use]
-    pub fn has_own_steps(&self) -> bool {
+    pub(crate) fn has_own_steps(&self) -> bool {
         self.options.steps.is_some()
     }
 
     /// Returns the name of the level without a number of steps of its own.
     #[must_use]
-    pub fn name_without_steps(&self) -> &str {
+    pub(crate) fn name_without_steps(&self) -> &str {
         let LevelOptions { name, steps, .. } = &self.options;
         steps.and_then(|steps| name.strip_suffix(&format!(", {steps} steps"))).unwrap_or(name)
     }
@@ -150,7 +150,7 @@ impl FidelityLevel {
     ///
     /// # Errors
     /// Returns an error if the edited scene is invalid.
-    pub fn scene_with_one(&self, text: &str, scene: &Scene, i: usize) -> Result<Scene> {
+    pub(crate) fn scene_with_one(&self, text: &str, scene: &Scene, i: usize) -> Result<Scene> {
         Ok(read_str(&self.written_for(text, scene, |bearing| bearing == i)?, &scene.path)?)
     }
 }

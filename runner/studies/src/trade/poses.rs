@@ -12,7 +12,7 @@ use ballrace_scene::{Recording, Scene};
 use std::f64::consts::TAU;
 
 /// Number of samples per revolution of a computed motion.
-pub const SAMPLES_PER_REVOLUTION: f64 = 128.0;
+pub(crate) const SAMPLES_PER_REVOLUTION: f64 = 128.0;
 /// Number of revolutions of a computed motion.
 pub const TURNS: f64 = 16.0;
 /// Largest number of poses of a bearing.
@@ -59,7 +59,7 @@ pub fn computed(scene: &Scene, plant: &Plant) -> Result<Poses> {
 ///
 /// # Errors
 /// As [`computed`].
-pub fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> {
+pub(crate) fn computed_over(scene: &Scene, plant: &Plant, span: Span) -> Result<Poses> {
     let stride = span.samples.div_ceil(MAX_POSES as u64).max(1);
     let mut poses = vec![Vec::new(); plant.bearings.len()];
     let mut count = 0;

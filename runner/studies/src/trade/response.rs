@@ -31,7 +31,7 @@ pub struct MotionErrors {
 const PARTS: u64 = 32;
 
 /// Integrators with their names in the scene.
-pub const METHODS: [(&str, Method); 3] =
+pub(crate) const METHODS: [(&str, Method); 3] =
     [("runge-kutta", Method::RungeKutta), ("newmark", Method::Newmark { newton_steps: 2 }), ("verlet", Method::Verlet)];
 
 /// Displacement of all bearings along X and Y, sample by sample.
