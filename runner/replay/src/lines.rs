@@ -311,12 +311,6 @@ where
         let power = self.power.get(line * self.results() + signal).copied().unwrap_or(0.0);
         if self.blocks > 0.0 { (power / self.blocks).sqrt() } else { 0.0 }
     }
-
-    /// Returns the lines in order.
-    #[must_use]
-    pub fn lines(&self) -> &[Line] {
-        &self.lines
-    }
 }
 
 #[cfg(test)]
