@@ -53,6 +53,18 @@ pub enum BakedPart {
     Comment,
 }
 
+impl BakedPart {
+    /// Returns the name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::Constant => "constant",
+            Self::Comment => "comment",
+        }
+    }
+}
+
 /// One difference.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Difference {
