@@ -1,4 +1,4 @@
-//! README and the chapters under `docs/src`: structure, links, scenes and keys, and figures that the program prints.
+//! README and the chapters under `docs/src`: structure, links, scenes, and figures that the program prints.
 
 use crate::support::{Sandbox, program};
 use std::collections::BTreeSet;
@@ -53,11 +53,6 @@ pub fn prose(text: &str) -> impl Iterator<Item = &str> {
 fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     text.split(&fence).skip(1).map(|rest| rest.split_once("```").expect("a closing fence").0).collect()
-}
-
-/// Code spans of a line.
-fn spans(line: &str) -> impl Iterator<Item = &str> {
-    line.split('`').skip(1).step_by(2)
 }
 
 /// A line without its code spans.
@@ -253,98 +248,6 @@ fn every_documented_scene_is_accepted() {
         let answer = sandbox.run(&["equilibrium", "scene.toml"]);
         assert_eq!(answer.code, Some(0), "{document}: {answer:?}\n{scene}");
     }
-}
-
-/// A bearing that any scene accepts.
-const BEARING: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"linear\"\nelements = 9\n\
-                       stiffness_matrix = [[1,0,0,0,0],[0,1,0,0,0],[0,0,1,0,0],[0,0,0,1,0],[0,0,0,0,1]]\n";
-const BALLS: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"quasi-static\"\nelements = 9\n\
-                     ball_diameter = 0.008\npitch_diameter = 0.04\ninner_conformity = 0.52\nouter_conformity = 0.52\n\
-                     contact_angle = 0.4\n";
-const SPRINGS: &str = "[shaft]\nspeed = 1\n[[bearing]]\nname = \"a\"\nstation = 0\nmodel = \"lumped\"\nelements = 9\n\
-                       stiffness = 1e10\nradial_play = 0\ncage_ratio = 0.4\n";
-
-/// Every table of a scene that takes keys: the heading that documents it, its name where it is part of another table, and a
-/// scene with an unknown key in it.
-fn tables_of_a_scene() -> Vec<(&'static str, &'static str, String)> {
-    let rotor = "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n";
-    let system = "[system]\nmass = \"m\"\nstiffness = \"k\"\n";
-    let recording = "[recording]\nfile = \"f\"\nrate = 1\n";
-    let probe = "probes = [{ column = \"a\", unit = \"um\", axial = true }]\n";
-    let mut all = vec![
-        ("## Top level", "", format!("unknown = 1\n{BEARING}")),
-        ("## shaft", "", "[shaft]\nspeed = 1\nunknown = 1\n".to_owned()),
-        ("## shaft", "speed", "[shaft]\nspeed = { unknown = 1 }\n".to_owned()),
-        ("## rotor", "", format!("{BEARING}{rotor}unknown = 1\n")),
-        ("## rotor", "unbalance", format!("{BEARING}{rotor}unbalance = [{{ unknown = 1 }}]\n")),
-        ("## system", "", format!("{BEARING}{system}unknown = 1\n")),
-        ("## system", "unbalance", format!("{BEARING}{system}unbalance = [{{ unknown = 1 }}]\n")),
-        ("## bearing", "", format!("{BEARING}unknown = 1\n")),
-        ("## bearing", "axial", format!("{SPRINGS}axial = {{ unknown = 1 }}\n")),
-        ("## bearing", "outer_ring", format!("{SPRINGS}outer_ring = {{ unknown = 1 }}\n")),
-        (
-            "## bearing",
-            "inlet_heating",
-            format!(
-                "{BALLS}lubricant = {{ viscosity = 1, pressure_viscosity = 1, inlet_heating = {{ unknown = 1 }} }}\n"
-            ),
-        ),
-        ("## bearing", "two_spring", BEARING.replace("stiffness_matrix", "two_spring = { unknown = 1 }\n#")),
-        ("## integration", "", format!("{BEARING}[integration]\nunknown = 1\n")),
-        ("## recording", "", format!("{BEARING}{recording}unknown = 1\n")),
-        ("## recording", "rate", format!("{BEARING}[recording]\nfile = \"f\"\nrate = {{ unknown = 1 }}\n")),
-        ("## recording", "probes", format!("{BEARING}{recording}probes = [{{ unknown = 1 }}]\n")),
-        ("## recording", "sensors", format!("{BEARING}{recording}sensors = [{{ unknown = 1 }}]\n")),
-        ("## recording", "temperature", format!("{BEARING}{recording}{probe}temperature = [{{ unknown = 1 }}]\n")),
-        ("## recording", "keyphasor", format!("{BEARING}{recording}{probe}keyphasor = {{ unknown = 1 }}\n")),
-        ("## recording", "speed", format!("{BEARING}{recording}{probe}speed = {{ unknown = 1 }}\n")),
-        ("## observer", "", format!("{BEARING}[observer]\nunknown = 1\n")),
-        ("## limit", "", format!("{BEARING}[[limit]]\nunknown = 1\n")),
-    ];
-    for part in ["shaft_material", "housing_material"] {
-        let seats = "shaft_interference = 0, bore = \"1 mm\", outside_diameter = \"1 m\"";
-        all.push(("## bearing", part, format!("{BALLS}fit = {{ {seats}, {part} = {{ unknown = 1 }} }}\n")));
-    }
-    for list in ["defect", "waviness"] {
-        all.push(("## bearing", list, format!("{BALLS}{list} = [{{ unknown = 1 }}]\n")));
-    }
-    for table in ["lubricant", "preload", "table", "support", "cage_runout", "fit", "temperatures"] {
-        all.push(("## bearing", table, format!("{BALLS}{table} = {{ unknown = 1 }}\n")));
-    }
-    all
-}
-
-/// Whether the code `span` documents `key` of the table `table`: as `key`, `table.key` or `table = { key, ... }`.
-fn documents_key(span: &str, table: &str, key: &str) -> bool {
-    if table.is_empty() {
-        // A table is documented by the rows of its keys.
-        return span.split([' ', '.']).next() == Some(key);
-    }
-    let is_word = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == key);
-    span == format!("{table}.{key}")
-        || span.strip_prefix(table).is_some_and(|rest| rest.starts_with(" = {") && is_word(rest))
-}
-
-/// The error of an unknown key lists the keys of its table: each of them has a row in the scene reference.
-#[test]
-fn every_key_of_a_scene_is_documented() {
-    let reference = read("docs/src/scene.md");
-    let mut seen = 0;
-    for (heading, table, scene) in tables_of_a_scene() {
-        let sandbox = Sandbox::empty();
-        sandbox.put("scene.toml", &scene);
-        let answer = sandbox.run(&["equilibrium", "scene.toml"]);
-        let (_, keys) = answer.err.split_once("unknown key, expected one of ").unwrap_or_else(|| panic!("{answer:?}"));
-        let section = reference.split_once(&format!("\n{heading}\n")).expect(heading).1;
-        let section = section.split("\n## ").next().unwrap();
-        let rows: Vec<&str> = tables(section).into_iter().flat_map(|(_, rows)| rows).map(first_cell).collect();
-        for key in keys.trim().split(", ") {
-            let mut documented = rows.iter().flat_map(|cell| spans(cell));
-            assert!(documented.any(|span| documents_key(span, table, key)), "{heading}: {table} {key}");
-            seen += 1;
-        }
-    }
-    assert!(seen > 120, "{seen} keys");
 }
 
 const TRADE: [&str; 2] = ["<!-- trade:begin -->\n", "<!-- trade:end -->"];

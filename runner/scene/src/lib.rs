@@ -8,10 +8,15 @@ mod bearing;
 pub mod catalogue;
 pub mod edit;
 pub mod flexible_rotor;
+mod key;
 mod model;
 mod mounting;
 pub mod read;
 mod recording;
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod reference;
+mod schema;
 mod table;
 pub mod units;
 
@@ -27,6 +32,7 @@ pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
     Sensor, Sequence, Slope, TemperatureChannel,
 };
+pub use schema::json_schema;
 
 use std::path::PathBuf;
 

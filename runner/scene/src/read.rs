@@ -6,6 +6,7 @@
 mod bearing;
 mod catalogue;
 mod effects;
+pub(crate) mod keys;
 mod mounting;
 mod recording;
 mod rotor;
@@ -58,8 +59,7 @@ pub fn read_str(text: &str, path: &Path) -> Result<Scene, SceneError> {
         return Err(SceneError::file(path, "an empty file"));
     }
     let source = Source { text, file: path };
-    let keys = ["name", "shaft", "rotor", "system", "bearing", "recording", "integration", "observer", "limit"];
-    let root = Table::root(source, document.as_table(), &keys)?;
+    let root = Table::root(source, document.as_table(), &keys::SCENE)?;
     let catalogue = catalogue::of_bearings(&root)?;
     scene(&root, path, &catalogue)
 }
@@ -152,16 +152,21 @@ fn about_centre_of_mass(mut scene: Scene, root: &Table<'_>) -> Read<Scene> {
     Ok(scene)
 }
 
+/// `method`, with the default of `newton_steps`
+const METHODS: [(&str, Method); 3] =
+    [("runge-kutta", Method::RungeKutta), ("newmark", Method::Newmark { newton_steps: 2 }), ("verlet", Method::Verlet)];
+
 fn integration(node: &Node<'_>) -> Read<Integration> {
-    let table = node.table(&["method", "step", "newton_steps"])?;
-    let newton_steps = table.read("newton_steps", |n| n.integer(1, 20, "a whole number from 1 to 20"))?;
-    let newmark = Method::Newmark { newton_steps: newton_steps.and_then(|n| u8::try_from(n).ok()).unwrap_or(2) };
-    let methods = [("runge-kutta", Method::RungeKutta), ("newmark", newmark), ("verlet", Method::Verlet)];
-    let method = table.read("method", |n| n.choice(&methods))?.unwrap_or(Method::RungeKutta);
-    if newton_steps.is_some() && method != newmark {
-        return Err(table.required("newton_steps", "")?.misplaced("only with method = \"newmark\"; remove it"));
+    let table = node.table()?;
+    let newton_steps = table.read("newton_steps", |n| n.integer("a whole number from 1 to 20"))?;
+    let mut method = table.read("method", |n| n.choice(&METHODS))?.unwrap_or(Method::RungeKutta);
+    if let Some(given) = newton_steps.and_then(|n| u8::try_from(n).ok()) {
+        let Method::Newmark { newton_steps } = &mut method else {
+            return Err(table.required("newton_steps", "")?.misplaced("only with method = \"newmark\"; remove it"));
+        };
+        *newton_steps = given;
     }
-    Ok(Integration { method, step: table.read("step", |n| n.positive(Dimension::Time))? })
+    Ok(Integration { method, step: table.optional_quantity("step")? })
 }
 
 fn limits(node: &Node<'_>) -> Read<Vec<Limit>> {
@@ -169,7 +174,7 @@ fn limits(node: &Node<'_>) -> Read<Vec<Limit>> {
 }
 
 fn limit(node: &Node<'_>) -> Read<Limit> {
-    let table = node.table(&["indicator", "probe", "bearing", "max", "growth_db", "hysteresis", "duration"])?;
+    let table = node.table()?;
     let indicator = table.required("indicator", "the name of an indicator")?.choice(&Indicator::ALL)?;
     let race = matches!(indicator, Indicator::OuterRace | Indicator::InnerRace);
     if race != table.has("bearing") {
@@ -180,10 +185,10 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
     }
     let comparable = matches!(indicator, Indicator::Residual | Indicator::OneX | Indicator::TwoX) || race;
     let allowed = match (table.optional("max"), table.optional("growth_db")) {
-        (Some(max), None) if indicator.is_length() => Allowed::Most(max.positive(Dimension::Length)?),
-        (Some(max), None) => Allowed::Most(max.number("a number above 0", |x| x > 0.0)?),
+        (Some(max), None) if indicator.is_length() => Allowed::Most(max.quantity()?),
+        (Some(max), None) => Allowed::Most(max.number("a number above 0")?),
         (None, Some(growth)) if comparable => {
-            let decibels = growth.number("decibels over the baseline, above 0", |x| x > 0.0 && x < 200.0)?;
+            let decibels = growth.number("decibels over the baseline, above 0")?;
             Allowed::Growth(10_f64.powf(decibels / 20.0))
         }
         (None, Some(growth)) => {
@@ -194,8 +199,8 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
     };
     let text = |key: &str| table.read(key, |n| Ok(n.text("a name")?.to_owned()));
     let share = "0 or more and below 1 (part of the limit)";
-    let hysteresis = table.read("hysteresis", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?;
-    let duration = table.read("duration", |n| n.not_negative(Dimension::Time))?;
+    let hysteresis = table.read("hysteresis", |n| n.number(share))?;
+    let duration = table.optional_quantity("duration")?;
     Ok(Limit {
         indicator,
         probe: text("probe")?,
@@ -209,12 +214,12 @@ fn limit(node: &Node<'_>) -> Read<Limit> {
 fn observer(node: &Node<'_>) -> Read<Observer> {
     // The former name of the key.
     const FORMER: &str = "wander";
-    let table = node.table(&["process_noise", FORMER])?;
+    let table = node.table()?;
     let key = if table.has(FORMER) { FORMER } else { "process_noise" };
     if let Some(both) = table.optional("process_noise").filter(|_| key == FORMER) {
         return Err(both.misplaced("either process_noise or its former name `wander`"));
     }
-    let process_noise = table.read(key, |n| n.number("a number above 0, in N per root second", |x| x > 0.0))?;
+    let process_noise = table.read(key, |n| n.number("a number above 0, in N per root second"))?;
     Ok(Observer { process_noise })
 }
 
@@ -225,20 +230,18 @@ fn stem(path: &Path) -> String {
 }
 
 fn shaft(node: &Node<'_>) -> Read<Shaft> {
-    let table = node.table(&["speed", "outer_speed"])?;
-    let outer = table.read("outer_speed", |n| n.quantity(Dimension::Speed))?;
+    let table = node.table()?;
+    let outer = table.optional_quantity("outer_speed")?;
     Ok(Shaft { speed: speed(&table.required("speed", SPEEDS)?)?, outer_speed: outer.unwrap_or(0.0) })
 }
 
 fn speed(node: &Node<'_>) -> Read<Speed> {
     if !node.is_table() {
-        return node.quantity(Dimension::Speed).map(Speed::Constant);
+        return node.quantity().map(Speed::Constant);
     }
-    let all = ["from", "to", "over", "mean", "fluctuation", "frequency"];
-    let (ramp, fluctuating) = all.split_at(3);
-    let table = node.table(&all)?;
+    let table = node.table()?;
     let named = |keys: &[&str]| keys.iter().any(|key| table.has(key));
-    match (named(ramp), named(fluctuating)) {
+    match (named(&["from", "to", "over"]), named(&["mean", "fluctuation", "frequency"])) {
         (true, false) => speed_ramp(&table),
         (false, true) => speed_fluctuating(&table),
         _ => Err(node.refuse(SPEEDS)),
@@ -246,19 +249,15 @@ fn speed(node: &Node<'_>) -> Read<Speed> {
 }
 
 fn speed_ramp(table: &Table<'_>) -> Read<Speed> {
-    Ok(Speed::Ramp {
-        from: table.quantity("from", Dimension::Speed)?,
-        to: table.quantity("to", Dimension::Speed)?,
-        over: table.positive("over", Dimension::Time)?,
-    })
+    Ok(Speed::Ramp { from: table.quantity("from")?, to: table.quantity("to")?, over: table.quantity("over")? })
 }
 
 fn speed_fluctuating(table: &Table<'_>) -> Read<Speed> {
     let range = "0 or more and below 1 (part of the mean speed)";
     Ok(Speed::Fluctuating {
-        mean: table.quantity("mean", Dimension::Speed)?,
-        fluctuation: table.required("fluctuation", range)?.number(range, |x| (0.0..1.0).contains(&x))?,
-        frequency: table.positive("frequency", Dimension::Frequency)?,
+        mean: table.quantity("mean")?,
+        fluctuation: table.required("fluctuation", range)?.number(range)?,
+        frequency: table.quantity("frequency")?,
     })
 }
 
@@ -266,11 +265,9 @@ fn system(node: &Node<'_>, root: &Table<'_>, scene: &Path) -> Read<System> {
     if root.has("rotor") {
         return Err(node.fail("both [rotor] and [system]", "one of them: a system has its rotor in its matrices"));
     }
-    let table =
-        node.table(&["mass", "damping", "gyroscopic", "stiffness", "load", "proportional_damping", "unbalance"])?;
+    let table = node.table()?;
     let expected = "the name of a Matrix Market or NPY file, relative to the scene's folder";
     let file = |n: &Node<'_>| Ok(scene.parent().unwrap_or(Path::new("")).join(n.text(expected)?));
-    let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
     let unbalances = |n: &Node<'_>| {
         let list = n.list("a list of tables { moment, angle, x, y }")?;
         list.iter().map(system_unbalance).collect::<Read<Vec<_>>>()
@@ -281,21 +278,21 @@ fn system(node: &Node<'_>, root: &Table<'_>, scene: &Path) -> Read<System> {
         gyroscopic: table.read("gyroscopic", file)?,
         stiffness: file(&table.required("stiffness", expected)?)?,
         load: table.read("load", file)?,
-        proportional_damping: table.read("proportional_damping", time)?.unwrap_or(0.0),
+        proportional_damping: table.optional_quantity("proportional_damping")?.unwrap_or(0.0),
         unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
     })
 }
 
 fn system_unbalance(node: &Node<'_>) -> Read<SystemUnbalance> {
-    let table = node.table(&["moment", "angle", "x", "y"])?;
+    let table = node.table()?;
     let expected = "the number of a coordinate, 1 for the first";
     let coordinate = |key: &str| -> Read<usize> {
         let node = table.required(key, expected)?;
-        usize::try_from(node.integer(1, 128, expected)? - 1).map_err(|_| node.refuse(expected))
+        usize::try_from(node.integer(expected)? - 1).map_err(|_| node.refuse(expected))
     };
     Ok(SystemUnbalance {
-        moment: table.not_negative("moment", Dimension::Unbalance)?,
-        angle: table.quantity("angle", Dimension::Angle)?,
+        moment: table.quantity("moment")?,
+        angle: table.quantity("angle")?,
         at: [coordinate("x")?, coordinate("y")?],
     })
 }

@@ -1,13 +1,15 @@
 //! Reader of TOML documents whose errors contain file, line and key.
 //!
-//! [`Node`] is one value with its place; [`Table`] is a table whose keys have been checked against the allowed ones.
+//! [`Node`] is one value with its place and the [`Kind`] that its key has; [`Table`] is a table whose keys have been checked.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use toml_edit::{ArrayOfTables, Item, TableLike, Value};
 
+use super::key::{Bounds, Keys, Kind};
 use super::units::{self, Dimension};
+use std::ops::{Bound, RangeBounds};
 
 /// Longest value that an error repeats, in characters.
 const LONGEST_SHOWN: usize = 60;
@@ -130,26 +132,39 @@ pub(super) struct Node<'a> {
     path: String,
     span: Range<usize>,
     content: Content<'a>,
+    kind: &'static Kind,
 }
 
 impl<'a> Node<'a> {
-    fn of_value(source: Source<'a>, path: String, fallback: Range<usize>, value: &'a Value) -> Self {
+    fn of_value(
+        source: Source<'a>,
+        path: String,
+        fallback: Range<usize>,
+        value: &'a Value,
+        kind: &'static Kind,
+    ) -> Self {
         let content = match value {
             Value::InlineTable(table) => Content::Table(table),
             other => Content::Value(other),
         };
         let span = value.span().unwrap_or(fallback);
-        Self { source, path, span, content }
+        Self { source, path, span, content, kind }
     }
 
-    fn of_item(source: Source<'a>, path: String, key: Range<usize>, item: &'a Item) -> Option<Self> {
+    fn of_item(
+        source: Source<'a>,
+        path: String,
+        key: Range<usize>,
+        item: &'a Item,
+        kind: &'static Kind,
+    ) -> Option<Self> {
         let content = match item {
             Item::None => return None,
-            Item::Value(value) => return Some(Self::of_value(source, path, key, value)),
+            Item::Value(value) => return Some(Self::of_value(source, path, key, value, kind)),
             Item::Table(table) => Content::Table(table),
             Item::ArrayOfTables(tables) => Content::Tables(tables),
         };
-        Some(Self { source, path, span: item.span().unwrap_or(key), content })
+        Some(Self { source, path, span: item.span().unwrap_or(key), content, kind })
     }
 
     /// Returns an error at this value whose problem `found` describes.
@@ -196,32 +211,58 @@ impl<'a> Node<'a> {
         matches!(self.content, Content::Table(_))
     }
 
-    /// Reads a number without dimension, finite and in the range that `ok` tests and `expected` describes.
-    pub fn number(&self, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
-        self.bare_number().filter(|x| ok(*x)).ok_or_else(|| self.refuse(expected))
+    /// Reads a number without dimension, finite and in the range of its kind, which `expected` describes.
+    pub fn number(&self, expected: &str) -> Read<f64> {
+        self.in_bounds(self.bare_number(), expected)
     }
 
-    /// Reads a number in the one SI unit that it may have, bare or with that unit, in the range that `ok` tests and `expected` describes.
-    pub(crate) fn number_in(&self, unit: &str, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+    /// Reads a number in the one SI unit that it may have, bare or with that unit, in the range of its kind, which `expected` describes.
+    pub(crate) fn number_in_unit(&self, expected: &str) -> Read<f64> {
+        let unit = if let Kind::NumberIn(unit, _) = self.kind { unit } else { "" };
         let number = match self.text(expected) {
             Ok(text) => text.trim().strip_suffix(unit).and_then(|number| number.trim().parse().ok()),
             Err(_) => self.bare_number(),
         };
-        number.filter(|x| ok(*x)).ok_or_else(|| self.refuse(expected))
+        self.in_bounds(number, expected)
     }
 
-    /// Reads a quantity in SI: a bare number or a text with a unit.
-    pub fn quantity(&self, dimension: Dimension) -> Read<f64> {
-        self.within(dimension, "", |_| true)
+    fn in_bounds(&self, number: Option<f64>, expected: &str) -> Read<f64> {
+        let bounds = self.kind.number();
+        debug_assert!(bounds.is_some(), "{} is no number", self.path);
+        number.filter(|x| bounds.is_some_and(|bounds| bounds.contains(x))).ok_or_else(|| self.refuse(expected))
+    }
+
+    /// Reads a quantity in SI: a bare number or a text with a unit, in the range of its kind.
+    pub fn quantity(&self) -> Read<f64> {
+        let (dimension, bounds) = self.dimension()?;
+        self.read_quantity(dimension, &dimension.expected(range_of(bounds)), |x| bounds.contains(&x))
+    }
+
+    /// Reads a quantity of a dimension that depends on other keys, in the range of its kind.
+    pub fn quantity_in(&self, dimension: Dimension) -> Read<f64> {
+        let (_, bounds) = self.dimension()?;
+        self.read_quantity(dimension, &dimension.expected(range_of(bounds)), |x| bounds.contains(&x))
     }
 
     /// Reads a quantity in the range that `ok` tests and `range` describes, such as `above 0`.
-    pub fn within(&self, dimension: Dimension, range: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
-        self.limited(dimension, &dimension.expected(range), ok)
+    pub fn within(&self, range: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        let (dimension, _) = self.dimension()?;
+        self.read_quantity(dimension, &dimension.expected(range), ok)
     }
 
     /// Reads a quantity in the range that `ok` tests and `expected` describes in full.
-    pub fn limited(&self, dimension: Dimension, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+    pub fn limited(&self, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
+        let (dimension, _) = self.dimension()?;
+        self.read_quantity(dimension, expected, ok)
+    }
+
+    fn dimension(&self) -> Read<(Dimension, Bounds)> {
+        let quantity = self.kind.quantity();
+        debug_assert!(quantity.is_some(), "{} is no quantity", self.path);
+        quantity.ok_or_else(|| self.refuse("no quantity"))
+    }
+
+    fn read_quantity(&self, dimension: Dimension, expected: &str, ok: impl Fn(f64) -> bool) -> Read<f64> {
         let value = match self.content {
             Content::Value(Value::String(text)) => {
                 let parsed = units::parse(text.value(), dimension);
@@ -236,16 +277,6 @@ impl<'a> Node<'a> {
             return Err(self.invalid(self.shown_quantity(dimension), expected));
         }
         value.filter(|x| ok(*x)).ok_or_else(|| self.invalid(self.shown_quantity(dimension), expected))
-    }
-
-    /// Reads a quantity above 0.
-    pub fn positive(&self, dimension: Dimension) -> Read<f64> {
-        self.within(dimension, "above 0", |x| x > 0.0)
-    }
-
-    /// Reads a quantity of 0 or more.
-    pub fn not_negative(&self, dimension: Dimension) -> Read<f64> {
-        self.within(dimension, "of 0 or more", |x| x >= 0.0)
     }
 
     /// Returns the text of the value, with the SI unit of a bare number.
@@ -265,8 +296,16 @@ impl<'a> Node<'a> {
         integer.or(value.as_float()).filter(|x| x.is_finite())
     }
 
+    /// Reads a whole number in the range of its kind, which `expected` describes.
+    pub fn integer(&self, expected: &str) -> Read<i64> {
+        let range = self.kind.integer();
+        debug_assert!(range.is_some(), "{} is no whole number", self.path);
+        let (least, most) = range.unwrap_or_default();
+        self.integer_within(least, most, expected)
+    }
+
     /// Reads a whole number between two others.
-    pub fn integer(&self, least: i64, most: i64, expected: &str) -> Read<i64> {
+    pub fn integer_within(&self, least: i64, most: i64, expected: &str) -> Read<i64> {
         match self.content {
             Content::Value(Value::Integer(i)) if (least..=most).contains(i.value()) => Ok(*i.value()),
             _ => Err(self.refuse(expected)),
@@ -306,11 +345,13 @@ impl<'a> Node<'a> {
     /// Returns the entries of a list, also of one written as `[[key]]` tables.
     pub fn list(&self, expected: &str) -> Read<Vec<Node<'a>>> {
         let path = |i: usize| format!("{}[{i}]", self.path);
+        debug_assert!(self.kind.entry(0).is_some(), "{} is no list", self.path);
+        let kind = |i: usize| self.kind.entry(i).unwrap_or(self.kind);
         match self.content {
             Content::Value(Value::Array(array)) => Ok(array
                 .iter()
                 .enumerate()
-                .map(|(i, value)| Node::of_value(self.source, path(i), self.span.clone(), value))
+                .map(|(i, value)| Node::of_value(self.source, path(i), self.span.clone(), value, kind(i)))
                 .collect()),
             Content::Tables(tables) => Ok(tables
                 .iter()
@@ -320,43 +361,65 @@ impl<'a> Node<'a> {
                     path: path(i),
                     span: table.span().unwrap_or(self.span.clone()),
                     content: Content::Table(table),
+                    kind: kind(i),
                 })
                 .collect()),
             _ => Err(self.refuse(expected)),
         }
     }
 
-    /// Reads a list of exactly `N` numbers; `read` gets the index of each.
-    pub fn array<const N: usize>(
-        &self,
-        expected: &str,
-        read: impl Fn(usize, &Node<'a>) -> Read<f64>,
-    ) -> Read<[f64; N]> {
+    /// Describes the quantities expected as one entry of a list.
+    pub(crate) fn expected_of_entry(&self, index: usize) -> String {
+        let quantity = self.kind.entry(index).and_then(Kind::quantity);
+        quantity.map_or_else(String::new, |(dimension, _)| dimension.expected(""))
+    }
+
+    /// Reads a list of exactly `N` quantities.
+    pub fn array<const N: usize>(&self, expected: &str) -> Read<[f64; N]> {
         let list = self.list(expected)?;
         if list.len() != N {
             return Err(self.fail(format!("a list of {}", list.len()), expected));
         }
         let mut values = [0.0; N];
-        for (i, (slot, node)) in values.iter_mut().zip(&list).enumerate() {
-            *slot = read(i, node)?;
+        for (slot, node) in values.iter_mut().zip(&list) {
+            *slot = node.quantity()?;
         }
         Ok(values)
     }
 
     /// Returns the table without a check of its keys, for tables that have been checked before.
     pub(crate) fn any_table(&self) -> Read<Table<'a>> {
-        let Content::Table(content) = self.content else { return Err(self.refuse("a table")) };
-        Ok(Table { source: self.source, path: self.path.clone(), span: self.span.clone(), content, defaults: None })
+        let keys = self.kind.keys();
+        debug_assert!(keys.is_some(), "{} is no table", self.path);
+        let (Content::Table(content), Some(keys)) = (self.content, keys) else { return Err(self.refuse("a table")) };
+        Ok(Table {
+            source: self.source,
+            path: self.path.clone(),
+            span: self.span.clone(),
+            content,
+            defaults: None,
+            keys,
+        })
     }
 
-    /// Returns the table after a check that it has only these keys.
-    pub fn table(&self, keys: &[&str]) -> Read<Table<'a>> {
+    /// Returns the table after a check that it has only keys of its kind.
+    pub fn table(&self) -> Read<Table<'a>> {
         if !self.is_table() {
-            return Err(self.refuse(format!("a table with the keys {}", keys.join(", "))));
+            let names = self.kind.keys().map(Keys::names).unwrap_or_default();
+            return Err(self.refuse(format!("a table with the keys {}", names.join(", "))));
         }
         let table = self.any_table()?;
-        table.check_keys(keys)?;
+        table.check_keys()?;
         Ok(table)
+    }
+}
+
+/// Returns the range of a quantity as messages describe it.
+fn range_of(bounds: Bounds) -> &'static str {
+    match bounds.0 {
+        Bound::Excluded(_) => "above 0",
+        Bound::Included(_) => "of 0 or more",
+        Bound::Unbounded => "",
     }
 }
 
@@ -367,6 +430,7 @@ pub(super) struct Table<'a> {
     span: Range<usize>,
     content: &'a dyn TableLike,
     defaults: Option<Defaults<'a>>,
+    keys: &'static Keys,
 }
 
 /// Values of keys that the scene does not have.
@@ -379,9 +443,9 @@ struct Defaults<'a> {
 
 impl<'a> Table<'a> {
     /// Returns the whole document as a table.
-    pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &[&str]) -> Read<Self> {
-        let table = Self { source, path: String::new(), span: 0..0, content, defaults: None };
-        table.check_keys(keys)?;
+    pub fn root(source: Source<'a>, content: &'a dyn TableLike, keys: &'static Keys) -> Read<Self> {
+        let table = Self { source, path: String::new(), span: 0..0, content, defaults: None, keys };
+        table.check_keys()?;
         Ok(table)
     }
 
@@ -390,13 +454,16 @@ impl<'a> Table<'a> {
         Self { defaults: Some(Defaults { content, span: key.span.clone() }), ..self }
     }
 
-    /// Returns the value of a key.
+    /// Returns the value of a key, which is one of the table's.
     pub fn optional(&self, key: &str) -> Option<Node<'a>> {
+        let known = self.keys.find(key);
+        debug_assert!(known.is_some(), "no key {key} of {}", self.keys.name);
+        let kind = &known?.kind;
         if let Some(item) = self.content.get(key) {
-            return Node::of_item(self.source, self.path_of(key), self.key_span(key), item);
+            return Node::of_item(self.source, self.path_of(key), self.key_span(key), item, kind);
         }
         let Defaults { content, span } = self.defaults.as_ref()?;
-        Node::of_item(self.source, self.path_of(key), span.clone(), content.get(key)?)
+        Node::of_item(self.source, self.path_of(key), span.clone(), content.get(key)?, kind)
     }
 
     /// Returns the value of a required key; `expected` describes the values expected.
@@ -424,19 +491,18 @@ impl<'a> Table<'a> {
         self.optional(key).map(|node| read(&node)).transpose()
     }
 
-    /// Reads a required quantity.
-    pub fn quantity(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.expected(""))?.quantity(dimension)
+    /// Reads a required quantity in the range of its kind.
+    pub fn quantity(&self, key: &str) -> Read<f64> {
+        self.optional_quantity(key)?.ok_or_else(|| {
+            let quantity = self.keys.find(key).and_then(|known| known.kind.quantity());
+            let expected = quantity.map(|(dimension, bounds)| dimension.expected(range_of(bounds)));
+            self.missing(key, &expected.unwrap_or_default())
+        })
     }
 
-    /// Reads a required quantity above 0.
-    pub fn positive(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.expected("above 0"))?.positive(dimension)
-    }
-
-    /// Reads a required quantity of 0 or more.
-    pub fn not_negative(&self, key: &str, dimension: Dimension) -> Read<f64> {
-        self.required(key, &dimension.expected("of 0 or more"))?.not_negative(dimension)
+    /// Reads an optional quantity in the range of its kind.
+    pub fn optional_quantity(&self, key: &str) -> Read<Option<f64>> {
+        self.read(key, Node::quantity)
     }
 
     fn path_of(&self, key: &str) -> String {
@@ -449,22 +515,20 @@ impl<'a> Table<'a> {
     }
 
     /// Rejects unknown keys before values are read: a misspelt key would otherwise be reported as a missing one.
-    fn check_keys(&self, keys: &[&str]) -> Read<()> {
-        for (key, _) in self.content.iter() {
-            if keys.contains(&key) {
-                continue;
-            }
-            return Err(self.unknown(key, keys));
+    fn check_keys(&self) -> Read<()> {
+        match self.content.iter().find(|(key, _)| self.keys.find(key).is_none()) {
+            Some((key, _)) => Err(self.unknown(key)),
+            None => Ok(()),
         }
-        Ok(())
     }
 
-    fn unknown(&self, key: &str, keys: &[&str]) -> SceneError {
-        let hint = nearest(key, keys).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+    fn unknown(&self, key: &str) -> SceneError {
+        let names = self.keys.names();
+        let hint = nearest(key, &names).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
         let found = format!("unknown key{hint}");
         let shown = on_one_line(key.escape_debug().to_string().as_str());
         let at = self.key_span(key).start;
-        self.source.error(at, &self.path_of(&shown), found, format!("one of {}", keys.join(", ")))
+        self.source.error(at, &self.path_of(&shown), found, format!("one of {}", names.join(", ")))
     }
 }
 

@@ -240,6 +240,34 @@ impl Dimension {
         FIXED.into_iter().find(|dimension| dimension.expected("") == expected)
     }
 
+    /// Returns the dimension in words without article, such as `length`.
+    pub(crate) fn name(self) -> &'static str {
+        let words = self.row().words.split(',').next().unwrap_or_default();
+        words.strip_prefix("an ").or(words.strip_prefix("a ")).unwrap_or(words)
+    }
+
+    /// Returns a regular expression of the units of this dimension. A single unit has the dimension; of an expression of several only
+    /// the form is matched.
+    pub(crate) fn unit_pattern(self) -> String {
+        let single: Vec<String> = UNITS
+            .iter()
+            .filter(|(_, _, powers)| self.fits(*powers))
+            .map(|(name, ..)| match name.strip_prefix('u') {
+                Some(rest) => format!("[u\u{b5}\u{3bc}]{rest}"),
+                None if *name == "deg" => "deg|\u{b0}".to_owned(),
+                None => (*name).to_owned(),
+            })
+            .collect();
+        const NAME: &str = "[A-Za-z\u{b5}\u{3bc}\u{b0}]+";
+        const POWER: &str = "(\\^[+-]?[0-9.]+|[\u{b2}\u{b3}])";
+        let term = format!("{NAME}{POWER}?");
+        let product = format!("{term}([\\s*\u{b7}\u{22c5}]+{term})*");
+        let several = format!("{term}([\\s*\u{b7}\u{22c5}]+{term})+");
+        let expressions = format!("{NAME}{POWER}|{several}|(1|{product})\\s*/\\s*{product}");
+        let single = single.iter().fold(String::new(), |all, one| all + one + "|");
+        format!("({single}{expressions})")
+    }
+
     fn fits(self, powers: Powers) -> bool {
         let row = self.row();
         let near = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance;
@@ -330,7 +358,7 @@ pub(crate) fn voltage_name(volts: f64) -> Option<&'static str> {
 }
 
 /// Units of a column of time with their seconds; Excel counts days.
-const TIME_COLUMN: [(&str, f64); 7] =
+pub(crate) const TIME_COLUMN: [(&str, f64); 7] =
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
 
 /// Names of the units of a column of time.

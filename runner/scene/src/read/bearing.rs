@@ -10,53 +10,16 @@ use super::super::{
     ModelInput, OuterRing, Support, Surface, Wave,
 };
 
-const KEYS: [&str; 45] = [
-    "name",
-    "bearing",
-    "station",
-    "facing",
-    "model",
-    "elements",
-    "first_element_azimuth",
-    "cage_ratio",
-    "ball_diameter",
-    "pitch_diameter",
-    "inner_conformity",
-    "outer_conformity",
-    "contact_angle",
-    "diametral_clearance",
-    "youngs_modulus",
-    "poissons_ratio",
-    "density",
-    "stiffness",
-    "exponent",
-    "radial_play",
-    "axial",
-    "housing_displacement",
-    "outer_ring",
-    "stiffness_matrix",
-    "two_spring",
-    "linearise",
-    "defect",
-    "waviness",
-    "effects",
-    "race_control",
-    "friction_sharing",
-    "lubricant",
-    "preload",
-    "table",
-    "support",
-    "element_azimuths",
-    "cage_runout",
-    "element_damping",
-    "solver_steps",
-    "coordinates",
-    "housing_coordinates",
-    "fit",
-    "temperatures",
-    "inner_raceway_diameter",
-    "outer_raceway_diameter",
-];
+/// `facing`
+pub(super) const FACINGS: [(&str, Facing); 3] = [("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)];
+/// `surface` of damage and waves
+pub(super) const SURFACES: [(&str, Surface); 4] =
+    [("inner", Surface::Inner), ("outer", Surface::Outer), ("ball", Surface::Ball(0)), ("element", Surface::Ball(0))];
+/// `shape` of damage
+pub(super) const DEFECT_SHAPES: [(&str, DefectShape); 2] =
+    [("half-sine", DefectShape::HalfSine), ("rectangular", DefectShape::Rectangular)];
+/// `direction` of waves: axial or not
+pub(super) const WAVE_DIRECTIONS: [(&str, bool); 2] = [("radial", false), ("axial", true)];
 
 /// Any of these starts a geometry, which then needs the first four and one of the next two.
 const GEOMETRY: [&str; 9] = [
@@ -95,14 +58,14 @@ const THIN: f64 = 0.4;
 /// hardly take part.
 const RING_ORDERS: usize = 6;
 /// Numbers of rolling elements that the kernel supports.
-const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
+pub(super) const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
 /// Returns the table of a bearing after a check of its keys.
 pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
-    node.table(&KEYS)
+    node.table()
 }
 
 /// Reads and checks one bearing.
@@ -122,13 +85,13 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
         model,
         elements,
-        first_element_azimuth: table.read("first_element_azimuth", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
+        first_element_azimuth: table.optional_quantity("first_element_azimuth")?.unwrap_or(0.0),
         cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
         axial: table.read("axial", axial)?,
         outer_ring: outer_ring(table)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
         defect: defects(table, model, elements)?,
-        waviness: waviness(table, model, elements)?,
+        waviness: waviness(table, model)?,
         effects: super::effects::read(table, model)?,
         lubricant: super::effects::lubricant(table)?,
         preload: super::effects::preload(table, model)?,
@@ -148,18 +111,23 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
     })
 }
 
+/// `model`
+pub(super) fn all_models() -> [(&'static str, Model); 6] {
+    Model::ALL.map(|model| (model.name(), model))
+}
+
 fn model(table: &Table<'_>) -> Read<Model> {
-    table.required("model", &choice_of(Model::ALL))?.choice(&Model::ALL.map(|model| (model.name(), model)))
+    table.required("model", &choice_of(Model::ALL))?.choice(&all_models())
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
-    node.choice(&[("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)])
+    node.choice(&FACINGS)
 }
 
 fn elements(table: &Table<'_>) -> Read<usize> {
     let expected = "a whole number from 3 to 64 (rolling elements)";
     let node = table.required("elements", expected)?;
-    let number = node.integer(*ELEMENTS.start(), *ELEMENTS.end(), expected)?;
+    let number = node.integer(expected)?;
     usize::try_from(number).map_err(|_| node.refuse(expected))
 }
 
@@ -206,9 +174,14 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    let mut sources: Vec<_> = models_with(|of| of.linearise).map(|model| (model.name(), model)).collect();
-    sources.sort_unstable();
-    Ok(table.read("linearise", |n| n.choice(&sources))?.map(Linear::Of))
+    Ok(table.read("linearise", |n| n.choice(&linearised_models()))?.map(Linear::Of))
+}
+
+/// `linearise`
+pub(super) fn linearised_models() -> Vec<(&'static str, Model)> {
+    let mut models: Vec<_> = models_with(|of| of.linearise).map(|model| (model.name(), model)).collect();
+    models.sort_unstable();
+    models
 }
 
 /// Checks that a linear bearing has exactly one source of its stiffness. None is the default: each means another stiffness.
@@ -237,23 +210,15 @@ fn stiffness_matrix(node: &Node<'_>) -> Read<[[f64; 5]; 5]> {
         return Err(node.fail(format!("a list of {}", rows.len()), expected));
     }
     let mut matrix = [[0.0; 5]; 5];
-    for (i, (slot, row)) in matrix.iter_mut().zip(&rows).enumerate() {
-        *slot = row.array(expected, |j, entry| entry.quantity(stiffness_term(i, j)))?;
+    for (slot, row) in matrix.iter_mut().zip(&rows) {
+        *slot = row.array(expected)?;
     }
     Ok(matrix)
 }
 
-fn stiffness_term(row: usize, column: usize) -> Dimension {
-    match (row < 3, column < 3) {
-        (true, true) => Dimension::Stiffness,
-        (false, false) => Dimension::AngularStiffness,
-        _ => Dimension::CrossStiffness,
-    }
-}
-
 fn two_spring(node: &Node<'_>) -> Read<Linear> {
-    let table = node.table(&["static_load"])?;
-    Ok(Linear::TwoSpring { static_load: table.positive("static_load", Dimension::Force)? })
+    let table = node.table()?;
+    Ok(Linear::TwoSpring { static_load: table.quantity("static_load")? })
 }
 
 fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>) -> Read<()> {
@@ -269,7 +234,7 @@ fn geometry(table: &Table<'_>, required: ModelInput) -> Read<Option<Geometry>> {
         return Ok(None);
     }
     check_complete(table)?;
-    let ball_diameter = table.positive("ball_diameter", Dimension::Length)?;
+    let ball_diameter = table.quantity("ball_diameter")?;
     let pitch_diameter = pitch_diameter(table, ball_diameter)?;
     let inner_conformity = conformity(table, "inner_conformity")?;
     let outer_conformity = conformity(table, "outer_conformity")?;
@@ -280,11 +245,11 @@ fn geometry(table: &Table<'_>, required: ModelInput) -> Read<Option<Geometry>> {
         inner_conformity,
         outer_conformity,
         fit: fit(table, required, groove_centres)?,
-        youngs_modulus: table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
+        youngs_modulus: table.optional_quantity("youngs_modulus")?.unwrap_or(YOUNGS_MODULUS),
         poissons_ratio: table
-            .read("poissons_ratio", |n| n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x)))?
+            .read("poissons_ratio", |n| n.number("0 or more and below 0.5"))?
             .unwrap_or(POISSONS_RATIO),
-        density: table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(DENSITY),
+        density: table.optional_quantity("density")?.unwrap_or(DENSITY),
     }))
 }
 
@@ -307,12 +272,12 @@ fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
     let range = format!("above ball_diameter ({} mm)", (ball * 1e9).round() / 1e6);
     let expected = Dimension::Length.expected(&range);
     let node = table.required("pitch_diameter", &expected)?;
-    node.within(Dimension::Length, &range, |x| x > ball)
+    node.within(&range, |x| x > ball)
 }
 
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
     let range = "a number above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
-    table.required(key, range)?.number(range, |x| x > 0.5 && x <= 1.0)
+    table.required(key, range)?.number(range)
 }
 
 /// `groove_centres` is the distance A of the groove centres at first contact.
@@ -331,8 +296,7 @@ fn fit(table: &Table<'_>, required: ModelInput, groove_centres: f64) -> Read<Fre
 
 fn contact_angle(node: &Node<'_>) -> Read<f64> {
     // 60 degrees converted may be a rounding above pi/3.
-    let angle =
-        node.within(Dimension::Angle, "from 0 to 60 deg", |x| (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x))?;
+    let angle = node.within("from 0 to 60 deg", |x| (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x))?;
     Ok(angle.min(FRAC_PI_3))
 }
 
@@ -347,7 +311,7 @@ fn diametral_clearance(node: &Node<'_>, required: ModelInput, groove_centres: f6
         (-groove_centres, format!("between -{most} and {most}"))
     };
     let expected = format!("a length {range}, as {most} is the distance of the groove centres");
-    node.limited(Dimension::Length, &expected, |s| s >= least && s < groove_centres)
+    node.limited(&expected, |s| s >= least && s < groove_centres)
 }
 
 /// Returns a length in um, rounded to 0.1 um, for messages.
@@ -367,15 +331,15 @@ fn law(table: &Table<'_>, required: ModelInput) -> Read<Option<Law>> {
     let exponent = exponent(table)?;
     let contact = Dimension::ContactStiffness(exponent);
     Ok(Some(Law {
-        stiffness: table.read("stiffness", |n| n.positive(contact))?,
+        stiffness: table.read("stiffness", |n| n.quantity_in(contact))?,
         exponent,
-        radial_play: table.read("radial_play", |n| n.quantity(Dimension::Length))?,
+        radial_play: table.optional_quantity("radial_play")?,
     }))
 }
 
 fn exponent(table: &Table<'_>) -> Read<f64> {
     let range = "1 to 3, 1.5 for balls (F = stiffness * deflection^exponent)";
-    let exponent = table.read("exponent", |n| n.number(range, |x| (1.0..=3.0).contains(&x)))?;
+    let exponent = table.read("exponent", |n| n.number(range))?;
     Ok(exponent.unwrap_or(HERTZ_EXPONENT))
 }
 
@@ -411,13 +375,14 @@ fn check_stiffness_from_geometry(table: &Table<'_>, geometry: Option<&Geometry>,
 }
 
 fn axial(node: &Node<'_>) -> Read<Axial> {
-    let table = node.table(&["stiffness", "exponent", "play", "radius"])?;
+    let table = node.table()?;
     let exponent = exponent(&table)?;
+    let contact = Dimension::ContactStiffness(exponent);
     Ok(Axial {
-        stiffness: table.positive("stiffness", Dimension::ContactStiffness(exponent))?,
+        stiffness: table.required("stiffness", &contact.expected("above 0"))?.quantity_in(contact)?,
         exponent,
-        play: table.quantity("play", Dimension::Length)?,
-        radius: table.not_negative("radius", Dimension::Length)?,
+        play: table.quantity("play")?,
+        radius: table.quantity("radius")?,
     })
 }
 
@@ -430,8 +395,7 @@ fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
     if list.len() != elements {
         return Err(node.fail(format!("a list of {}", list.len()), expected));
     }
-    let metres = |_: usize, entry: &Node<'_>| entry.quantity(Dimension::Length);
-    list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z", metres)).collect()
+    list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z")).collect()
 }
 
 /// A ring that bends; its form when it is not loaded is round.
@@ -444,19 +408,19 @@ fn outer_ring(table: &Table<'_>) -> Read<Option<OuterRing>> {
             node.misplaced("not together with housing_displacement, which gives the ring a form; remove one of them")
         );
     }
-    let ring = node.table(&["radius", "width", "thickness", "youngs_modulus", "orders"])?;
+    let ring = node.table()?;
     let range = "a whole number from 2 to 12 (highest order of the shape of the ring)";
-    let orders = ring.read("orders", |n| n.integer(2, 12, range))?.and_then(|orders| usize::try_from(orders).ok());
-    let radius = ring.positive("radius", Dimension::Length)?;
+    let orders = ring.read("orders", |n| n.integer(range))?.and_then(|orders| usize::try_from(orders).ok());
+    let radius = ring.quantity("radius")?;
     let most = micrometres(THIN * radius) / 1e3;
     let thin = format!("a length above 0 and at most {most} mm, {THIN} of the radius: the ring is a thin one");
     Ok(Some(OuterRing {
         radius,
-        width: ring.positive("width", Dimension::Length)?,
+        width: ring.quantity("width")?,
         thickness: ring
             .required("thickness", &thin)?
-            .limited(Dimension::Length, &thin, |thickness| thickness > 0.0 && thickness <= THIN * radius)?,
-        youngs_modulus: ring.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
+            .limited(&thin, |thickness| thickness > 0.0 && thickness <= THIN * radius)?,
+        youngs_modulus: ring.optional_quantity("youngs_modulus")?.unwrap_or(YOUNGS_MODULUS),
         orders: orders.unwrap_or(RING_ORDERS),
     }))
 }
@@ -482,7 +446,7 @@ fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Optio
 
 fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<Option<f64>> {
     let range = "0 or more and below 1 (cage speed / shaft speed)";
-    let given = table.read("cage_ratio", |n| n.number(range, |x| (0.0..1.0).contains(&x)))?;
+    let given = table.read("cage_ratio", |n| n.number(range))?;
     if given.is_some() || has_rolling_speed || !model.has_elements() {
         return Ok(given);
     }
@@ -493,7 +457,7 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<
 /// Reads the station along a rigid rotor; on a system the coordinates define the position.
 fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
     if !on_system {
-        return table.quantity("station", Dimension::Length);
+        return table.quantity("station");
     }
     let why = "no station or support on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
     refuse(table, &["station", "support"], why)?;
@@ -512,22 +476,21 @@ pub(super) fn coordinates(table: &Table<'_>, key: &str, on_system: bool) -> Read
         return Err(node.misplaced("only with a [system]; remove it"));
     }
     let list = node.list(COORDINATES)?;
-    let numbers: Vec<i64> = list.iter().map(|entry| entry.integer(-128, 128, COORDINATES)).collect::<Read<_>>()?;
+    let numbers: Vec<i64> = list.iter().map(|entry| entry.integer(COORDINATES)).collect::<Read<_>>()?;
     <Coordinates>::try_from(numbers).map(Some).map_err(|_| node.refuse(COORDINATES))
 }
 
 fn support(node: &Node<'_>) -> Read<Support> {
-    let table = node.table(&["mass", "stiffness_x", "stiffness_y", "stiffness_xy", "damping"])?;
-    let stiffness =
-        [table.positive("stiffness_x", Dimension::Stiffness)?, table.positive("stiffness_y", Dimension::Stiffness)?];
+    let table = node.table()?;
+    let stiffness = [table.quantity("stiffness_x")?, table.quantity("stiffness_y")?];
     let most = (stiffness[0] * stiffness[1]).sqrt();
     let range = format!("below {most} N/m in size, or the support is unstable in some direction");
-    let cross = table.read("stiffness_xy", |n| n.within(Dimension::Stiffness, &range, |k| k.abs() < most))?;
+    let cross = table.read("stiffness_xy", |n| n.within(&range, |k| k.abs() < most))?;
     Ok(Support {
-        mass: table.positive("mass", Dimension::Mass)?,
+        mass: table.quantity("mass")?,
         stiffness,
         cross_stiffness: cross.unwrap_or(0.0),
-        damping: table.read("damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0),
+        damping: table.optional_quantity("damping")?.unwrap_or(0.0),
     })
 }
 
@@ -537,34 +500,32 @@ fn azimuths(node: &Node<'_>, elements: usize) -> Read<Vec<f64>> {
     if list.len() != elements {
         return Err(node.fail(format!("a list of {}", list.len()), expected));
     }
-    list.iter().map(|entry| entry.quantity(Dimension::Angle)).collect()
+    list.iter().map(|entry| entry.quantity()).collect()
 }
 
 fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout> {
-    let table = node.table(&["offset", "angle", "radius"])?;
-    let given = table.read("radius", |n| n.positive(Dimension::Length))?;
+    let table = node.table()?;
+    let given = table.optional_quantity("radius")?;
     let Some(radius) = given.or(geometry.map(|g| 0.5 * g.pitch_diameter)) else {
         return Err(table.missing("radius", "the radius of the elements' circle, or the bearing's geometry"));
     };
     let range = format!("0 or more and below a tenth of the elements' circle ({radius} m)");
     let expected = Dimension::Length.expected(&range);
     Ok(CageRunout {
-        offset: table
-            .required("offset", &expected)?
-            .within(Dimension::Length, &range, |e| (0.0..0.1 * radius).contains(&e))?,
-        angle: table.read("angle", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
+        offset: table.required("offset", &expected)?.within(&range, |e| (0.0..0.1 * radius).contains(&e))?,
+        angle: table.optional_quantity("angle")?.unwrap_or(0.0),
         radius,
     })
 }
 
 fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
     check_only_with(table, &["element_damping"], model, |of| of.moving_elements)?;
-    Ok(table.read("element_damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0))
+    Ok(table.optional_quantity("element_damping")?.unwrap_or(0.0))
 }
 
 fn solver_steps(table: &Table<'_>, model: Model) -> Read<Option<u8>> {
     check_only_with(table, &["solver_steps"], model, |of| of.solver_steps)?;
-    let steps = table.read("solver_steps", |n| n.integer(1, 50, "a whole number from 1 to 50"))?;
+    let steps = table.read("solver_steps", |n| n.integer("a whole number from 1 to 50"))?;
     Ok(steps.and_then(|steps| u8::try_from(steps).ok()))
 }
 
@@ -605,67 +566,66 @@ fn check_has_surfaces(node: &Node<'_>, model: Model) -> Read<()> {
 }
 
 fn defect(node: &Node<'_>, elements: usize) -> Read<Defect> {
-    let table = node.table(&["surface", "azimuth", "half_width", "depth", "shape", "element"])?;
+    let table = node.table()?;
     let shapes = "\"half-sine\" or \"rectangular\"";
     Ok(Defect {
-        surface: surface(&table, elements)?,
-        azimuth: table.quantity("azimuth", Dimension::Angle)?,
+        surface: damaged_surface(&table, elements)?,
+        azimuth: table.quantity("azimuth")?,
         half_width: half_width(&table)?,
-        depth: table.positive("depth", Dimension::Length)?,
-        shape: table
-            .required("shape", shapes)?
-            .choice(&[("half-sine", DefectShape::HalfSine), ("rectangular", DefectShape::Rectangular)])?,
+        depth: table.quantity("depth")?,
+        shape: table.required("shape", shapes)?.choice(&DEFECT_SHAPES)?,
     })
 }
 
+fn surface(table: &Table<'_>) -> Read<Surface> {
+    table.required("surface", "\"inner\", \"outer\" or \"ball\"")?.choice(&SURFACES)
+}
+
 /// `surface`, and for a ball which one is damaged: `element`, 1 for the first.
-fn surface(table: &Table<'_>, elements: usize) -> Read<Surface> {
-    let expected = "\"inner\", \"outer\" or \"ball\"";
-    let ball = Surface::Ball(0);
-    let here = [("inner", Surface::Inner), ("outer", Surface::Outer), ("ball", ball), ("element", ball)];
-    let surface = table.required("surface", expected)?.choice(&here)?;
+fn damaged_surface(table: &Table<'_>, elements: usize) -> Read<Surface> {
+    let surface = surface(table)?;
     let Some(node) = table.optional("element") else {
         return Ok(surface);
     };
     let range = format!("the number of the damaged ball, 1 to {elements}, only with surface = \"ball\"");
-    let number = node.integer(1, elements as i64, &range)?;
+    let number = node.integer_within(1, elements as i64, &range)?;
     match (surface, usize::try_from(number)) {
         (Surface::Ball(_), Ok(number)) => Ok(Surface::Ball(number - 1)),
         _ => Err(node.refuse(&range)),
     }
 }
 
-fn waviness(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Wave>> {
+fn waviness(table: &Table<'_>, model: Model) -> Read<Vec<Wave>> {
     let Some(node) = table.optional("waviness") else {
         return Ok(Vec::new());
     };
     check_has_surfaces(&node, model)?;
     let list = node.list("a list of tables { surface, direction, order, amplitude, phase }")?;
-    list.iter().map(|node| wave(node, elements)).collect()
+    list.iter().map(wave).collect()
 }
 
-fn wave(node: &Node<'_>, elements: usize) -> Read<Wave> {
-    let table = node.table(&["surface", "direction", "order", "amplitude", "phase"])?;
-    let surface = surface(&table, elements)?;
-    let axial = table.read("direction", |n| n.choice(&[("radial", false), ("axial", true)]))?.unwrap_or(false);
+fn wave(node: &Node<'_>) -> Read<Wave> {
+    let table = node.table()?;
+    let surface = surface(&table)?;
+    let axial = table.read("direction", |n| n.choice(&WAVE_DIRECTIONS))?.unwrap_or(false);
     if axial && matches!(surface, Surface::Ball(_)) {
         let expected = "\"radial\" (a ball's waviness is along its contacts); or leave it out";
         return Err(table.required("direction", expected)?.refuse(expected));
     }
     let range = "a whole number from 1 to 10000 (waves around the surface)";
     let order = table.required("order", range)?;
-    let order = u32::try_from(order.integer(1, 10_000, range)?).map_err(|_| order.refuse(range))?;
+    let order = u32::try_from(order.integer(range)?).map_err(|_| order.refuse(range))?;
     Ok(Wave {
         surface,
         axial,
         order,
-        amplitude: table.positive("amplitude", Dimension::Length)?,
-        phase: table.read("phase", |n| n.quantity(Dimension::Angle))?.unwrap_or(0.0),
+        amplitude: table.quantity("amplitude")?,
+        phase: table.optional_quantity("phase")?.unwrap_or(0.0),
     })
 }
 
 fn half_width(table: &Table<'_>) -> Read<f64> {
     let range = "above 0 and at most 180 deg";
     let node = table.required("half_width", &Dimension::Angle.expected(range))?;
-    node.within(Dimension::Angle, range, |x| x > 0.0 && x <= PI)
+    node.within(range, |x| x > 0.0 && x <= PI)
 }

@@ -2,7 +2,6 @@
 
 use super::super::model::{choice_of, models_with};
 use super::super::table::{Node, Read, Table};
-use super::super::units::Dimension;
 use super::super::{
     Effects, FrictionSharing, InletHeating, Lubricant, Model, ModelInput, Preload, PreloadAmount, PreloadState,
     RaceControl, TableRange,
@@ -10,11 +9,24 @@ use super::super::{
 
 /// The values of `effects`.
 #[derive(Clone, Copy, PartialEq)]
-enum Effect {
+pub(super) enum Effect {
     Centrifugal,
     Gyroscopic,
     Film,
 }
+
+/// `effects`
+pub(super) const EFFECTS: [(&str, Effect); 3] =
+    [("centrifugal", Effect::Centrifugal), ("gyroscopic", Effect::Gyroscopic), ("film", Effect::Film)];
+/// `race_control`
+pub(super) const RACE_CONTROLS: [(&str, RaceControl); 2] =
+    [("outer", RaceControl::Outer), ("inner", RaceControl::Inner)];
+/// `friction_sharing`
+pub(super) const FRICTION_SHARINGS: [(&str, FrictionSharing); 3] = [
+    ("outer", FrictionSharing::Outer),
+    ("equal", FrictionSharing::Equal),
+    ("proportional", FrictionSharing::Proportional),
+];
 
 /// Reads `effects`, `race_control`, `friction_sharing` and `lubricant`.
 pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
@@ -30,28 +42,21 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
     }
     let named = table.read("effects", effects)?.unwrap_or_default();
     let has = |effect| named.contains(&effect);
-    let control =
-        table.read("race_control", |n| n.choice(&[("outer", RaceControl::Outer), ("inner", RaceControl::Inner)]));
-    let sharing = [
-        ("outer", FrictionSharing::Outer),
-        ("equal", FrictionSharing::Equal),
-        ("proportional", FrictionSharing::Proportional),
-    ];
+    let control = table.read("race_control", |n| n.choice(&RACE_CONTROLS));
     Ok(Effects {
         centrifugal: has(Effect::Centrifugal),
         gyroscopic: has(Effect::Gyroscopic),
         film: film(table, has(Effect::Film))?,
         control: control?.unwrap_or_default(),
-        sharing: table.read("friction_sharing", |n| n.choice(&sharing))?.unwrap_or_default(),
+        sharing: table.read("friction_sharing", |n| n.choice(&FRICTION_SHARINGS))?.unwrap_or_default(),
     })
 }
 
 fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
     let expected = "a list of \"centrifugal\", \"gyroscopic\" and \"film\"";
-    let here = [("centrifugal", Effect::Centrifugal), ("gyroscopic", Effect::Gyroscopic), ("film", Effect::Film)];
     let mut effects = Vec::new();
     for entry in node.list(expected)? {
-        let effect = entry.choice(&here)?;
+        let effect = entry.choice(&EFFECTS)?;
         if effects.contains(&effect) {
             return Err(entry.repeated("each effect once"));
         }
@@ -74,11 +79,11 @@ fn film(table: &Table<'_>, named: bool) -> Read<Option<Lubricant>> {
 /// `lubricant`, which may be known where its film is omitted.
 pub(super) fn lubricant(table: &Table<'_>) -> Read<Option<Lubricant>> {
     table.read("lubricant", |node| {
-        let table = node.table(&["viscosity", "pressure_viscosity", "roughness", "inlet_heating"])?;
+        let table = node.table()?;
         Ok(Lubricant {
-            viscosity: table.positive("viscosity", Dimension::Viscosity)?,
-            pressure_viscosity: table.positive("pressure_viscosity", Dimension::PressureViscosity)?,
-            roughness: table.read("roughness", |n| n.positive(Dimension::Length))?,
+            viscosity: table.quantity("viscosity")?,
+            pressure_viscosity: table.quantity("pressure_viscosity")?,
+            roughness: table.optional_quantity("roughness")?,
             inlet_heating: table.read("inlet_heating", inlet_heating)?,
         })
     })
@@ -86,12 +91,12 @@ pub(super) fn lubricant(table: &Table<'_>) -> Read<Option<Lubricant>> {
 
 /// Keys that are absent are those of mineral oils.
 fn inlet_heating(node: &Node<'_>) -> Read<InletHeating> {
-    let table = node.table(&["temperature_coefficient", "conductivity"])?;
+    let table = node.table()?;
     let mineral = InletHeating::MINERAL_OIL;
     let expected = "a relative decrease of the viscosity from 1e-3 to 0.2 1/K, such as \"0.04 1/K\"";
-    let coefficient = |n: &Node<'_>| n.number_in("1/K", expected, |x| (1e-3..=0.2).contains(&x));
+    let coefficient = |n: &Node<'_>| n.number_in_unit(expected);
     let range = "a thermal conductivity from 0.01 to 10 W/(m K), such as \"0.14 W/(m K)\"";
-    let conductivity = |n: &Node<'_>| n.number_in("W/(m K)", range, |x| (0.01..=10.0).contains(&x));
+    let conductivity = |n: &Node<'_>| n.number_in_unit(range);
     Ok(InletHeating {
         temperature_coefficient: table
             .read("temperature_coefficient", coefficient)?
@@ -110,10 +115,10 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
         let expected = format!("only with model = {models} (lumped: a negative radial_play); remove it");
         return Err(node.misplaced(expected));
     }
-    let inner = node.table(&["force", "displacement", "set"])?;
+    let inner = node.table()?;
     let amount = match (inner.optional("force"), inner.optional("displacement")) {
-        (Some(_), None) => PreloadAmount::Force(inner.positive("force", Dimension::Force)?),
-        (None, Some(_)) => PreloadAmount::Displacement(inner.positive("displacement", Dimension::Length)?),
+        (Some(_), None) => PreloadAmount::Force(inner.quantity("force")?),
+        (None, Some(_)) => PreloadAmount::Displacement(inner.quantity("displacement")?),
         _ => return Err(node.refuse("exactly one of { force = \"500 N\" } and { displacement = \"10 um\" }")),
     };
     let set = inner.read("set", |n| n.choice(&PreloadState::ALL))?.unwrap_or_default();
@@ -129,10 +134,10 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
         let models = choice_of(models_with(|of| of.effects).rev());
         return Err(node.misplaced(format!("only with model = {models}; remove it")));
     }
-    let inner = node.table(&["approach", "angle", "speed", "intervals"])?;
-    let pair = |key: &str, dimension: Dimension| {
+    let inner = node.table()?;
+    let pair = |key: &str| {
         inner.read(key, |n| {
-            let range: [f64; 2] = n.array("a list of two: the least and the greatest", |_, e| e.quantity(dimension))?;
+            let range: [f64; 2] = n.array("a list of two: the least and the greatest")?;
             if range[0] <= range[1] { Ok(range) } else { Err(n.refuse("the least first, then the greatest")) }
         })
     };
@@ -140,17 +145,11 @@ pub(super) fn table_range(table: &Table<'_>, model: Model) -> Read<Option<TableR
         let expected =
             "a list of three whole numbers: from 4 to 1000 along approach and angle, from 1 to 1000 along the speed";
         let list = n.list(expected)?;
-        let count =
-            |n: &Node<'_>, least: i64| n.integer(least, 1000, expected).map(|i| usize::try_from(i).unwrap_or(4));
+        let count = |n: &Node<'_>| n.integer(expected).map(|i| usize::try_from(i).unwrap_or(4));
         match list.as_slice() {
-            [a, b, c] => Ok([count(a, 4)?, count(b, 4)?, count(c, 1)?]),
+            [a, b, c] => Ok([count(a)?, count(b)?, count(c)?]),
             _ => Err(n.refuse(expected)),
         }
     })?;
-    Ok(Some(TableRange {
-        approach: pair("approach", Dimension::Length)?,
-        angle: pair("angle", Dimension::Angle)?,
-        speed: pair("speed", Dimension::Speed)?,
-        intervals,
-    }))
+    Ok(Some(TableRange { approach: pair("approach")?, angle: pair("angle")?, speed: pair("speed")?, intervals }))
 }

@@ -64,7 +64,7 @@ fn raceways(table: &Table<'_>, bearing: &Bearing) -> Read<[f64; 2]> {
     let entry = bearing.catalogue.as_ref().map(|used| used.listed.entry);
     let parts = geometry.or(entry.map(|e| (e.pitch_diameter * 1e-3, e.element_diameter * 1e-3)));
     let diameter = |key: &str, sign: f64| match (table.optional(key), parts) {
-        (Some(node), _) => node.positive(Dimension::Length),
+        (Some(node), _) => node.quantity(),
         (None, Some((pitch, element))) => Ok(pitch + sign * element),
         (None, None) => Err(table.missing(key, "a length, such as \"31 mm\"; or ball_diameter and pitch_diameter")),
     };
@@ -81,21 +81,12 @@ fn raceways(table: &Table<'_>, bearing: &Bearing) -> Read<[f64; 2]> {
 }
 
 fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartMaterial) -> Read<[RingFit; 2]> {
-    let table = node.table(&[
-        "shaft_interference",
-        "housing_interference",
-        "bore",
-        "outside_diameter",
-        "shaft_bore",
-        "housing_diameter",
-        "shaft_material",
-        "housing_material",
-    ])?;
+    let table = node.table()?;
     let entry = bearing.catalogue.as_ref().map(|used| used.listed.entry);
     let diameter_of = |key: &str, listed: Option<f64>, range: &str, ok: &dyn Fn(f64) -> bool| {
         let expected = Dimension::Length.expected(range);
         match (table.optional(key), listed.map(|mm| mm * 1e-3).filter(|d| ok(*d))) {
-            (Some(node), _) => node.limited(Dimension::Length, &expected, ok),
+            (Some(node), _) => node.limited(&expected, ok),
             (None, Some(listed)) => Ok(listed),
             (None, None) => Err(table.missing(key, &expected)),
         }
@@ -108,7 +99,7 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
     let interference = |key: &str, other: f64| {
         let most = 0.01 * other;
         let range = format!("of at most {:.2} mm; negative is a loose fit", most * 1e3);
-        let read = |n: &Node<'_>| n.within(Dimension::Length, &range, |x| x.abs() <= most);
+        let read = |n: &Node<'_>| n.within(&range, |x| x.abs() <= most);
         Ok(table.read(key, read)?.unwrap_or(0.0))
     };
     if !table.has("shaft_interference") && !table.has("housing_interference") {
@@ -116,11 +107,11 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
     }
     let shaft_bore = table.read("shaft_bore", |n| {
         let range = format!("of 0 or more and below the bore of the bearing ({:.2} mm)", bore * 1e3);
-        n.within(Dimension::Length, &range, |d| d >= 0.0 && d < bore)
+        n.within(&range, |d| d >= 0.0 && d < bore)
     })?;
     let housing_diameter = table.read("housing_diameter", |n| {
         let range = format!("above the outside diameter of the bearing ({:.2} mm)", outside * 1e3);
-        n.within(Dimension::Length, &range, |d| d > outside)
+        n.within(&range, |d| d > outside)
     })?;
     let part = |key: &str| Ok(table.read(key, |n| material(n, rings))?.unwrap_or(rings));
     Ok([
@@ -141,9 +132,9 @@ fn read_fit(node: &Node<'_>, bearing: &Bearing, raceways: [f64; 2], rings: PartM
 
 /// Reads a material; keys that are absent are those of the rings.
 fn material(node: &Node<'_>, rings: PartMaterial) -> Read<PartMaterial> {
-    let table = node.table(&["youngs_modulus", "poissons_ratio", "expansion"])?;
-    let modulus = table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?;
-    let ratio = |n: &Node<'_>| n.number("0 or more and below 0.5", |x| (0.0..0.5).contains(&x));
+    let table = node.table()?;
+    let modulus = table.optional_quantity("youngs_modulus")?;
+    let ratio = |n: &Node<'_>| n.number("0 or more and below 0.5");
     Ok(PartMaterial {
         youngs_modulus: modulus.unwrap_or(rings.youngs_modulus),
         poissons_ratio: table.read("poissons_ratio", ratio)?.unwrap_or(rings.poissons_ratio),
@@ -152,7 +143,7 @@ fn material(node: &Node<'_>, rings: PartMaterial) -> Read<PartMaterial> {
 }
 
 fn read_temperatures(node: &Node<'_>) -> Read<(Temperatures, f64)> {
-    let table = node.table(&["inner", "outer", "assembled", "expansion"])?;
+    let table = node.table()?;
     let required = |key: &str| table.required(key, TEMPERATURE).and_then(|node| temperature(&node));
     let temperatures = Temperatures {
         inner: required("inner")?,
@@ -176,16 +167,15 @@ fn temperature(node: &Node<'_>) -> Read<f64> {
 
 /// Returns kelvins for one unit, and the temperature of its zero in K.
 pub(super) fn temperature_unit(name: &str) -> Option<(f64, f64)> {
-    match name {
-        "degC" => Some((1.0, 273.15)),
-        "K" => Some((1.0, 0.0)),
-        "degF" => Some((5.0 / 9.0, 273.15 - 32.0 * 5.0 / 9.0)),
-        _ => None,
-    }
+    TEMPERATURE_UNITS.iter().find(|(unit, _)| *unit == name).map(|(_, scale)| *scale)
 }
+
+/// Units of temperature with kelvins for one, and the temperature of its zero in K.
+pub(super) const TEMPERATURE_UNITS: [(&str, (f64, f64)); 3] =
+    [("degC", (1.0, 273.15)), ("K", (1.0, 0.0)), ("degF", (5.0 / 9.0, 273.15 - 32.0 * 5.0 / 9.0))];
 
 /// Reads a coefficient of linear expansion, 1/K.
 fn thermal_expansion(node: &Node<'_>) -> Read<f64> {
     let expected = "a linear expansion from 0 to 1e-4 1/K, such as \"23e-6 1/K\"";
-    node.number_in("1/K", expected, |x| (0.0..=1e-4).contains(&x))
+    node.number_in_unit(expected)
 }

@@ -9,28 +9,27 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
+/// `sequence`
+pub(super) const SEQUENCES: [(&str, Sequence); 2] =
+    [("continuous", Sequence::Continuous), ("snapshots", Sequence::Snapshots)];
+/// `orientation`
+pub(super) const ORIENTATIONS: [(&str, Orientation); 2] =
+    [("samples-first", Orientation::SamplesFirst), ("channels-first", Orientation::ChannelsFirst)];
+/// `ring` of a temperature
+pub(super) const RINGS: [(&str, Ring); 2] = [("inner", Ring::Inner), ("outer", Ring::Outer)];
+/// `keyphasor` that is no table
+pub(super) const SYNCHRONOUS: [(&str, ()); 1] = [("synchronous", ())];
+/// `kind` of a keyphasor
+pub(super) const KEYPHASOR_KINDS: [(&str, Kind); 3] =
+    [("pulses", Kind::Pulses), ("count", Kind::Count), ("instants", Kind::Instants)];
+/// `slope` of a keyphasor
+pub(super) const SLOPES: [(&str, Slope); 2] = [("rising", Slope::Rising), ("falling", Slope::Falling)];
+
 /// Columns that are already in use, with their use.
 type Taken = Vec<(String, &'static str)>;
 
 pub(super) fn read(node: &Node<'_>, scene: &Path, on_system: bool, bearings: &[Bearing]) -> Read<Recording> {
-    let keys = [
-        "file",
-        "sequence",
-        "rate",
-        "time",
-        "average",
-        "probes",
-        "sensors",
-        "temperature",
-        "keyphasor",
-        "speed",
-        "run_out",
-        "header",
-        "orientation",
-        "skip",
-        "comment",
-    ];
-    let table = node.table(&keys)?;
+    let table = node.table()?;
     let (file, further_files) = files(&table, scene.parent().unwrap_or(Path::new("")))?;
     let mut taken = Taken::new();
     let average = table.read("average", |n| average(n, &table))?.unwrap_or(1);
@@ -69,7 +68,7 @@ fn files(table: &Table<'_>, folder: &Path) -> Read<(PathBuf, Vec<PathBuf>)> {
 
 /// Reads the relation of several files to each other. Snapshots are evaluated at the speed of the scene.
 fn sequence(node: &Node<'_>, table: &Table<'_>) -> Read<Sequence> {
-    let sequence = node.choice(&[("continuous", Sequence::Continuous), ("snapshots", Sequence::Snapshots)])?;
+    let sequence = node.choice(&SEQUENCES)?;
     let is_measured = ["keyphasor", "speed"].into_iter().find(|key| table.has(key));
     if sequence == Sequence::Continuous {
         return Ok(sequence);
@@ -97,19 +96,18 @@ fn run_out(node: &Node<'_>, table: &Table<'_>, scene: &Path) -> Read<PathBuf> {
 }
 
 fn file_layout(table: &Table<'_>) -> Read<FileLayout> {
-    let orientations = [("samples-first", Orientation::SamplesFirst), ("channels-first", Orientation::ChannelsFirst)];
     Ok(FileLayout {
         is_headless: !table.read("header", Node::boolean)?.unwrap_or(true),
-        orientation: table.read("orientation", |n| n.choice(&orientations))?,
+        orientation: table.read("orientation", |n| n.choice(&ORIENTATIONS))?,
         skip: table
-            .read("skip", |n| n.integer(0, MAX_SKIP, "the number of lines above the header, 0 to 10000"))?
+            .read("skip", |n| n.integer("the number of lines above the header, 0 to 10000"))?
             .map(|lines| lines as u32),
         comment: table.read("comment", comment)?,
     })
 }
 
 /// Largest number of lines above the header.
-const MAX_SKIP: i64 = 10_000;
+pub(super) const MAX_SKIP: i64 = 10_000;
 
 /// Reads the character with which a line begins that is no row.
 fn comment(node: &Node<'_>) -> Read<u8> {
@@ -124,7 +122,7 @@ fn average(node: &Node<'_>, table: &Table<'_>) -> Read<u32> {
     if !table.has("probes") && table.has("sensors") {
         return Err(node.fail("average without probes", "probes to average; sensors keep the recording's own rate"));
     }
-    node.integer(1, 1024, "a whole number of samples from 1 to 1024").map(|count| count as u32)
+    node.integer("a whole number of samples from 1 to 1024").map(|count| count as u32)
 }
 
 fn clock(table: &Table<'_>, taken: &mut Taken) -> Read<Clock> {
@@ -143,7 +141,7 @@ fn time_column(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
     if !node.is_table() {
         return column_name(node, "time", taken).map(|name| Clock::Column { name, seconds: None });
     }
-    let table = node.table(&["column", "unit"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of the column of time")?;
     let name = column_name(&column, "time", taken)?;
     Ok(Clock::Column { name, seconds: Some(unit(&table, units::time_column, units::TIME_UNITS)?) })
@@ -154,9 +152,9 @@ fn sampling_rate(node: &Node<'_>, taken: &mut Taken) -> Read<Clock> {
         return Ok(Clock::Stated);
     }
     if !node.is_table() {
-        return node.positive(Dimension::Frequency).map(Clock::Rate);
+        return node.quantity().map(Clock::Rate);
     }
-    let table = node.table(&["column", "unit"])?;
+    let table = node.table()?;
     let name = table.required("column", "the name of a single number of the recording")?;
     Ok(Clock::Number {
         name: column_name(&name, "the rate", taken)?,
@@ -193,10 +191,10 @@ fn sensors(node: &Node<'_>, taken: &mut Taken) -> Read<Vec<Sensor>> {
 }
 
 /// Units of vibration.
-const VIBRATION: [&str; 6] = ["m/s^2", "g", "m/s", "mm/s", "N", "V"];
+pub(super) const VIBRATION: [&str; 6] = ["m/s^2", "g", "m/s", "mm/s", "N", "V"];
 
 fn sensor(node: &Node<'_>, taken: &mut Taken) -> Read<Sensor> {
-    let table = node.table(&["column", "unit", "bearing"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a sensor", taken)?;
     let expected = format!("the unit of the column: {}", VIBRATION.join(", "));
@@ -236,7 +234,7 @@ fn temperatures(
 }
 
 fn temperature(node: &Node<'_>, bearings: &[Bearing], taken: &mut Taken) -> Read<TemperatureChannel> {
-    let table = node.table(&["column", "unit", "bearing", "ring"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a temperature", taken)?;
     let expected = "the unit of the column: degC, K or degF";
@@ -254,17 +252,16 @@ fn temperature(node: &Node<'_>, bearings: &[Bearing], taken: &mut Taken) -> Read
         );
     }
     let ring = table.required("ring", "\"inner\" or \"outer\"")?;
-    let ring = ring.choice(&[("inner", Ring::Inner), ("outer", Ring::Outer)])?;
+    let ring = ring.choice(&RINGS)?;
     Ok(TemperatureChannel { column, kelvins_per_unit, zero, bearing: name.to_owned(), ring })
 }
 
 fn probe(node: &Node<'_>, on_system: bool, taken: &mut Taken) -> Read<Probe> {
-    let table =
-        node.table(&["column", "unit", "station", "coordinates", "angle", "axial", "noise", "offset", "sensitivity"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of a column of the recording")?;
     let column = column_name(&column, "a probe", taken)?;
     let (metres_per_unit, sensitivity) = conversion(&table)?;
-    let noise = table.read("noise", |n| n.positive(Dimension::Length))?;
+    let noise = table.optional_quantity("noise")?;
     let direction = direction(&table)?;
     let station = probe_station(&table, direction, on_system)?;
     let coordinates = bearing::coordinates(&table, "coordinates", on_system)?;
@@ -290,13 +287,13 @@ fn conversion(table: &Table<'_>) -> Read<(f64, Option<f64>)> {
     let expected = "a voltage per length of a column in volts, such as \"7.87 mV/um\" or \"200 mV/mil\"";
     let range = "that is not 0; negative where the voltage falls as the shaft moves along the angle of the probe";
     let node = table.required("sensitivity", expected)?;
-    let sensitivity = node.within(Dimension::Sensitivity, range, |s| s != 0.0 && (volts / s).is_finite())?;
+    let sensitivity = node.within(range, |s| s != 0.0 && (volts / s).is_finite())?;
     Ok((volts / sensitivity, Some(sensitivity)))
 }
 
 /// Reads the reading of a probe with the shaft in the middle, in m; of a probe in volts also as a voltage.
 fn offset(node: &Node<'_>, sensitivity: Option<f64>) -> Read<f64> {
-    let Some(sensitivity) = sensitivity else { return node.quantity(Dimension::Length) };
+    let Some(sensitivity) = sensitivity else { return node.quantity() };
     let expected = "a voltage or a length with its unit, such as \"-9.5 V\" or \"3.2 um\"";
     let text = node.text(expected)?;
     match units::parse(text, Dimension::Voltage) {
@@ -315,7 +312,7 @@ fn direction(table: &Table<'_>) -> Read<Direction> {
     }
     let expected =
         format!("{}, from +X towards +Y; or axial = true for a probe along Z", Dimension::Angle.expected(""));
-    Ok(Direction::Radial(table.required("angle", &expected)?.quantity(Dimension::Angle)?))
+    Ok(Direction::Radial(table.required("angle", &expected)?.quantity()?))
 }
 
 fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Read<f64> {
@@ -326,8 +323,8 @@ fn probe_station(table: &Table<'_>, direction: Direction, on_system: bool) -> Re
         return table.required("coordinates", bearing::COORDINATES).map(|_| 0.0);
     }
     match direction {
-        Direction::Radial(_) => table.quantity("station", Dimension::Length),
-        Direction::Axial => Ok(table.read("station", |n| n.quantity(Dimension::Length))?.unwrap_or(0.0)),
+        Direction::Radial(_) => table.quantity("station"),
+        Direction::Axial => Ok(table.optional_quantity("station")?.unwrap_or(0.0)),
     }
 }
 
@@ -352,7 +349,7 @@ fn rotation(table: &Table<'_>, taken: &mut Taken) -> Read<RotationSource> {
 
 /// `kind` of a keyphasor.
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     Pulses,
     Count,
     Instants,
@@ -360,18 +357,15 @@ enum Kind {
 
 fn keyphasor(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
     if !node.is_table() {
-        return node.choice(&[("synchronous", ())]).map(|()| RotationSource::Synchronous);
+        return node.choice(&SYNCHRONOUS).map(|()| RotationSource::Synchronous);
     }
-    let table =
-        node.table(&["column", "pulses_per_turn", "missing", "kind", "unit", "threshold", "hysteresis", "slope"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of the column with the pulses")?;
     let column = column_name(&column, "the keyphasor", taken)?;
     let expected = "a whole number, 1 or more";
     let pulses = table.required("pulses_per_turn", expected)?;
-    let pulses_per_turn =
-        u32::try_from(pulses.integer(1, u32::MAX.into(), expected)?).map_err(|_| pulses.refuse(expected))?;
-    let kinds = [("pulses", Kind::Pulses), ("count", Kind::Count), ("instants", Kind::Instants)];
-    let kind = table.read("kind", |n| n.choice(&kinds))?.unwrap_or(Kind::Pulses);
+    let pulses_per_turn = u32::try_from(pulses.integer(expected)?).map_err(|_| pulses.refuse(expected))?;
+    let kind = table.read("kind", |n| n.choice(&KEYPHASOR_KINDS))?.unwrap_or(Kind::Pulses);
     let misplaced: &[&str] = match kind {
         Kind::Pulses => &[],
         Kind::Count => &["missing", "unit", "threshold", "hysteresis", "slope"],
@@ -397,7 +391,7 @@ fn missing_teeth(node: &Node<'_>, pulses_per_turn: u32) -> Read<u32> {
     if pulses_per_turn < 3 {
         return Err(node.misplaced("only with pulses_per_turn of 3 or more; remove it"));
     }
-    node.integer(1, most.into(), &expected).map(|missing| missing as u32)
+    node.integer_within(1, most.into(), &expected).map(|missing| missing as u32)
 }
 
 fn pulse_detection(table: &Table<'_>) -> Read<PulseDetection> {
@@ -406,26 +400,22 @@ fn pulse_detection(table: &Table<'_>) -> Read<PulseDetection> {
         units::voltage_column(n.text(expected)?).map_err(|e| n.invalid(e.found, e.expected))
     };
     let volts_per_unit = table.read("unit", voltage)?;
-    let level = |node: &Node<'_>, range: &str, ok: fn(f64) -> bool| match volts_per_unit {
-        Some(_) => node.within(Dimension::Voltage, range, ok),
+    let level = |node: &Node<'_>, range: &str| match volts_per_unit {
+        Some(_) => node.quantity(),
         None => {
-            let range = if range.is_empty() { String::new() } else { format!(" {range}") };
-            node.number(
-                &format!("a number{range} as in the column, or a voltage{range} with unit = \"V\" or \"mV\""),
-                ok,
-            )
+            node.number(&format!("a number{range} as in the column, or a voltage{range} with unit = \"V\" or \"mV\""))
         }
     };
     Ok(PulseDetection {
         volts_per_unit,
-        threshold: table.read("threshold", |n| level(n, "", |_| true))?,
-        hysteresis: table.read("hysteresis", |n| level(n, "above 0", |x| x > 0.0))?,
-        slope: table.read("slope", |n| n.choice(&[("rising", Slope::Rising), ("falling", Slope::Falling)]))?,
+        threshold: table.read("threshold", |n| level(n, ""))?,
+        hysteresis: table.read("hysteresis", |n| level(n, " above 0"))?,
+        slope: table.read("slope", |n| n.choice(&SLOPES))?,
     })
 }
 
 fn speed_column(node: &Node<'_>, taken: &mut Taken) -> Read<RotationSource> {
-    let table = node.table(&["column", "unit"])?;
+    let table = node.table()?;
     let column = table.required("column", "the name of the column with the speed")?;
     Ok(RotationSource::SpeedColumn {
         column: column_name(&column, "the speed", taken)?,

@@ -9,9 +9,7 @@ use crate::flexible_rotor::rigid_body;
 /// Standard gravity along -Y, the default of `gravity`.
 const GRAVITY: [f64; 3] = [0.0, -9.806_65, 0.0];
 
-/// Keys of every rotor, of a rigid one alone, and of a flexible one alone.
-const COMMON: [&str; 8] =
-    ["damping", "proportional_damping", "stiffness", "gravity", "load", "load_station", "unbalance", "coordinates"];
+/// Keys of a rigid rotor alone, and of a flexible one alone.
 const RIGID: [&str; 3] = ["mass", "diametral_inertia", "polar_inertia"];
 const FLEXIBLE: [&str; 6] = ["sections", "disks", "youngs_modulus", "poissons_ratio", "density", "modal_damping"];
 
@@ -23,17 +21,16 @@ const ROUNDING: f64 = 1e-6;
 
 /// Reads the rotor with stations as drawn; returns it with the station of its centre of mass, 0 of a rigid rotor.
 pub fn read(node: &Node<'_>) -> Read<Rotor> {
-    let keys: Vec<&str> = RIGID.iter().chain(&COMMON).chain(&FLEXIBLE).copied().collect();
-    let table = node.table(&keys)?;
-    let load = five(&table, "load", Node::quantity, [Dimension::Force, Dimension::Moment])?;
-    let given_station = table.read("load_station", |n| n.quantity(Dimension::Length))?;
+    let table = node.table()?;
+    let load = five(&table, "load")?;
+    let given_station = table.optional_quantity("load_station")?;
     let mut rotor = Rotor {
         mass: 0.0,
         diametral_inertia: 0.0,
         polar_inertia: 0.0,
-        damping: five(&table, "damping", Node::not_negative, [Dimension::Damping, Dimension::AngularDamping])?,
+        damping: five(&table, "damping")?,
         proportional_damping: 0.0,
-        stiffness: five(&table, "stiffness", Node::not_negative, [Dimension::Stiffness, Dimension::AngularStiffness])?,
+        stiffness: five(&table, "stiffness")?,
         gravity: table.read("gravity", gravity)?.unwrap_or(GRAVITY),
         load,
         unbalance: table.read("unbalance", unbalances)?.unwrap_or_default(),
@@ -49,10 +46,9 @@ pub fn read(node: &Node<'_>) -> Read<Rotor> {
         if let Some(given) = FLEXIBLE.iter().chain(&["coordinates"]).find_map(|key| table.optional(key)) {
             return Err(given.misplaced("only with sections, the drawing of a flexible rotor"));
         }
-        rotor.mass = table.positive("mass", Dimension::Mass)?;
+        rotor.mass = table.quantity("mass")?;
         (rotor.diametral_inertia, rotor.polar_inertia) = inertias(&table)?;
-        let time = |n: &Node<'_>| n.not_negative(Dimension::Time);
-        rotor.proportional_damping = table.read("proportional_damping", time)?.unwrap_or(0.0);
+        rotor.proportional_damping = table.optional_quantity("proportional_damping")?.unwrap_or(0.0);
         rotor.load = load_at(load, given_station.unwrap_or(0.0));
     }
     Ok(rotor)
@@ -63,22 +59,20 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
     let expected = "a list of tables { from, to, outer_diameter }";
     let sections = sections(&table.required("sections", expected)?, expected)?;
     let ratio = "0 or more and below 0.5";
-    let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(DENSITY);
+    let density = table.optional_quantity("density")?.unwrap_or(DENSITY);
     let damping = table.read("proportional_damping", proportional_damping)?.unwrap_or_default();
     let share = "0 or more and below 1 (of the critical damping)";
     let mut drawn = FlexibleRotor {
         disks: table.read("disks", |n| disks(n, &sections, density))?.unwrap_or_default(),
         sections,
-        youngs_modulus: table.read("youngs_modulus", |n| n.positive(Dimension::Pressure))?.unwrap_or(YOUNGS_MODULUS),
-        poissons_ratio: table
-            .read("poissons_ratio", |n| n.number(ratio, |x| (0.0..0.5).contains(&x)))?
-            .unwrap_or(POISSONS_RATIO),
+        youngs_modulus: table.optional_quantity("youngs_modulus")?.unwrap_or(YOUNGS_MODULUS),
+        poissons_ratio: table.read("poissons_ratio", |n| n.number(ratio))?.unwrap_or(POISSONS_RATIO),
         density,
         proportional_damping: damping,
-        modal_damping: table.read("modal_damping", |n| n.number(share, |x| (0.0..1.0).contains(&x)))?.unwrap_or(0.0),
+        modal_damping: table.read("modal_damping", |n| n.number(share))?.unwrap_or(0.0),
         load_station: 0.0,
         coordinates: table
-            .read("coordinates", |n| n.integer(7, 31, "a whole number from 7 to 31"))?
+            .read("coordinates", |n| n.integer("a whole number from 7 to 31"))?
             .and_then(|n| usize::try_from(n).ok()),
     };
     let [mass, centre, diametral, polar] = rigid_body(&drawn);
@@ -96,13 +90,13 @@ fn sections(node: &Node<'_>, expected: &str) -> Read<Vec<Section>> {
     let list = limited(node.list(expected)?, MOST_SECTIONS, node, "sections")?;
     let mut sections: Vec<Section> = Vec::new();
     for node in &list {
-        let table = node.table(&["from", "to", "outer_diameter", "outer_diameter_to", "inner_diameter"])?;
-        let from = table.quantity("from", Dimension::Length)?;
+        let table = node.table()?;
+        let from = table.quantity("from")?;
         let beyond = Dimension::Length.expected(&format!("beyond from, {} mm", from * 1e3));
-        let to = table.required("to", &beyond)?.limited(Dimension::Length, &beyond, |to| to > from)?;
-        let bore = table.read("inner_diameter", |n| n.not_negative(Dimension::Length))?.unwrap_or(0.0);
+        let to = table.required("to", &beyond)?.limited(&beyond, |to| to > from)?;
+        let bore = table.optional_quantity("inner_diameter")?.unwrap_or(0.0);
         let above = Dimension::Length.expected(&format!("above the inner diameter, {} mm", bore * 1e3));
-        let diameter = |n: &Node<'_>| n.limited(Dimension::Length, &above, |d| d > bore);
+        let diameter = |n: &Node<'_>| n.limited(&above, |d| d > bore);
         let outer = diameter(&table.required("outer_diameter", &above)?)?;
         let end = table.read("outer_diameter_to", diameter)?.unwrap_or(outer);
         if let Some(last) = sections.last() {
@@ -140,14 +134,13 @@ fn disks(node: &Node<'_>, sections: &[Section], density: f64) -> Read<Vec<Disk>>
 
 fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk> {
     let by_size = ["outer_diameter", "width", "density"];
-    let table =
-        node.table(&["station", "mass", "diametral_inertia", "polar_inertia", "outer_diameter", "width", "density"])?;
+    let table = node.table()?;
     let station = station(&table, "station", sections)?;
     if table.has("mass") {
         if let Some(given) = by_size.iter().find_map(|key| table.optional(key)) {
             return Err(given.misplaced("either mass and inertias, or outer_diameter and width"));
         }
-        let mass = table.positive("mass", Dimension::Mass)?;
+        let mass = table.quantity("mass")?;
         let (diametral_inertia, polar_inertia) = inertias(&table)?;
         return Ok(Disk { station, mass, diametral_inertia, polar_inertia, size: None });
     }
@@ -160,9 +153,9 @@ fn disk(node: &Node<'_>, sections: &[Section], shaft_density: f64) -> Read<Disk>
     let bore =
         sections.iter().find(|s| s.from <= station && station <= s.to).map_or(0.0, |s| s.outer_diameter_at(station));
     let above = Dimension::Length.expected(&format!("above that of the shaft, {} mm", bore * 1e3));
-    let outer = table.required("outer_diameter", &above)?.limited(Dimension::Length, &above, |d| d > bore)?;
-    let width = table.positive("width", Dimension::Length)?;
-    let density = table.read("density", |n| n.positive(Dimension::Density))?.unwrap_or(shaft_density);
+    let outer = table.required("outer_diameter", &above)?.limited(&above, |d| d > bore)?;
+    let width = table.quantity("width")?;
+    let density = table.optional_quantity("density")?.unwrap_or(shaft_density);
     let mass = 0.25 * std::f64::consts::PI * (outer * outer - bore * bore) * width * density;
     let squares = outer * outer + bore * bore;
     Ok(Disk {
@@ -179,25 +172,25 @@ fn station(table: &Table<'_>, key: &str, sections: &[Section]) -> Read<f64> {
     let (from, to) = (sections.first().map_or(0.0, |s| s.from), sections.last().map_or(0.0, |s| s.to));
     let range =
         Dimension::Length.expected(&format!("between the ends of the shaft, {} and {} mm", from * 1e3, to * 1e3));
-    table.required(key, &range)?.limited(Dimension::Length, &range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
+    table.required(key, &range)?.limited(&range, |z| (from - ROUNDING..=to + ROUNDING).contains(&z))
 }
 
 /// Reads the factors of mass and stiffness; a plain number is that of the stiffness.
 fn proportional_damping(node: &Node<'_>) -> Read<[f64; 2]> {
     if !node.is_table() {
-        return Ok([0.0, node.not_negative(Dimension::Time)?]);
+        return Ok([0.0, node.quantity()?]);
     }
-    let table = node.table(&["mass", "stiffness"])?;
-    let mass = table.read("mass", |n| n.not_negative(Dimension::Rate))?.unwrap_or(0.0);
-    let stiffness = table.read("stiffness", |n| n.not_negative(Dimension::Time))?.unwrap_or(0.0);
+    let table = node.table()?;
+    let mass = table.optional_quantity("mass")?.unwrap_or(0.0);
+    let stiffness = table.optional_quantity("stiffness")?.unwrap_or(0.0);
     Ok([mass, stiffness])
 }
 
 /// Reads diametral and polar moment. No body has a polar moment above twice its diametral one: the mass would need a negative
 /// spread along the axis. The two are most often swapped.
 fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
-    let diametral = table.positive("diametral_inertia", Dimension::Inertia)?;
-    let polar = table.not_negative("polar_inertia", Dimension::Inertia)?;
+    let diametral = table.quantity("diametral_inertia")?;
+    let polar = table.quantity("polar_inertia")?;
     if polar <= 2.0 * diametral {
         return Ok((diametral, polar));
     }
@@ -207,22 +200,17 @@ fn inertias(table: &Table<'_>) -> Read<(f64, f64)> {
 }
 
 /// Reads three values along X, Y, Z and two about X, Y; zeros where the key is absent.
-fn five<'a>(
-    table: &Table<'a>,
-    key: &str,
-    read: impl Fn(&Node<'a>, Dimension) -> Read<f64>,
-    [along, about]: [Dimension; 2],
-) -> Read<[f64; 5]> {
-    let expected =
-        format!("a list of 5: along X, Y, Z each {} and about X, Y each {}", along.expected(""), about.expected(""));
-    let entry = |i: usize, node: &Node<'a>| read(node, if i < 3 { along } else { about });
-    let values = table.read(key, |node| node.array(&expected, entry))?;
+fn five(table: &Table<'_>, key: &str) -> Read<[f64; 5]> {
+    let values = table.read(key, |node| {
+        let [along, about] = [0, 3].map(|i| node.expected_of_entry(i));
+        node.array(&format!("a list of 5: along X, Y, Z each {along} and about X, Y each {about}"))
+    })?;
     Ok(values.unwrap_or_default())
 }
 
 fn gravity(node: &Node<'_>) -> Read<[f64; 3]> {
     let expected = "a list of 3: the acceleration of gravity along X, Y, Z, such as [0, -9.81, 0]";
-    node.array(expected, |_, entry| entry.quantity(Dimension::Acceleration))
+    node.array(expected)
 }
 
 fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {
@@ -231,10 +219,10 @@ fn unbalances(node: &Node<'_>) -> Read<Vec<Unbalance>> {
 }
 
 fn unbalance(node: &Node<'_>) -> Read<Unbalance> {
-    let table = node.table(&["moment", "angle", "station"])?;
+    let table = node.table()?;
     Ok(Unbalance {
-        moment: table.not_negative("moment", Dimension::Unbalance)?,
-        angle: table.quantity("angle", Dimension::Angle)?,
-        station: table.quantity("station", Dimension::Length)?,
+        moment: table.quantity("moment")?,
+        angle: table.quantity("angle")?,
+        station: table.quantity("station")?,
     })
 }
