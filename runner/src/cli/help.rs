@@ -92,6 +92,7 @@ pub(super) const SCENES: &str = after_help!(
     "  ballrace scenes
   ballrace scenes jones-1960 > jones.toml"
 );
+pub(super) const SCHEMA: &str = after_help!("  ballrace schema > scene.schema.json");
 pub(super) const COMPLETIONS: &str = after_help!("  ballrace completions bash > ballrace");
 pub(super) const MAN: &str = after_help!(
     "  ballrace man > ballrace.1

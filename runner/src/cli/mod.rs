@@ -15,6 +15,7 @@ pub mod new;
 mod progress;
 pub mod replay;
 pub mod scenes;
+pub mod schema;
 pub mod simulate;
 pub mod sweep;
 pub mod trade;
@@ -131,6 +132,9 @@ pub enum Command {
     /// List or print the scenes that come with the program.
     #[command(after_help = help::SCENES)]
     Scenes(scenes::Args),
+    /// Print the JSON schema of scene files, with which editors complete and check them.
+    #[command(after_help = help::SCHEMA)]
+    Schema(schema::Args),
     /// Print the completion script of a shell.
     #[command(after_help = help::COMPLETIONS)]
     Completions(completions::Args),
@@ -225,6 +229,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Trade(args) => trade::run(args, cli.format, args.limit.error),
         Command::New(args) => new::run(args, cli.format),
         Command::Scenes(args) => scenes::run(args, cli.format),
+        Command::Schema(args) => schema::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     };
