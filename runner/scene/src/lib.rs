@@ -21,7 +21,7 @@ pub use bearing::{
     Geometry, InletHeating, Law, Linear, Lubricant, OuterRing, Preload, PreloadAmount, PreloadState, RaceControl,
     Support, Surface, TableRange, Wave,
 };
-pub use model::{Model, ModelInput, ModelProperties};
+pub use model::{Model, ModelInput, ModelProperties, OwnKey};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
-use super::super::model::{ModelProperties, choice_of, models_with};
+use super::super::model::{ModelProperties, OwnKey, choice_of, models_with};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
@@ -10,7 +10,8 @@ use super::super::{
     ModelInput, OuterRing, Support, Surface, Wave,
 };
 
-const KEYS: [&str; 45] = [
+/// Keys of any bearing, without those that only one model takes.
+const KEYS: [&str; 43] = [
     "name",
     "bearing",
     "station",
@@ -48,8 +49,6 @@ const KEYS: [&str; 45] = [
     "support",
     "element_azimuths",
     "cage_runout",
-    "element_damping",
-    "solver_steps",
     "coordinates",
     "housing_coordinates",
     "fit",
@@ -102,7 +101,8 @@ const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
 /// Returns the table of a bearing after a check of its keys.
 pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
-    node.table(&KEYS)
+    let own = Model::ALL.into_iter().flat_map(|model| model.properties().own_keys).map(|key| key.name);
+    node.table(&KEYS.into_iter().chain(own).collect::<Vec<_>>())
 }
 
 /// Reads and checks one bearing.
@@ -138,8 +138,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         support: table.read("support", support)?,
         element_azimuths: table.read("element_azimuths", |n| azimuths(n, elements))?.unwrap_or_default(),
         cage_runout: table.read("cage_runout", |n| cage_runout(n, geometry.as_ref()))?,
-        element_damping: element_damping(table, model)?,
-        solver_steps: solver_steps(table, model)?,
+        own: own(table, model)?,
         geometry,
         law,
         linear,
@@ -207,7 +206,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
         return Ok(Some(two_spring));
     }
     let mut sources: Vec<_> = models_with(|of| of.linearise).map(|model| (model.name(), model)).collect();
-    sources.sort_unstable();
+    sources.sort_unstable_by_key(|(name, _)| *name);
     Ok(table.read("linearise", |n| n.choice(&sources))?.map(Linear::Of))
 }
 
@@ -557,15 +556,13 @@ fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout>
     })
 }
 
-fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
-    check_only_with(table, &["element_damping"], model, |of| of.moving_elements)?;
-    Ok(table.read("element_damping", |n| n.not_negative(Dimension::Damping))?.unwrap_or(0.0))
-}
-
-fn solver_steps(table: &Table<'_>, model: Model) -> Read<Option<u8>> {
-    check_only_with(table, &["solver_steps"], model, |of| of.solver_steps)?;
-    let steps = table.read("solver_steps", |n| n.integer(1, 50, "a whole number from 1 to 50"))?;
-    Ok(steps.and_then(|steps| u8::try_from(steps).ok()))
+/// Reads the keys that only `model` takes, and rejects those of other models.
+fn own(table: &Table<'_>, model: Model) -> Read<Vec<(&'static str, f64)>> {
+    for key in Model::ALL.into_iter().flat_map(|other| other.properties().own_keys) {
+        check_only_with(table, &[key.name], model, |of| of.own_keys.iter().any(|own| own.name == key.name))?;
+    }
+    let read = |key: &'static OwnKey| Ok((key.read)(table)?.map(|value| (key.name, value)));
+    model.properties().own_keys.iter().filter_map(|key| read(key).transpose()).collect()
 }
 
 /// Balls with a mass need their geometry, and move in the plane of the bearing on round races.

@@ -18,7 +18,7 @@ pub struct FidelityLevel {
 }
 
 /// Keys of a bearing that only models with balls in equilibrium accept.
-const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
+const OF_BALLS: [&str; 5] = ["effects", "race_control", "friction_sharing", "lubricant", "table"];
 /// Keys of a bearing that only the lumped model takes and that its geometry can replace.
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
 /// Effects in the order in which they can be omitted.
@@ -44,10 +44,9 @@ impl FidelityLevel {
     pub fn all(scene: &Scene) -> Vec<Self> {
         let effects = named(scene);
         let springs_alone = scene.bearings.iter().all(given_as_springs);
-        let mut models: Vec<Model> =
-            Model::ALL.into_iter().filter(|model| !springs_alone || !model.has_elements()).collect();
-        // In the order of cost.
-        models.sort_unstable();
+        let is_own = |model: Model| scene.bearings.iter().any(|of| of.model == model);
+        let mut models: Vec<Model> = Model::ALL.into_iter().filter(|model| !springs_alone || is_own(*model)).collect();
+        models.sort_unstable_by_key(|model| model.properties().cost);
         let levels = models.into_iter().map(|model| (model, bearing_model(model).levels(scene, &effects)));
         levels.flat_map(|(model, all)| all.into_iter().map(move |options| Self { model, options })).collect()
     }
@@ -99,15 +98,14 @@ impl FidelityLevel {
             let has = |key: &str| table.contains_key(key);
             let (geometry, film) = (has("ball_diameter"), has("lubricant"));
             let model = self.model.properties();
+            let others = Model::ALL.into_iter().filter(|other| *other != self.model);
             let mut gone = vec!["solver_steps", "linearise"];
+            gone.extend(others.flat_map(|other| other.properties().own_keys).map(|key| key.name));
             if !model.effects {
                 gone.extend(OF_BALLS);
             }
             if geometry && model.input != ModelInput::Law {
                 gone.extend(OF_LUMPED);
-            }
-            if !model.moving_elements {
-                gone.push("element_damping");
             }
             for key in gone {
                 table.remove(key);

@@ -175,7 +175,7 @@ fn moving_elements_and_integration() {
     let text = with(&text, "\"angular\"", "\"dynamic\"")
         + "[integration]\nmethod = \"newmark\"\nstep = \"10 us\"\nnewton_steps = 4\n";
     let scene = read(&text).unwrap();
-    assert_eq!((scene.bearings[0].model, scene.bearings[0].element_damping), (Model::Dynamic, 30.0));
+    assert_eq!((scene.bearings[0].model, scene.bearings[0].own("element_damping")), (Model::Dynamic, Some(30.0)));
     assert_eq!(scene.integration.method, Method::Newmark { newton_steps: 4 });
     assert!(near(scene.integration.step.unwrap(), 1e-5));
     assert_refused(&text, &[
