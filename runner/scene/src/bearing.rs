@@ -183,6 +183,15 @@ pub struct Effects {
     pub sharing: FrictionSharing,
 }
 
+impl Effects {
+    /// Returns the names of the effects that are on, in the order in which they can be omitted.
+    pub fn named(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let Self { centrifugal, gyroscopic, film, .. } = self;
+        let all = [(*centrifugal, "centrifugal"), (*gyroscopic, "gyroscopic"), (film.is_some(), "film")];
+        all.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name)
+    }
+}
+
 /// `race_control`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RaceControl {

@@ -6,7 +6,7 @@
 use ballrace_models::{LevelOptions, bearing_model};
 use ballrace_plant::error::{Result, TradeError};
 use ballrace_scene::read::read_str;
-use ballrace_scene::{Bearing, Effects, Linear, Model, ModelInput, Scene};
+use ballrace_scene::{Bearing, Linear, Model, ModelInput, Scene};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
 
@@ -160,15 +160,6 @@ fn given_as_springs(of: &Bearing) -> bool {
 
 /// Returns the effects that any bearing names, in the order in which they can be omitted.
 fn named(scene: &Scene) -> Vec<&'static str> {
-    let has = |name: &str| {
-        scene.bearings.iter().any(|b| {
-            let Effects { centrifugal, gyroscopic, film, .. } = b.effects;
-            match name {
-                "centrifugal" => centrifugal,
-                "gyroscopic" => gyroscopic,
-                _ => film.is_some(),
-            }
-        })
-    };
+    let has = |name: &str| scene.bearings.iter().any(|of| of.effects.named().any(|on| on == name));
     NESTED.into_iter().filter(|name| has(name)).collect()
 }
