@@ -6,7 +6,7 @@ use crate::model::BearingModel;
 use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, c, rust};
 use ballrace::bearing::angular::{Angular, AngularConstants};
 use ballrace::{Math, Scalar};
-use ballrace_scene::{Bearing as BearingScene, Model};
+use ballrace_scene::{Bearing as BearingScene, Model, Scene};
 use std::fmt::Write;
 
 /// [`Model::Angular`]
@@ -71,7 +71,7 @@ fn rounded(of: &BearingScene) -> Result<AngularConstants<f32>, BuildError> {
 }
 
 /// Builds the angular model of a bearing.
-pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
+pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, scene: &BearingScene) -> Result<H, BuildError> {
     let (geometry, zero) = contact_geometry(scene, "angular")?;
     let built = Angular::<T, M, _>::try_new(geometry, blocked_places(scene), zero).map_err(|e| named(scene, e))?;
     Ok(match uneven::<T, M>(scene) {

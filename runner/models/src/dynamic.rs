@@ -32,8 +32,8 @@ impl BearingModel for DynamicModel {
 }
 
 /// Builds the quasi-static limit of moving balls.
-pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
-    lumped::build::<T, M, H>(scene)
+pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &Scene, of: &BearingScene) -> Result<H, BuildError> {
+    lumped::build::<T, M, H>(scene, of)
 }
 
 /// The moving balls of the `dynamic` model.
@@ -67,7 +67,7 @@ pub fn moving_balls(scene: &Scene, of: &BearingScene) -> Result<Balls, BuildErro
             cage_ratio: kinematics(scene, of)?.cage_ratio,
             gravity: [gravity[0], gravity[1]],
         },
-        damping: of.element_damping,
+        damping: of.own("element_damping").unwrap_or(0.0),
         places: places(of),
     })
 }

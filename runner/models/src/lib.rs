@@ -1,8 +1,8 @@
 //! Bearings of the kernel `ballrace`, built from a scene and chosen at run time. This is the only crate that instantiates the kernel's
 //! models: with wide registers, in two precisions.
 //!
-//! Each model is one file with all that depends on it beyond the keys of a scene: its construction, its levels of fidelity, its cost and its
-//! constants in firmware. [`bearing_model`] returns it. [`build`] converts a scene to kernel types, [`handle`] holds a bearing of any
+//! Each model is one file with all that depends on it beyond its row of [`Model`]: its construction, its levels of fidelity, its cost and its
+//! constants in firmware. [`bearing_model`] returns it. [`mod@build`] converts a scene to kernel types, [`handle`] holds a bearing of any
 //! model, [`simd`] runs it on the widest registers of the processor, [`model`] has the interface of a model and the part of the firmware constants that models have in common.
 #![forbid(unsafe_code)]
 
@@ -16,10 +16,45 @@ mod lumped;
 pub mod model;
 mod preload;
 mod quasi_static;
-mod registry;
 pub mod simd;
 mod solved;
 mod tabulated;
 
+use ballrace::{Math, Scalar};
+use ballrace_scene::{Bearing, Model, Scene};
+use construction::BuildError;
+use handle::BearingHandle;
 pub use model::{BearingModel, LevelOptions};
-pub use registry::bearing_model;
+
+/// Defines what is chosen by a model: its interface and its construction.
+macro_rules! registry {
+    ($($model:ident: $module:ident::$entry:ident,)+) => {
+        /// Returns the model.
+        #[must_use]
+        pub fn bearing_model(model: Model) -> &'static dyn BearingModel {
+            match model {
+                $(Model::$model => &$module::$entry,)+
+            }
+        }
+
+        /// Builds the model `model` of one bearing, in any precision and with any math backend.
+        fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+            scene: &Scene,
+            of: &Bearing,
+            model: Model,
+        ) -> Result<H, BuildError> {
+            match model {
+                $(Model::$model => $module::build::<T, M, H>(scene, of),)+
+            }
+        }
+    };
+}
+
+registry! {
+    Linear: linear::LinearModel,
+    Lumped: lumped::LumpedModel,
+    Angular: angular::AngularModel,
+    Tabulated: tabulated::TabulatedModel,
+    QuasiStatic: quasi_static::QuasiStaticModel,
+    Dynamic: dynamic::DynamicModel,
+}

@@ -6,8 +6,8 @@ use crate::model::BearingModel;
 use crate::model::{Constants, FirmwareModel, NotCounted, c};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
-use ballrace::{Displacement, Phase, Scalar, Stiffness, Wrench};
-use ballrace_scene::{Bearing as BearingScene, Linear, Model};
+use ballrace::{Displacement, Exact, Math, Phase, Scalar, Stiffness, Wrench};
+use ballrace_scene::{Bearing as BearingScene, Linear, Model, Scene};
 use std::fmt::Write;
 
 /// [`Model::Linear`]
@@ -79,7 +79,7 @@ impl FirmwareModel for LinearModel {
 fn springs(constants: &Constants<'_>) -> Result<([f32; 5], [[f32; 5]; 5]), BuildError> {
     let springs = match constants.springs {
         Some(springs) => springs.clone(),
-        None => build::<f64, AnyBearing<f64>>(constants.of)?,
+        None => build::<f64, Exact, AnyBearing<f64>>(constants.scene, constants.of)?,
     };
     let (reaction, k) = springs.reaction_and_stiffness(&Displacement::default(), &Phase::ZERO.into());
     let row = |i| std::array::from_fn(|j| k[(i, j)] as f32);
@@ -87,7 +87,7 @@ fn springs(constants: &Constants<'_>) -> Result<([f32; 5], [[f32; 5]; 5]), Build
 }
 
 /// Builds the springs of a bearing. Those of a linearised one require its rotor's equilibrium and are rejected here.
-pub fn build<T: Scalar, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
+pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, scene: &BearingScene) -> Result<H, BuildError> {
     match &scene.linear {
         Some(Linear::Matrix(rows)) => {
             let k = Stiffness::from_fn(|i, j| T::from_f64(rows[i][j]));

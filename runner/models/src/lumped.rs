@@ -9,7 +9,7 @@ use crate::model::{self as firmware, Constants, ELEMENT_BYTES, FirmwareModel, No
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{Exact, Math, Scalar};
-use ballrace_scene::{Bearing as BearingScene, Facing, FreeAngle, Model};
+use ballrace_scene::{Bearing as BearingScene, Facing, FreeAngle, Model, Scene};
 
 /// [`Model::Lumped`]
 pub(crate) struct LumpedModel;
@@ -188,7 +188,7 @@ impl Exponent {
 }
 
 /// Builds the lumped model of a bearing.
-pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
+pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, scene: &BearingScene) -> Result<H, BuildError> {
     let (stiffness, exponent, play) = law(scene)?;
     let stiffness = T::from_f64(stiffness);
     match Exponent::of(exponent) {

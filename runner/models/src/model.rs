@@ -100,7 +100,8 @@ pub trait FirmwareModel: BearingModel {
     /// Returns the size of a bearing's constants without its table, bytes.
     fn constant_bytes(&self, of: &Bearing) -> usize;
 
-    /// Writes imports, constants, type and function of a bearing in Rust.
+    /// Writes imports, constants, type `Baked` and function `bearing` of a bearing in Rust. `Displacement` is one of the imports: the checksum
+    /// that follows uses it.
     ///
     /// # Errors
     /// Returns an error if a constant cannot be computed.

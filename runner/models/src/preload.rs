@@ -2,7 +2,7 @@
 
 use crate::construction::{BuildError, rotation_at};
 use crate::handle::{AnyBearing, Shared};
-use crate::registry::{self, bearing_model};
+use crate::{bearing_model, build};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
@@ -58,7 +58,7 @@ pub fn preload_offset(
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     if let Some(set) = as_set(bearing) {
-        let at_setting = registry::bearing(scene, &set, bearing_model(set.model).preload_model())?;
+        let at_setting = build::bearing(scene, &set, bearing_model(set.model).preload_model())?;
         let axial = |of: &BearingScene| match of.facing {
             // Without a displacement the grooves of a deep groove bearing are opposite each other.
             Facing::Both => 0.0,
@@ -94,7 +94,7 @@ pub fn offset_by_preload(scene: &Scene, of: &BearingScene) -> Result<Displacemen
     if of.preload.is_none() {
         return Ok(Displacement::default());
     }
-    let built = registry::bearing(scene, of, bearing_model(of.model).preload_model())?;
+    let built = build::bearing(scene, of, bearing_model(of.model).preload_model())?;
     Ok(preload_offset(scene, of, &built)?.unwrap_or_default())
 }
 
@@ -124,7 +124,7 @@ pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64
     {
         return Ok(Some(force));
     }
-    let built = registry::bearing(scene, bearing, bearing.model)?;
+    let built = build::bearing(scene, bearing, bearing.model)?;
     let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
     let at = rotation_at(scene, bearing, 0.0)?;
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };

@@ -82,12 +82,12 @@ pub fn solved_in(scene: &BearingScene, steps: u8) -> Result<Arc<dyn Solved<f64>>
 }
 
 /// Builds the quasi-static model of a bearing.
-pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &BearingScene) -> Result<H, BuildError> {
+pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, scene: &BearingScene) -> Result<H, BuildError> {
     Ok(facing(scene, H::new(unmirrored::<T, H::Registers<M>>(scene, steps(scene))?)))
 }
 
 fn steps(scene: &BearingScene) -> u8 {
-    scene.solver_steps.unwrap_or(DEFAULT_NEWTON_STEPS)
+    scene.own("solver_steps").map_or(DEFAULT_NEWTON_STEPS, |steps| steps as u8)
 }
 
 /// Returns the quasi-static model, facing +Z.

@@ -56,10 +56,8 @@ pub struct Bearing {
     pub element_azimuths: Vec<f64>,
     /// `cage_runout`
     pub cage_runout: Option<CageRunout>,
-    /// `element_damping` of the dynamic model, N s/m on each element's radial motion.
-    pub element_damping: f64,
-    /// `solver_steps` of the quasi-static model; the kernel's own number when absent.
-    pub solver_steps: Option<u8>,
+    /// Values of the keys that only its model takes, as far as the scene has them.
+    pub own: Vec<(&'static str, f64)>,
     /// `bearing`: its entry of the catalogue, whose values stand for keys that the scene does not have.
     pub catalogue: Option<FromCatalogue>,
     /// `fit` and `temperatures`: the clearance before mounting; geometry and law have the operating clearance.
@@ -67,6 +65,12 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// Returns the value of a key that only its model takes, in SI units; `None` where the scene does not have it.
+    #[must_use]
+    pub fn own(&self, key: &str) -> Option<f64> {
+        self.own.iter().find(|(name, _)| *name == key).map(|(_, value)| *value)
+    }
+
     /// Returns true for springs with the tangent of another model.
     #[must_use]
     pub fn is_linearised(&self) -> bool {
@@ -177,6 +181,15 @@ pub struct Effects {
     pub control: RaceControl,
     /// `friction_sharing`
     pub sharing: FrictionSharing,
+}
+
+impl Effects {
+    /// Returns the names of the effects that are on, in the order in which they can be omitted.
+    pub fn named(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let Self { centrifugal, gyroscopic, film, .. } = self;
+        let all = [(*centrifugal, "centrifugal"), (*gyroscopic, "gyroscopic"), (film.is_some(), "film")];
+        all.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name)
+    }
 }
 
 /// `race_control`

@@ -10,10 +10,13 @@ pub(crate) struct Keys {
     pub name: &'static str,
     /// Keys in the order of messages, with the heading of the scene reference that has them; without one where they stand with
     /// the table that this one is part of.
-    pub sections: &'static [(&'static str, &'static [Key])],
+    pub sections: &'static [Section],
     /// Keys that belong together.
     pub choices: &'static [Choice],
 }
+
+/// Heading of the scene reference, and lists of its keys.
+pub(crate) type Section = (&'static str, &'static [&'static [Key]]);
 
 /// One key of a table.
 #[derive(Debug)]
@@ -87,7 +90,7 @@ pub(crate) enum Kind {
 
 impl Keys {
     pub fn all(&self) -> impl Iterator<Item = &'static Key> + use<> {
-        self.sections.iter().flat_map(|(_, keys)| *keys)
+        self.sections.iter().flat_map(|(_, lists)| *lists).copied().flatten()
     }
 
     pub fn find(&self, name: &str) -> Option<&'static Key> {
@@ -147,6 +150,18 @@ impl Key {
     pub fn is_required(&self) -> bool {
         self.default == REQUIRED
     }
+}
+
+/// Returns the key with this name, kind, meaning, default, further conditions and example.
+pub(crate) const fn key(
+    name: &'static str,
+    kind: Kind,
+    meaning: &'static str,
+    default: &'static str,
+    range: &'static str,
+    example: &'static str,
+) -> Key {
+    Key { name, kind, meaning, default, range, example }
 }
 
 /// Returns a list of three values along X, Y, Z and two about X, Y.

@@ -1,27 +1,107 @@
 //! Bearing models, and the properties of each that decide which keys of a scene it takes.
+//!
+//! A new model is a new row of [`models!`].
 
-/// `model`, in the order of cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Model {
+use super::key::{Key, Kind, NOT_NEGATIVE, key};
+use super::units::Dimension;
+
+/// Defines [`Model`] from a row of properties for each model, in the order of messages.
+macro_rules! models {
+    ($($(#[$doc:meta])* $model:ident: $properties:expr,)+) => {
+        /// `model`
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Model {
+            $($(#[$doc])* $model,)+
+        }
+
+        impl Model {
+            /// All models, in the order of messages.
+            pub const ALL: [Self; [$(Self::$model),+].len()] = [$(Self::$model),+];
+
+            /// Returns the properties of the model.
+            #[must_use]
+            pub const fn properties(self) -> &'static ModelProperties {
+                match self {
+                    $(Self::$model => const { &$properties },)+
+                }
+            }
+        }
+
+        /// Keys of each model that only this model takes.
+        pub(crate) static OWN_KEYS: [&[Key]; Model::ALL.len()] = [$(Model::$model.properties().own_keys),+];
+    };
+}
+
+/// Values that a row does not give.
+const NO_KEYS: ModelProperties = ModelProperties {
+    name: "",
+    cost: 0,
+    input: ModelInput::Stiffness,
+    effects: false,
+    solver_steps: false,
+    moving_elements: false,
+    linearise: false,
+    own_keys: &[],
+};
+
+models! {
     /// A constant 5 x 5 stiffness.
-    Linear,
+    Linear: ModelProperties { name: "linear", cost: 0, ..NO_KEYS },
     /// Separate radial and axial elements (Hajzman).
-    Lumped,
+    Lumped: ModelProperties { name: "lumped", cost: 1, input: ModelInput::Law, linearise: true, ..NO_KEYS },
     /// Closed-form variable contact angle (`docs/src/models.md#angular-contact-bearing`).
-    Angular,
-    /// The quasi-static model interpolated in a table, at a small fixed cost.
-    Tabulated,
+    Angular: ModelProperties { name: "angular", cost: 2, input: ModelInput::ContactAngle, linearise: true, ..NO_KEYS },
     /// Every ball in equilibrium between both races, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
-    QuasiStatic,
+    QuasiStatic: ModelProperties {
+        name: "quasi-static",
+        cost: 4,
+        input: ModelInput::ContactAngle,
+        effects: true,
+        solver_steps: true,
+        linearise: true,
+        own_keys: &[key(
+            "solver_steps",
+            Kind::Integer(1, 50),
+            "Newton steps from a cold start",
+            "8",
+            "only `quasi-static`",
+            "12",
+        )],
+        ..NO_KEYS
+    },
+    /// The quasi-static model interpolated in a table, at a small fixed cost.
+    Tabulated: ModelProperties {
+        name: "tabulated",
+        cost: 3,
+        input: ModelInput::ContactAngle,
+        effects: true,
+        ..NO_KEYS
+    },
     /// Elements with a mass of their own that moves along their radius (`docs/src/models.md#balls-with-mass`).
-    Dynamic,
+    Dynamic: ModelProperties {
+        name: "dynamic",
+        cost: 5,
+        input: ModelInput::Law,
+        moving_elements: true,
+        own_keys: &[key(
+            "element_damping",
+            Kind::Quantity(Dimension::Damping, NOT_NEGATIVE),
+            "damping of each ball along its radius",
+            "0",
+            "only `dynamic`",
+            "50",
+        )],
+        ..NO_KEYS
+    },
 }
 
 /// Properties of a bearing model that decide which keys of a scene it takes.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub struct ModelProperties {
     /// Name in a scene.
     pub name: &'static str,
+    /// Place in the order of cost.
+    pub cost: u8,
     /// Values from which its forces follow.
     pub input: ModelInput,
     /// The balls are in equilibrium with `effects` of inertia and film, which may be stored in a `table`.
@@ -32,6 +112,8 @@ pub struct ModelProperties {
     pub moving_elements: bool,
     /// `linearise` may name it.
     pub linearise: bool,
+    /// Keys of numbers that only this model takes. [`Bearing::own`](super::Bearing::own) returns their values.
+    pub(crate) own_keys: &'static [Key],
 }
 
 /// Values of a scene from which the forces of a model follow.
@@ -46,27 +128,15 @@ pub enum ModelInput {
 }
 
 impl Model {
-    /// All models, in the order of messages.
-    pub const ALL: [Self; 6] =
-        [Self::Linear, Self::Lumped, Self::Angular, Self::QuasiStatic, Self::Tabulated, Self::Dynamic];
-
-    /// Returns the properties of the model.
-    #[must_use]
-    pub const fn properties(self) -> &'static ModelProperties {
-        match self {
-            Self::Linear => &LINEAR,
-            Self::Lumped => &LUMPED,
-            Self::Angular => &ANGULAR,
-            Self::Tabulated => &TABULATED,
-            Self::QuasiStatic => &QUASI_STATIC,
-            Self::Dynamic => &DYNAMIC,
-        }
-    }
-
     /// Returns the name of the model in a scene.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.properties().name
+    }
+
+    /// Returns the names of the keys that only this model takes.
+    pub fn own_keys(self) -> impl Iterator<Item = &'static str> {
+        self.properties().own_keys.iter().map(|key| key.name)
     }
 
     /// Returns the model of this name.
@@ -87,60 +157,6 @@ impl Model {
         self.properties().input == ModelInput::ContactAngle
     }
 }
-
-const LINEAR: ModelProperties = ModelProperties {
-    name: "linear",
-    input: ModelInput::Stiffness,
-    effects: false,
-    solver_steps: false,
-    moving_elements: false,
-    linearise: false,
-};
-
-const LUMPED: ModelProperties = ModelProperties {
-    name: "lumped",
-    input: ModelInput::Law,
-    effects: false,
-    solver_steps: false,
-    moving_elements: false,
-    linearise: true,
-};
-
-const ANGULAR: ModelProperties = ModelProperties {
-    name: "angular",
-    input: ModelInput::ContactAngle,
-    effects: false,
-    solver_steps: false,
-    moving_elements: false,
-    linearise: true,
-};
-
-const TABULATED: ModelProperties = ModelProperties {
-    name: "tabulated",
-    input: ModelInput::ContactAngle,
-    effects: true,
-    solver_steps: false,
-    moving_elements: false,
-    linearise: false,
-};
-
-const QUASI_STATIC: ModelProperties = ModelProperties {
-    name: "quasi-static",
-    input: ModelInput::ContactAngle,
-    effects: true,
-    solver_steps: true,
-    moving_elements: false,
-    linearise: true,
-};
-
-const DYNAMIC: ModelProperties = ModelProperties {
-    name: "dynamic",
-    input: ModelInput::Law,
-    effects: false,
-    solver_steps: false,
-    moving_elements: true,
-    linearise: false,
-};
 
 /// Returns the names of models as a choice, such as `"quasi-static" or "tabulated"`.
 pub(crate) fn choice_of(models: impl IntoIterator<Item = Model>) -> String {

@@ -54,7 +54,7 @@ fn collect(keys: &'static Keys, sections: &mut Vec<(&'static str, String)>) {
     for (heading, _) in keys.sections {
         if !sections.iter().any(|(known, _)| known == heading) {
             let own = keys.sections.iter().filter(|(other, _)| other == heading);
-            sections.push((heading, own.map(|(_, keys)| rows(*keys, "")).collect()));
+            sections.push((heading, own.map(|(_, lists)| rows(lists.iter().copied().flatten(), "")).collect()));
         }
     }
     for key in keys.all() {

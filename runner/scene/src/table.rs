@@ -304,6 +304,17 @@ impl<'a> Node<'a> {
         self.integer_within(least, most, expected)
     }
 
+    /// Reads a number of its kind: whole, a quantity or one without unit.
+    pub(crate) fn any_number(&self) -> Read<f64> {
+        match self.kind {
+            Kind::Integer(least, most) => {
+                self.integer(&format!("a whole number from {least} to {most}")).map(|number| number as f64)
+            }
+            Kind::Quantity(..) => self.quantity(),
+            _ => self.number("a number in the range of the scene reference"),
+        }
+    }
+
     /// Reads a whole number between two others.
     pub fn integer_within(&self, least: i64, most: i64, expected: &str) -> Read<i64> {
         match self.content {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
+use super::super::key::Key;
 use super::super::model::{ModelProperties, choice_of, models_with};
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
@@ -101,8 +102,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
         support: table.read("support", support)?,
         element_azimuths: table.read("element_azimuths", |n| azimuths(n, elements))?.unwrap_or_default(),
         cage_runout: table.read("cage_runout", |n| cage_runout(n, geometry.as_ref()))?,
-        element_damping: element_damping(table, model)?,
-        solver_steps: solver_steps(table, model)?,
+        own: own(table, model)?,
         geometry,
         law,
         linear,
@@ -112,7 +112,7 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
 }
 
 /// `model`
-pub(super) fn all_models() -> [(&'static str, Model); 6] {
+pub(super) fn all_models() -> [(&'static str, Model); Model::ALL.len()] {
     Model::ALL.map(|model| (model.name(), model))
 }
 
@@ -180,7 +180,7 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
 /// `linearise`
 pub(super) fn linearised_models() -> Vec<(&'static str, Model)> {
     let mut models: Vec<_> = models_with(|of| of.linearise).map(|model| (model.name(), model)).collect();
-    models.sort_unstable();
+    models.sort_unstable_by_key(|(name, _)| *name);
     models
 }
 
@@ -518,15 +518,13 @@ fn cage_runout(node: &Node<'_>, geometry: Option<&Geometry>) -> Read<CageRunout>
     })
 }
 
-fn element_damping(table: &Table<'_>, model: Model) -> Read<f64> {
-    check_only_with(table, &["element_damping"], model, |of| of.moving_elements)?;
-    Ok(table.optional_quantity("element_damping")?.unwrap_or(0.0))
-}
-
-fn solver_steps(table: &Table<'_>, model: Model) -> Read<Option<u8>> {
-    check_only_with(table, &["solver_steps"], model, |of| of.solver_steps)?;
-    let steps = table.read("solver_steps", |n| n.integer("a whole number from 1 to 50"))?;
-    Ok(steps.and_then(|steps| u8::try_from(steps).ok()))
+/// Reads the keys that only `model` takes, and rejects those of other models.
+fn own(table: &Table<'_>, model: Model) -> Read<Vec<(&'static str, f64)>> {
+    for key in Model::ALL.into_iter().flat_map(|other| other.properties().own_keys) {
+        check_only_with(table, &[key.name], model, |of| of.own_keys.iter().any(|own| own.name == key.name))?;
+    }
+    let read = |key: &'static Key| Ok(table.read(key.name, Node::any_number)?.map(|value| (key.name, value)));
+    model.properties().own_keys.iter().filter_map(|key| read(key).transpose()).collect()
 }
 
 /// Balls with a mass need their geometry, and move in the plane of the bearing on round races.

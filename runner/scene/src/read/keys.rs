@@ -11,7 +11,7 @@ use super::METHODS;
 use crate::Indicator;
 use crate::key::Choice::{AtMostOne, One};
 use crate::key::Kind::{Either, Integer, List, Number, Quantity, Table, Text, Words};
-use crate::key::{ANY, BELOW_ONE, Bounds, Key, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, words};
+use crate::key::{ANY, BELOW_ONE, Bounds, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, key, words};
 use crate::units::Dimension;
 use std::ops::Bound::Excluded;
 
@@ -28,22 +28,10 @@ const BEARING_NAME: Kind = Text("name of a bearing");
 const FILE: Kind = Text("file");
 const COLUMN: Kind = Text("column");
 
-/// Name, kind, meaning, default, further conditions and example of a key.
-const fn key(
-    name: &'static str,
-    kind: Kind,
-    meaning: &'static str,
-    default: &'static str,
-    range: &'static str,
-    example: &'static str,
-) -> Key {
-    Key { name, kind, meaning, default, range, example }
-}
-
 pub(crate) static SCENE: Keys = Keys {
     name: "scene",
     #[rustfmt::skip] // a table
-    sections: &[("Top level", &[
+    sections: &[("Top level", &[&[
         key("name", Text("text"), "name of the scene", "name of the file", "", "\"spindle\""),
         key("shaft", Table(&SHAFT), "[rotation](#shaft)", REQUIRED, "", ""),
         key("rotor", Table(&rotor::ROTOR), "[rotor](#rotor), rigid or flexible", "none", "not together with `system`",
@@ -54,26 +42,26 @@ pub(crate) static SCENE: Keys = Keys {
         key("integration", Table(&INTEGRATION), "[integration](#integration) in time", "defaults of its keys", "", ""),
         key("observer", Table(&OBSERVER), "[observer](#observer) of the twin", "defaults of its keys", "", ""),
         key("limit", List(&Table(&LIMIT)), "[alarm limits](#limit)", "none", "", ""),
-    ])],
+    ]])],
     choices: &[AtMostOne(&["rotor", "system"])],
 };
 
 static SHAFT: Keys = Keys {
     name: "shaft",
     #[rustfmt::skip] // a table
-    sections: &[("shaft", &[
+    sections: &[("shaft", &[&[
         key("speed", Either(&[SPEED, Table(&SPEEDS)]),
             "speed of the shaft, positive about +Z; as a table a ramp or a fluctuation", REQUIRED, "", "\"3000 rpm\""),
         key("outer_speed", SPEED, "speed of the outer rings", "0", "only with one constant shaft speed",
             "\"-500 rpm\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SPEEDS: Keys = Keys {
     name: "speed",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("from", SPEED, "speed at the start of a ramp", "required of a ramp", "",
             "{ from = \"600 rpm\", to = \"6000 rpm\", over = \"2 s\" }"),
         key("to", SPEED, "speed at its end, constant from there on", "required of a ramp", "", ""),
@@ -83,14 +71,14 @@ static SPEEDS: Keys = Keys {
         key("fluctuation", Number(BELOW_ONE), "amplitude over mean", "required of a fluctuation", "", ""),
         key("frequency", Quantity(Dimension::Frequency, POSITIVE), "its frequency", "required of a fluctuation", "",
             ""),
-    ])],
+    ]])],
     choices: &[One(&[&["from", "to", "over"], &["mean", "fluctuation", "frequency"]])],
 };
 
 static SYSTEM: Keys = Keys {
     name: "system",
     #[rustfmt::skip] // a table
-    sections: &[("system", &[
+    sections: &[("system", &[&[
         key("mass", FILE, "mass matrix", REQUIRED, "symmetric", "\"M.mtx\""),
         key("damping", FILE, "damping matrix", "0", "symmetric", "\"B.mtx\""),
         key("gyroscopic", FILE, "gyroscopic matrix, multiplied by the speed", "0", "antisymmetric", "\"G.mtx\""),
@@ -98,42 +86,42 @@ static SYSTEM: Keys = Keys {
         key("load", FILE, "constant load", "0", "one value a coordinate", "\"f.npy\""),
         key("proportional_damping", TIME_OR_0, "damping over stiffness", "0", "", "1e-5"),
         key("unbalance", List(&Table(&SYSTEM_UNBALANCE)), "unbalances", "none", "", ""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SYSTEM_UNBALANCE: Keys = Keys {
     name: "system-unbalance",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("moment", Quantity(Dimension::Unbalance, NOT_NEGATIVE), "mass times radius", REQUIRED, "", "\"30 g mm\""),
         key("angle", ANGLE, "angle from the keyphasor mark in the direction of rotation", REQUIRED, "", "\"0 deg\""),
         key("x", Integer(1, 128), "number of the coordinate along X", REQUIRED, "", "5"),
         key("y", Integer(1, 128), "number of the coordinate along Y", REQUIRED, "", "6"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static INTEGRATION: Keys = Keys {
     name: "integration",
     #[rustfmt::skip] // a table
-    sections: &[("integration", &[
+    sections: &[("integration", &[&[
         key("method", Words(|| words(&METHODS)), "integration method", "`\"runge-kutta\"`", "", "\"verlet\""),
         key("step", POSITIVE_TIME, "longest step", "from the highest natural frequency", "", "\"20 us\""),
         key("newton_steps", Integer(1, 20), "Newton steps of each step", "2", "only `newmark`", "3"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static OBSERVER: Keys = Keys {
     name: "observer",
     #[rustfmt::skip] // a table
-    sections: &[("observer", &[
+    sections: &[("observer", &[&[
         key("process_noise", Number(POSITIVE), "process noise of an unmodelled force, N per root second",
             "most likely value over the first samples", "required by `bake` for an observer", "50"),
         key("wander", Number(POSITIVE), "former name of `process_noise`", "none", "not together with `process_noise`",
             ""),
-    ])],
+    ]])],
     choices: &[AtMostOne(&["process_noise", "wander"])],
 };
 
@@ -143,7 +131,7 @@ const DECIBELS: Bounds = (Excluded(0.0), Excluded(200.0));
 static LIMIT: Keys = Keys {
     name: "limit",
     #[rustfmt::skip] // a table
-    sections: &[("limit", &[
+    sections: &[("limit", &[&[
         key("indicator", Words(|| words(&Indicator::ALL)), "limited number", REQUIRED, "", "\"1X\""),
         key("probe", Text("column of a probe"), "probe whose number is limited", "every radial probe", "",
             "\"DE_X_um\""),
@@ -156,6 +144,6 @@ static LIMIT: Keys = Keys {
         key("hysteresis", Number(BELOW_ONE),
             "share of the limit by which a value falls below it at the end of an event", "0.1", "", "0.05"),
         key("duration", TIME_OR_0, "duration below which an event is not reported", "0", "", "\"1 s\""),
-    ])],
+    ]])],
     choices: &[One(&[&["max"], &["growth_db"]])],
 };

@@ -14,7 +14,7 @@ use ballrace_models::build::{self, TableData};
 use ballrace_models::handle::{AnyBearing, AnyForceModel, ForceModel};
 use ballrace_plant::error::{BakeError, Error, Result};
 use ballrace_plant::{LARGEST_RESIDUAL, Plant};
-use ballrace_scene::{Bearing, Effects, Model, Scene};
+use ballrace_scene::{Bearing, Model, Scene};
 use std::path::Path;
 
 /// Largest number of rows of a recording that are read: 80 s at 12.8 kHz.
@@ -288,9 +288,7 @@ fn reference(level: &FidelityLevel, scene: &Scene, text: &str, i: usize) -> Resu
 
 /// Returns the names of the effects of a bearing.
 fn effects(of: &Bearing) -> String {
-    let Effects { centrifugal, gyroscopic, film, .. } = &of.effects;
-    let all = [(*centrifugal, "centrifugal"), (*gyroscopic, "gyroscopic"), (film.is_some(), "film")];
-    let named: Vec<&str> = all.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect();
+    let named: Vec<&str> = of.effects.named().collect();
     if named.is_empty() { "no effects".to_owned() } else { named.join(", ") }
 }
 

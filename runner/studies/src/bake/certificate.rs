@@ -232,7 +232,7 @@ impl BearingCertificate {
         bytes: ConstantBytes,
         (range, coverage): (ChecksumRange, Coverage),
     ) -> Self {
-        let as_written = Bearing { model: baked.model, solver_steps: None, ..of.clone() };
+        let as_written = Bearing { model: baked.model, own: vec![], ..of.clone() };
         let cost = match options.core {
             Core::CortexM4f => cortex::force(&as_written, "f32", "exact").ok(),
         };

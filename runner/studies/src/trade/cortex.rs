@@ -84,7 +84,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCount
     let what = name(of)?;
     // Only exact single precision is counted for balls in equilibrium.
     let cold = at(&all, what, of.elements, precision, math).ok_or(NotCounted::Arithmetic)?;
-    let Some(steps) = of.solver_steps.map(f64::from) else { return Ok(cold) };
+    let Some(steps) = of.own("solver_steps") else { return Ok(cold) };
     let find = |function: &str| {
         let row = all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
         row.ok_or(NotCounted::Arithmetic)

@@ -78,7 +78,7 @@ impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
     ) -> Result<Self, BuildError> {
         let mounted = |(of, mounted): (&ballrace_scene::Bearing, &ballrace_plant::MountedBearing)| {
             let bearing =
-                if of.model.has_elements() { build(scene, of, of.model)? } else { build::spring_of(&mounted.bearing) };
+                if of.is_linearised() { build::spring_of(&mounted.bearing) } else { build(scene, of, of.model)? };
             Ok((bearing, rounded(&mounted.offset)))
         };
         Ok(Self {

@@ -6,7 +6,7 @@
 use ballrace_models::{LevelOptions, bearing_model};
 use ballrace_plant::error::{Result, TradeError};
 use ballrace_scene::read::read_str;
-use ballrace_scene::{Bearing, Effects, Linear, Model, ModelInput, Scene};
+use ballrace_scene::{Bearing, Linear, Model, ModelInput, Scene};
 use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Value, value};
 
@@ -18,7 +18,7 @@ pub struct FidelityLevel {
 }
 
 /// Keys of a bearing that only models with balls in equilibrium accept.
-const OF_BALLS: [&str; 6] = ["effects", "race_control", "friction_sharing", "lubricant", "table", "solver_steps"];
+const OF_BALLS: [&str; 5] = ["effects", "race_control", "friction_sharing", "lubricant", "table"];
 /// Keys of a bearing that only the lumped model takes and that its geometry can replace.
 const OF_LUMPED: [&str; 4] = ["stiffness", "exponent", "radial_play", "axial"];
 /// Effects in the order in which they can be omitted.
@@ -44,10 +44,9 @@ impl FidelityLevel {
     pub fn all(scene: &Scene) -> Vec<Self> {
         let effects = named(scene);
         let springs_alone = scene.bearings.iter().all(given_as_springs);
-        let mut models: Vec<Model> =
-            Model::ALL.into_iter().filter(|model| !springs_alone || !model.has_elements()).collect();
-        // In the order of cost.
-        models.sort_unstable();
+        let is_own = |model: Model| scene.bearings.iter().any(|of| of.model == model);
+        let mut models: Vec<Model> = Model::ALL.into_iter().filter(|model| !springs_alone || is_own(*model)).collect();
+        models.sort_unstable_by_key(|model| model.properties().cost);
         let levels = models.into_iter().map(|model| (model, bearing_model(model).levels(scene, &effects)));
         levels.flat_map(|(model, all)| all.into_iter().map(move |options| Self { model, options })).collect()
     }
@@ -99,15 +98,14 @@ impl FidelityLevel {
             let has = |key: &str| table.contains_key(key);
             let (geometry, film) = (has("ball_diameter"), has("lubricant"));
             let model = self.model.properties();
+            let others = Model::ALL.into_iter().filter(|other| *other != self.model);
             let mut gone = vec!["solver_steps", "linearise"];
+            gone.extend(others.flat_map(Model::own_keys));
             if !model.effects {
                 gone.extend(OF_BALLS);
             }
             if geometry && model.input != ModelInput::Law {
                 gone.extend(OF_LUMPED);
-            }
-            if !model.moving_elements {
-                gone.push("element_damping");
             }
             for key in gone {
                 table.remove(key);
@@ -162,15 +160,6 @@ fn given_as_springs(of: &Bearing) -> bool {
 
 /// Returns the effects that any bearing names, in the order in which they can be omitted.
 fn named(scene: &Scene) -> Vec<&'static str> {
-    let has = |name: &str| {
-        scene.bearings.iter().any(|b| {
-            let Effects { centrifugal, gyroscopic, film, .. } = b.effects;
-            match name {
-                "centrifugal" => centrifugal,
-                "gyroscopic" => gyroscopic,
-                _ => film.is_some(),
-            }
-        })
-    };
+    let has = |name: &str| scene.bearings.iter().any(|of| of.effects.named().any(|on| on == name));
     NESTED.into_iter().filter(|name| has(name)).collect()
 }

@@ -4,11 +4,12 @@ use super::super::bearing::{
     DEFECT_SHAPES, ELEMENTS, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models,
 };
 use super::super::effects::{EFFECTS, FRICTION_SHARINGS, RACE_CONTROLS};
-use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, SPEED, key};
+use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, SPEED};
 use crate::PreloadState;
 use crate::key::Choice::{Any, AtMostOne, One};
 use crate::key::Kind::{Integer, List, Number, NumberIn, Quantity, Table, Temperature, Text, Tuple, Words};
-use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, words};
+use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, key, words};
+use crate::model::OWN_KEYS;
 use crate::units::Dimension;
 use std::ops::Bound::{Excluded, Included};
 
@@ -34,14 +35,12 @@ const MOMENTS: Kind = Tuple(&[CROSS_STIFFNESS, CROSS_STIFFNESS, CROSS_STIFFNESS,
 const POSITION: &str = "Position and model";
 /// The same of the models that solve for each ball.
 const QUASI_STATIC: &str = "Keys of `quasi-static` and `tabulated`";
-/// The same of dampers and supports.
-const SUPPORT_SECTION: &str = "Support and moving balls";
 
 pub(super) static BEARING: Keys = Keys {
     name: "bearing",
     #[rustfmt::skip] // tables
     sections: &[
-        (POSITION, &[
+        (POSITION, &[&[
             key("name", Text("text"), "name of the bearing", REQUIRED, "unique", "\"DE\""),
             key("bearing", Text("designation"),
                 "bearing of the [catalogue](#catalogue), whose values stand for keys that the scene does not have",
@@ -57,8 +56,8 @@ pub(super) static BEARING: Keys = Keys {
             key("first_element_azimuth", ANGLE, "azimuth of the first element at shaft angle 0", "0", "", "\"10 deg\""),
             key("cage_ratio", Number(BELOW_ONE), "cage speed over shaft speed, also where the outer ring turns",
                 "pure rolling at the free contact angle; required without geometry, except for `linear`", "", "0.4"),
-        ]),
-        ("Geometry", &[
+        ]]),
+        ("Geometry", &[&[
             key("ball_diameter", POSITIVE_LENGTH, "diameter of the balls", "required of a geometry", "", "\"7.94 mm\""),
             key("pitch_diameter", POSITIVE_LENGTH, "diameter of the circle of ball centres", "required of a geometry",
                 "above `ball_diameter`", "\"39.04 mm\""),
@@ -73,8 +72,8 @@ pub(super) static BEARING: Keys = Keys {
             key("youngs_modulus", PRESSURE, "Young's modulus of balls and races", "206 GPa", "", "\"206 GPa\""),
             key("poissons_ratio", POISSONS_RATIO, "their Poisson's ratio", "0.3", "", "0.3"),
             key("density", DENSITY, "density of the balls", "7800 kg/m^3", "", "\"3200 kg/m^3\""),
-        ]),
-        ("Keys of `lumped`", &[
+        ]]),
+        ("Keys of `lumped`", &[&[
             key("stiffness", CONTACT_STIFFNESS, "`K` of `F = K Delta^n`", "from the geometry", "",
                 "\"1.2e10 N/m^1.5\""),
             key("exponent", EXPONENT, "`n` of `F = K Delta^n`", "1.5",
@@ -88,8 +87,8 @@ pub(super) static BEARING: Keys = Keys {
                 "one list per element", "[[\"1 um\", 0, 0], [0, 0, 0], [0, 0, 0]]"),
             key("outer_ring", Table(&OUTER_RING), "outer ring that [bends](models.md#bending-outer-ring)", "none",
                 "not together with `housing_displacement`", ""),
-        ]),
-        ("Keys of `linear`", &[
+        ]]),
+        ("Keys of `linear`", &[&[
             key("stiffness_matrix", Tuple(&[FORCES, FORCES, FORCES, MOMENTS, MOMENTS]),
                 "force along X, Y, Z and moment about X, Y per displacement along X, Y, Z and rotation about X, Y",
                 "one of the three", "",
@@ -98,12 +97,12 @@ pub(super) static BEARING: Keys = Keys {
                 "8 to 16 elements, with geometry", "{ static_load = \"500 N\" }"),
             key("linearise", Words(|| words(&linearised_models())),
                 "model whose stiffness at the static equilibrium is taken", "one of the three", "", "\"angular\""),
-        ]),
-        ("Waviness and damage", &[
+        ]]),
+        ("Waviness and damage", &[&[
             key("defect", List(&Table(&DEFECT)), "damage of races and balls", "none", "", ""),
             key("waviness", List(&Table(&WAVE)), "waves of races and balls", "none", "", ""),
-        ]),
-        (QUASI_STATIC, &[
+        ]]),
+        (QUASI_STATIC, &[&[
             key("effects", List(&Words(|| words(&EFFECTS))), "inertia of the balls and oil film", "none", "each once",
                 "[\"centrifugal\", \"gyroscopic\"]"),
             key("race_control", Words(|| words(&RACE_CONTROLS)), "race on which the balls roll without spin",
@@ -111,36 +110,30 @@ pub(super) static BEARING: Keys = Keys {
             key("friction_sharing", Words(|| words(&FRICTION_SHARINGS)), "races that carry the gyroscopic moment",
                 "`\"outer\"`", "", "\"proportional\""),
             key("lubricant", Table(&LUBRICANT), "oil of the film", "required for `film`", "", ""),
-        ]),
-        ("Preload", &[
+        ]]),
+        ("Preload", &[&[
             key("preload", Table(&PRELOAD), "preload along the thrust direction", "none",
                 "exactly one of `force` and `displacement`", "{ force = \"500 N\" }"),
-        ]),
-        (QUASI_STATIC, &[
+        ]]),
+        (QUASI_STATIC, &[&[
             key("table", Table(&TABLE), "ranges of the table of `tabulated`", "defaults of its keys", "", ""),
-        ]),
-        (SUPPORT_SECTION, &[
+        ]]),
+        ("Support", &[&[
             key("support", Table(&SUPPORT), "elastic support of the outer ring", "none", "only with `rotor`", ""),
-        ]),
-        (POSITION, &[
+        ]]),
+        (POSITION, &[&[
             key("element_azimuths", List(&ANGLE), "azimuth of each element at shaft angle 0", "evenly spaced",
                 "one angle per element", "[\"0 deg\", \"125 deg\", \"240 deg\"]"),
             key("cage_runout", Table(&CAGE_RUNOUT), "eccentric cage", "none", "", ""),
-        ]),
-        (SUPPORT_SECTION, &[
-            key("element_damping", DAMPING, "damping of each ball along its radius", "0", "only `dynamic`", "50"),
-        ]),
-        (QUASI_STATIC, &[
-            key("solver_steps", Integer(1, 50), "Newton steps from a cold start", "8", "only `quasi-static`", "12"),
-        ]),
-        (POSITION, &[
+        ]]),
+        (POSITION, &[&[
             key("coordinates", COORDINATES,
                 "coordinates of the inner ring's `u, v, w, thu, thv`; negative: opposite sign; 0: none",
                 "required with `system`", "only with `system`", "[5, 6, 0, -8, 7]"),
             key("housing_coordinates", COORDINATES, "the same of the outer ring", "none", "only with `system`",
                 "[1, 2, 0, 0, 0]"),
-        ]),
-        ("Fits and temperatures", &[
+        ]]),
+        ("Fits and temperatures", &[&[
             key("fit", Table(&FIT), "interferences of the rings", "none", "", ""),
             key("temperatures", Table(&TEMPERATURES), "temperatures in operation", "none", "", ""),
             key("inner_raceway_diameter", POSITIVE_LENGTH, "diameter of the inner raceway",
@@ -149,7 +142,8 @@ pub(super) static BEARING: Keys = Keys {
             key("outer_raceway_diameter", POSITIVE_LENGTH, "diameter of the outer raceway",
                 "pitch diameter plus ball diameter", "only with `fit` or `temperatures`; required without a geometry",
                 "\"46.9 mm\""),
-        ]),
+        ]]),
+        ("Keys of one model", &OWN_KEYS),
     ],
     choices: &[
         Any(&[&["model", "elements"], &["bearing"]]),
@@ -162,41 +156,41 @@ pub(super) static BEARING: Keys = Keys {
 static AXIAL: Keys = Keys {
     name: "axial",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("stiffness", CONTACT_STIFFNESS, "stiffness of the springs", REQUIRED, "", "\"1e9 N/m^1.5\""),
         key("exponent", EXPONENT, "exponent of their law", "1.5", "", "1.5"),
         key("play", LENGTH, "axial play", REQUIRED, "negative is preload", "\"0 um\""),
         key("radius", Quantity(Dimension::Length, NOT_NEGATIVE), "radius on which they act", REQUIRED, "", "\"20 mm\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static OUTER_RING: Keys = Keys {
     name: "outer-ring",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("radius", POSITIVE_LENGTH, "radius of its neutral line", REQUIRED, "", "\"50 mm\""),
         key("width", POSITIVE_LENGTH, "width", REQUIRED, "", "\"18 mm\""),
         key("thickness", POSITIVE_LENGTH, "radial thickness", REQUIRED, "at most 0.4 of the radius", "\"5 mm\""),
         key("youngs_modulus", PRESSURE, "Young's modulus", "206 GPa", "", "\"206 GPa\""),
         key("orders", Integer(2, 12), "highest order of its shape", "6", "", "6"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static TWO_SPRING: Keys = Keys {
     name: "two-spring",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("static_load", Quantity(Dimension::Force, POSITIVE), "radial load", REQUIRED, "", "\"500 N\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static LUBRICANT: Keys = Keys {
     name: "lubricant",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("viscosity", Quantity(Dimension::Viscosity, POSITIVE), "dynamic viscosity at the inlet", REQUIRED, "",
             "\"0.04 Pa s\""),
         key("pressure_viscosity", Quantity(Dimension::PressureViscosity, POSITIVE), "pressure-viscosity coefficient",
@@ -204,26 +198,26 @@ static LUBRICANT: Keys = Keys {
         key("roughness", POSITIVE_LENGTH, "rms roughness of ball and race together", "none", "", "\"0.1 um\""),
         key("inlet_heating", Table(&INLET_HEATING), "[heating of the inlet](models.md#oil-film), which thins the film",
             "none: isothermal", "keys that are absent are those of mineral oils", "{}"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static INLET_HEATING: Keys = Keys {
     name: "inlet-heating",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("temperature_coefficient", NumberIn("1/K", (Included(1e-3), Included(0.2))),
             "relative decrease of the viscosity", "0.04 1/K", "", "\"0.04 1/K\""),
         key("conductivity", NumberIn("W/(m K)", (Included(0.01), Included(10.0))), "thermal conductivity",
             "0.14 W/(m K)", "", "\"0.14 W/(m K)\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static PRELOAD: Keys = Keys {
     name: "preload",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("force", Quantity(Dimension::Force, POSITIVE), "axial force", "this or `displacement`", "",
             "{ force = \"500 N\" }"),
         key("displacement", POSITIVE_LENGTH, "axial displacement", "this or `force`", "",
@@ -231,14 +225,14 @@ static PRELOAD: Keys = Keys {
         key("set", Words(|| words(&PreloadState::ALL)), "state in which the preload has the given size",
             "`\"unmounted\"`", "without `fit` and `temperatures` all are the same",
             "{ force = \"500 N\", set = \"operating\" }"),
-    ])],
+    ]])],
     choices: &[One(&[&["force"], &["displacement"]])],
 };
 
 static TABLE: Keys = Keys {
     name: "table",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("approach", Tuple(&[LENGTH; 2]), "least and greatest approach of the races",
             "up to 4.2 GPa, half as much gap", "first at most second", "[\"-20 um\", \"60 um\"]"),
         key("angle", Tuple(&[ANGLE; 2]), "least and greatest angle between the groove centres",
@@ -249,41 +243,41 @@ static TABLE: Keys = Keys {
         key("intervals", Tuple(&[Integer(4, 1000), Integer(4, 1000), Integer(1, 1000)]),
             "intervals along approach, angle and speed", "as many as fit into [64 kB](models.md#tabulated-bearing)",
             "along the speed 1 to 1000", "[64, 32, 8]"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SUPPORT: Keys = Keys {
     name: "support",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("mass", Quantity(Dimension::Mass, POSITIVE), "mass of outer ring and support", REQUIRED, "", "\"2 kg\""),
         key("stiffness_x", POSITIVE_STIFFNESS, "stiffness along X", REQUIRED, "", "\"1e8 N/m\""),
         key("stiffness_y", POSITIVE_STIFFNESS, "stiffness along Y", REQUIRED, "", "\"1e8 N/m\""),
         key("stiffness_xy", STIFFNESS, "stiffness between X and Y", "0",
             "magnitude below the geometric mean of the two", "0"),
         key("damping", DAMPING, "damping along X and Y", "0", "", "\"200 N s/m\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static CAGE_RUNOUT: Keys = Keys {
     name: "cage-runout",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("offset", Quantity(Dimension::Length, NOT_NEGATIVE), "distance of its centre from the axis", REQUIRED,
             "below a tenth of the radius", "\"20 um\""),
         key("angle", ANGLE, "direction of its centre at shaft angle 0", "0", "", "\"30 deg\""),
         key("radius", POSITIVE_LENGTH, "radius of the circle of element centres", "half the pitch diameter", "",
             "\"19.5 mm\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static DEFECT: Keys = Keys {
     name: "defect",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("surface", Words(|| words(&SURFACES)), "damaged surface", REQUIRED, "`\"element\"` is `\"ball\"`",
             "\"outer\""),
         key("azimuth", ANGLE, "middle of the damage, from the zero of the surface", REQUIRED, "", "\"-90 deg\""),
@@ -293,14 +287,14 @@ static DEFECT: Keys = Keys {
         key("shape", Words(|| words(&DEFECT_SHAPES)), "depth along the surface", REQUIRED, "", "\"half-sine\""),
         key("element", Integer(1, *ELEMENTS.end()), "number of the damaged ball", "1",
             "up to `elements`; only on a ball", "3"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static WAVE: Keys = Keys {
     name: "wave",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("surface", Words(|| words(&SURFACES)), "wavy surface", REQUIRED, "`\"element\"` is `\"ball\"`",
             "\"inner\""),
         key("direction", Words(|| words(&WAVE_DIRECTIONS)), "direction of the waves", "`\"radial\"`",
@@ -308,14 +302,14 @@ static WAVE: Keys = Keys {
         key("order", Integer(1, 10_000), "waves around the surface", REQUIRED, "", "13"),
         key("amplitude", POSITIVE_LENGTH, "amplitude", REQUIRED, "", "\"0.1 um\""),
         key("phase", ANGLE, "angle of the wave", "0", "", "\"90 deg\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static FIT: Keys = Keys {
     name: "fit",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("shaft_interference", LENGTH, "diametral interference of inner ring and shaft",
             "0; this or `housing_interference`", "up to 1 % of the diameter; negative is a loose fit", "\"10 um\""),
         key("housing_interference", LENGTH, "diametral interference of outer ring and housing",
@@ -331,30 +325,30 @@ static FIT: Keys = Keys {
             "keys that are absent are those of the rings", ""),
         key("housing_material", Table(&MATERIAL), "material of the housing", "that of the rings",
             "keys that are absent are those of the rings", ""),
-    ])],
+    ]])],
     choices: &[Any(&[&["shaft_interference"], &["housing_interference"]])],
 };
 
 static MATERIAL: Keys = Keys {
     name: "material",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("youngs_modulus", PRESSURE, "Young's modulus", "that of the rings", "", "\"70 GPa\""),
         key("poissons_ratio", POISSONS_RATIO, "Poisson's ratio", "that of the rings", "", "0.33"),
         key("expansion", EXPANSION, "linear thermal expansion", "that of the rings", "", "\"23e-6 1/K\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static TEMPERATURES: Keys = Keys {
     name: "temperatures",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("inner", Temperature, "inner ring and shaft", REQUIRED, "no bare number", "\"60 degC\""),
         key("outer", Temperature, "outer ring and housing", REQUIRED, "no bare number", "\"45 degC\""),
         key("assembled", Temperature, "temperature at which clearance and interferences hold", "`\"20 degC\"`",
             "no bare number", "\"20 degC\""),
         key("expansion", EXPANSION, "linear thermal expansion of rings and elements", "12e-6 1/K", "", "\"12e-6 1/K\""),
-    ])],
+    ]])],
     choices: &[],
 };

@@ -5,10 +5,10 @@ use super::super::recording::{
     KEYPHASOR_KINDS, MAX_SKIP, ORIENTATIONS, RINGS, SEQUENCES, SLOPES, SYNCHRONOUS, VIBRATION,
 };
 use super::bearing::COORDINATES;
-use super::{ANGLE, BEARING_NAME, COLUMN, FILE, LENGTH, POSITIVE_LENGTH, key};
+use super::{ANGLE, BEARING_NAME, COLUMN, FILE, LENGTH, POSITIVE_LENGTH};
 use crate::key::Choice::{Any, AtMostOne, One};
 use crate::key::Kind::{Boolean, Either, Integer, List, Number, Quantity, Table, Text, Unit, Words};
-use crate::key::{ANY, Keys, Kind, POSITIVE, REQUIRED, words};
+use crate::key::{ANY, Keys, Kind, POSITIVE, REQUIRED, key, words};
 use crate::units::{self, Dimension};
 
 const TIME_UNIT: Kind = Words(|| words(&units::TIME_COLUMN));
@@ -17,7 +17,7 @@ const VOLTAGE: Kind = Quantity(Dimension::Voltage, ANY);
 pub(super) static RECORDING: Keys = Keys {
     name: "recording",
     #[rustfmt::skip] // a table
-    sections: &[("recording", &[
+    sections: &[("recording", &[&[
         key("file", Either(&[FILE, List(&FILE)]), "recording: a file, a folder or a list of files", REQUIRED,
             "relative to the scene's folder; see [several files](recordings.md#several-files)", "\"healthy.csv\""),
         key("sequence", Words(|| words(&SEQUENCES)), "relation of several files to each other",
@@ -50,35 +50,35 @@ pub(super) static RECORDING: Keys = Keys {
             "detected", "", "3"),
         key("comment", Text("character"), "first character of lines of a text that are no rows", "`#`, `%`", "",
             "\"!\""),
-    ])],
+    ]])],
     choices: &[One(&[&["rate"], &["time"]]), Any(&[&["probes"], &["sensors"]]), AtMostOne(&["keyphasor", "speed"])],
 };
 
 static RATE: Keys = Keys {
     name: "rate",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", Text("single number of the file"), "number such as a variable of MATLAB", REQUIRED, "",
             "\"bearing.sr\""),
         key("unit", Unit(Dimension::Frequency), "its unit", REQUIRED, "`\"Hz\"`, `\"kHz\"`", "\"Hz\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static TIME: Keys = Keys {
     name: "time",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of time", REQUIRED, "", "\"t_ms\""),
         key("unit", TIME_UNIT, "its unit", REQUIRED, "", "\"ms\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static PROBE: Keys = Keys {
     name: "probe",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of the readings", REQUIRED, "used once", "\"DE_X_um\""),
         key("unit", Either(&[Unit(Dimension::Length), Unit(Dimension::Voltage)]), "its unit", REQUIRED,
             "`\"um\"`, `\"mil\"`, `\"mm\"`, `\"m\"` and others; `\"V\"`, `\"mV\"` with `sensitivity`", "\"um\""),
@@ -94,37 +94,37 @@ static PROBE: Keys = Keys {
         key("sensitivity", Quantity(Dimension::Sensitivity, ANY),
             "voltage per length of a [probe in volts](recordings.md#probes-in-volts)", "required for a column in volts",
             "not 0; its sign has a meaning", "\"7.87 mV/um\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SENSOR: Keys = Keys {
     name: "sensor",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of the readings", REQUIRED, "used once", "\"DE\""),
         key("unit", Words(|| VIBRATION.to_vec()), "its unit", REQUIRED, "", "\"g\""),
         key("bearing", BEARING_NAME, "bearing at the sensor", "every bearing", "", "\"DE\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static TEMPERATURE: Keys = Keys {
     name: "temperature",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of the readings", REQUIRED, "used once", "\"T_DE\""),
         key("unit", Words(|| words(&TEMPERATURE_UNITS)), "its unit", REQUIRED, "", "\"degC\""),
         key("bearing", BEARING_NAME, "bearing of the ring", REQUIRED, "one with `temperatures`", "\"DE\""),
         key("ring", Words(|| words(&RINGS)), "ring at the sensor", REQUIRED, "", "\"outer\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static KEYPHASOR: Keys = Keys {
     name: "keyphasor",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of the pulses", REQUIRED, "used once", "\"keyphasor\""),
         key("pulses_per_turn", Integer(1, u32::MAX as i64),
             "pulses per revolution; on a toothed wheel with a gap, absent teeth are counted", REQUIRED, "", "1"),
@@ -143,16 +143,16 @@ static KEYPHASOR: Keys = Keys {
             "without `unit` a number of the column", "\"0.5 V\""),
         key("slope", Words(|| words(&SLOPES)), "edge at which a pulse is timed", "that into the rarer level", "",
             "\"falling\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SPEED: Keys = Keys {
     name: "speed-column",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("column", COLUMN, "column of the speed", REQUIRED, "used once", "\"rpm\""),
         key("unit", Unit(Dimension::Speed), "its unit", REQUIRED, "`\"rpm\"`, `\"rev/s\"`, `\"rad/s\"`", "\"rpm\""),
-    ])],
+    ]])],
     choices: &[],
 };

@@ -1,9 +1,9 @@
 //! Keys of `[rotor]`.
 
-use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, TIME_OR_0, key};
+use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, TIME_OR_0};
 use crate::key::Choice::One;
 use crate::key::Kind::{Either, Integer, List, Number, Quantity, Table, Tuple};
-use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, five};
+use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, five, key};
 use crate::units::Dimension;
 
 const MASS: Kind = Quantity(Dimension::Mass, POSITIVE);
@@ -20,7 +20,7 @@ pub(super) static ROTOR: Keys = Keys {
     name: "rotor",
     #[rustfmt::skip] // tables
     sections: &[
-        ("rotor", &[
+        ("rotor", &[&[
             key("mass", MASS, "mass", REQUIRED_OF_RIGID, "", "\"6 kg\""),
             key("diametral_inertia", DIAMETRAL_INERTIA, "moment of inertia about a diameter", REQUIRED_OF_RIGID, "",
                 "\"0.030 kg m^2\""),
@@ -39,8 +39,8 @@ pub(super) static ROTOR: Keys = Keys {
                 "", "[0, 0, \"60 N\", 0, 0]"),
             key("load_station", LENGTH, "station of the load", "centre of mass", "", "\"246 mm\""),
             key("unbalance", List(&Table(&UNBALANCE)), "unbalances", "none", "", ""),
-        ]),
-        ("Flexible rotor", &[
+        ]]),
+        ("Flexible rotor", &[&[
             key("coordinates", Integer(7, 31), "number of coordinates of the reduced rotor", "by the error", "", "11"),
             key("sections", List(&Table(&SECTION)), "sections of the shaft", "required of a flexible rotor",
                 "in order, without gap or overlap; at most 10 000", ""),
@@ -49,7 +49,7 @@ pub(super) static ROTOR: Keys = Keys {
             key("poissons_ratio", POISSONS_RATIO, "Poisson's ratio of the shaft", "0.3", "", "0.3"),
             key("density", DENSITY, "density of the shaft", "7800 kg/m^3", "", "7800"),
             key("modal_damping", Number(BELOW_ONE), "damping ratio of every elastic coordinate", "0", "", "0.01"),
-        ]),
+        ]]),
     ],
     choices: &[One(&[&["mass", "diametral_inertia", "polar_inertia"], &["sections"]])],
 };
@@ -57,42 +57,42 @@ pub(super) static ROTOR: Keys = Keys {
 static PROPORTIONAL_DAMPING: Keys = Keys {
     name: "proportional-damping",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("mass", Quantity(Dimension::Rate, NOT_NEGATIVE), "damping over mass", "0", "", "{ mass = \"60 1/s\" }"),
         key("stiffness", TIME_OR_0, "damping over stiffness", "0", "", "{ stiffness = \"2e-6 s\" }"),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static UNBALANCE: Keys = Keys {
     name: "unbalance",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("moment", Quantity(Dimension::Unbalance, NOT_NEGATIVE), "mass times radius", REQUIRED, "", "\"120 g mm\""),
         key("angle", ANGLE, "angle from the keyphasor mark in the direction of rotation", REQUIRED, "", "\"17 deg\""),
         key("station", LENGTH, "position along Z", REQUIRED, "", "\"20 mm\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static SECTION: Keys = Keys {
     name: "section",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("from", LENGTH, "station of the beginning", REQUIRED, "", "\"0 mm\""),
         key("to", LENGTH, "station of the end", REQUIRED, "beyond `from`", "\"66 mm\""),
         key("outer_diameter", LENGTH, "outer diameter", REQUIRED, "above `inner_diameter`", "\"30 mm\""),
         key("outer_diameter_to", LENGTH, "outer diameter at `to`, of a cone", "`outer_diameter`",
             "above `inner_diameter`", "\"36 mm\""),
         key("inner_diameter", Quantity(Dimension::Length, NOT_NEGATIVE), "diameter of the bore", "0", "", "\"10 mm\""),
-    ])],
+    ]])],
     choices: &[],
 };
 
 static DISK: Keys = Keys {
     name: "disk",
     #[rustfmt::skip] // a table
-    sections: &[("", &[
+    sections: &[("", &[&[
         key("station", LENGTH, "position of its centre along Z", REQUIRED, "on the shaft", "\"246 mm\""),
         key("mass", MASS, "mass", REQUIRED_OF_DISK, "", "\"3.3 kg\""),
         key("diametral_inertia", DIAMETRAL_INERTIA, "moment of inertia about a diameter through its centre",
@@ -103,6 +103,6 @@ static DISK: Keys = Keys {
             "this and `width`, or `mass`", "above that of the shaft", "\"200 mm\""),
         key("width", POSITIVE_LENGTH, "width of the cylinder", "this and `outer_diameter`, or `mass`", "", "\"20 mm\""),
         key("density", DENSITY, "density of the cylinder", "that of the shaft", "only with `outer_diameter`", "7800"),
-    ])],
+    ]])],
     choices: &[One(&[&["mass", "diametral_inertia", "polar_inertia"], &["outer_diameter", "width"]])],
 };
