@@ -87,6 +87,7 @@ fn springs(constants: &Constants<'_>) -> Result<([f32; 5], [[f32; 5]; 5]), Build
 }
 
 /// Builds the springs of a bearing. Those of a linearised one require its rotor's equilibrium and are rejected here.
+#[expect(clippy::extra_unused_type_parameters, reason = "the registry builds all models alike")]
 pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, scene: &BearingScene) -> Result<H, BuildError> {
     match &scene.linear {
         Some(Linear::Matrix(rows)) => {
