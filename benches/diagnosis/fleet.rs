@@ -104,6 +104,8 @@ impl Recording {
 pub struct Fleet {
     pub folder: PathBuf,
     pub recordings: Vec<Recording>,
+    /// The recordings at slow roll that scenes name are left out.
+    pub no_slow_roll: bool,
 }
 
 impl Fleet {
@@ -112,7 +114,7 @@ impl Fleet {
         let path = folder.join("truth.json");
         let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         let recordings = serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Self { folder: folder.to_owned(), recordings })
+        Ok(Self { folder: folder.to_owned(), recordings, no_slow_roll: false })
     }
 
     /// Writes `truth.json`.
@@ -120,14 +122,29 @@ impl Fleet {
         Ok(fs::write(self.folder.join("truth.json"), serde_json::to_string_pretty(&self.recordings)? + "\n")?)
     }
 
-    /// Returns the path of a recording.
+    /// Returns the path of a recording, which may be compressed.
     pub fn file(&self, rig: &str, recording: &str) -> PathBuf {
-        self.folder.join(rig).join(format!("{recording}.npy"))
+        let path = |ending: &str| self.folder.join(rig).join(format!("{recording}{ending}"));
+        let compressed = path(".npy.gz");
+        if compressed.is_file() { compressed } else { path(".npy") }
     }
 
     /// Returns the path of a rotor's scene.
     pub fn scene(&self, rig: &str, rough: bool) -> PathBuf {
         self.folder.join(rig).join(if rough { "scene-rough.toml" } else { "scene.toml" })
+    }
+
+    /// Returns the path of a rotor's scene, or of a copy in `folder` without its recording at slow roll.
+    pub fn scene_without_slow_roll(&self, rig: &str, rough: bool, folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
+        let scene = self.scene(rig, rough);
+        if !self.no_slow_roll {
+            return Ok(scene);
+        }
+        let text = fs::read_to_string(&scene)?;
+        let lines: Vec<&str> = text.lines().filter(|line| !line.trim_start().starts_with("run_out")).collect();
+        let copy = folder.join(rig).with_extension("toml");
+        fs::write(&copy, lines.join("\n") + "\n")?;
+        Ok(copy)
     }
 
     /// Returns the folders of the rotors, each once.

@@ -389,7 +389,7 @@ pub fn generate(program: &Program, folder: &Path, rotors: usize, seed: u64) -> R
     if folder.is_dir() && fs::read_dir(folder)?.next().is_some() {
         return Err(format!("{}: the folder is not empty", folder.display()).into());
     }
-    let mut fleet = Fleet { folder: folder.to_owned(), recordings: vec![] };
+    let mut fleet = Fleet { folder: folder.to_owned(), recordings: vec![], no_slow_roll: false };
     let scratch = tempfile::tempdir()?;
     let (scene, motion) = (scratch.path().join("scene.toml"), scratch.path().join("motion.csv"));
     let simulate = |machine: &Machine| -> Result<Readings, Box<dyn Error>> {

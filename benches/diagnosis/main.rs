@@ -2,7 +2,8 @@
 //! `cargo bench -q -p ballrace-benches --bench diagnosis -- FOLDER`.
 //!
 //! FOLDER has `truth.json` and one folder a rotor with `scene.toml`, `scene-rough.toml` and the recordings (see `fleet`).
-//! `--rough` diagnoses with the rough scene, calibrated with the recording `healthy`. `--recordings N` takes the first N.
+//! `--rough` diagnoses with the rough scene, calibrated with the recording `healthy`; `--no-slow-roll` leaves the recording at slow
+//! roll out that a scene of a site names. `--recordings N` takes the first N.
 //! `--generate N --seed S` first simulates N random rotors into FOLDER. `--program FILE` measures another binary than the
 //! release binary. With `BALLRACE_WRITE=1` the tables are written to `benches/README.md`.
 
@@ -28,8 +29,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, fs, thread};
 use tables::Judged;
 
-const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench diagnosis -- FOLDER [--rough] [--recordings N] \
-                     [--generate N] [--seed S] [--program FILE]";
+const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench diagnosis -- FOLDER [--rough] [--no-slow-roll] \
+                     [--recordings N] [--generate N] [--seed S] [--program FILE]";
 /// Replays at a time.
 const PROCESSES: usize = 2;
 
@@ -37,6 +38,7 @@ const PROCESSES: usize = 2;
 struct Arguments {
     folder: PathBuf,
     rough: bool,
+    no_slow_roll: bool,
     recordings: Option<usize>,
     generate: Option<usize>,
     seed: u64,
@@ -52,6 +54,7 @@ impl Arguments {
             match argument.as_str() {
                 "--bench" => {}
                 "--rough" => arguments.rough = true,
+                "--no-slow-roll" => arguments.no_slow_roll = true,
                 "--recordings" => arguments.recordings = Some(value()?.parse()?),
                 "--generate" => arguments.generate = Some(value()?.parse()?),
                 "--seed" => arguments.seed = value()?.parse()?,
@@ -84,6 +87,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => Fleet::read(&arguments.folder)?,
     };
     fleet.recordings.truncate(arguments.recordings.unwrap_or(usize::MAX));
+    fleet.no_slow_roll = arguments.no_slow_roll;
     let text = measure(&program, &fleet, arguments.rough)?;
     println!("{text}");
     if env::var_os("BALLRACE_WRITE").is_some() {
@@ -174,7 +178,9 @@ fn replay(
     rough: bool,
     baseline: &Baseline,
 ) -> Option<Replay> {
-    let replay = program.replay(&fleet.scene(rig, rough), &fleet.file(rig, recording), folder, baseline);
+    let replay = fleet
+        .scene_without_slow_roll(rig, rough, folder)
+        .and_then(|scene| program.replay(&scene, &fleet.file(rig, recording), folder, baseline));
     replay.inspect_err(|error| eprintln!("{error}")).ok()
 }
 

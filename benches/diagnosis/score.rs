@@ -6,6 +6,10 @@ use std::f64::consts::TAU;
 
 /// The kind of a diagnosis that names no cause.
 const UNEXPLAINED: &str = "other";
+/// Kinds of a diagnosis of the measurement, which accuses neither bearing nor rotor.
+const OF_MEASUREMENT: [&str; 1] = ["run-out"];
+/// Kinds of faults outside bearing and rotor, which may also be called unexplained.
+const OUTSIDE: [&str; 2] = ["rub", "looseness"];
 
 /// Verdict on the diagnoses of one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,10 +36,16 @@ pub struct Score {
 impl Score {
     /// Compares diagnoses, strongest first, with the faults of the machine. As many diagnoses count as there are faults.
     pub fn new(faults: &[Fault], diagnoses: &[Diagnosis]) -> Self {
+        let is_of_machine = |diagnosis: &&Diagnosis| !OF_MEASUREMENT.contains(&diagnosis.kind.as_str());
+        let diagnoses: Vec<&Diagnosis> = diagnoses.iter().filter(is_of_machine).collect();
         let considered = &diagnoses[..diagnoses.len().min(faults.len())];
         let further = diagnoses.len() - considered.len();
         if faults.is_empty() {
-            let verdict = if diagnoses.is_empty() { Verdict::Right } else { Verdict::Wrong };
+            let verdict = match diagnoses.iter().any(|diagnosis| diagnosis.kind != UNEXPLAINED) {
+                true => Verdict::Wrong,
+                false if diagnoses.is_empty() => Verdict::Right,
+                false => Verdict::NotNamed,
+            };
             return Self { verdict, matches: vec![], further: 0 };
         }
         let mut matches: Vec<(usize, usize)> = vec![];
@@ -59,7 +69,8 @@ impl Score {
 
 /// Returns true where the diagnosis has the cause and the bearing of the fault.
 fn names(diagnosis: &Diagnosis, fault: &Fault) -> bool {
-    diagnosis.kind == fault.kind && (fault.bearing.is_none() || diagnosis.bearing == fault.bearing)
+    let is_outside = OUTSIDE.contains(&fault.kind.as_str()) && diagnosis.kind == UNEXPLAINED;
+    is_outside || (diagnosis.kind == fault.kind && (fault.bearing.is_none() || diagnosis.bearing == fault.bearing))
 }
 
 /// How an estimate is compared with the truth.
