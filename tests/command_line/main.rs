@@ -58,6 +58,7 @@ mod run_in;
 mod scenes;
 mod significance;
 mod simulate;
+mod site;
 mod stack;
 mod standstill;
 mod support;

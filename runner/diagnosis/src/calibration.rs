@@ -30,6 +30,9 @@ const SETTLED: f64 = 0.1;
 /// The same, below which the calibration ends.
 const DONE: f64 = 0.01;
 
+/// Rounds after which chi-squared per value is at most so much where the readings are those of the scene's machine and of nothing else.
+const HOPEFUL: (usize, f64) = (3, 6.0);
+
 /// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
 const UNLIKELY: f64 = 1e-3;
 /// Share of machines of which an interval does not contain the true parameter, all parameters together.
@@ -46,6 +49,8 @@ pub struct Calibrated {
     pub rounds: usize,
     /// Reason why the search does not converge; none where it does.
     pub not_converged: Option<String>,
+    /// True where the readings have the errors of a site.
+    pub(crate) shows_errors: bool,
 }
 
 /// Bounds and progress of a calibration.
@@ -282,6 +287,7 @@ pub(super) fn calibrate(
     earlier: Option<&Calibration>,
     plan: &CalibrationPlan<'_>,
 ) -> Result<Calibrated> {
+    let is_exact = of.site.is_none();
     let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let is_over = || end.is_some_and(|end| Instant::now() > end);
     let own = parameters(&of.healthy.machine);
@@ -306,11 +312,16 @@ pub(super) fn calibrate(
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !unknown.is(&MODULUS));
         now = fit_whole(&of.evidence, &now, &unknowns, &loose, (ITERATIONS, end))?;
+        of.remeasure(&now.machine)?;
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
         let values = now.residual.len() as f64;
         let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
         let fall = before - now.chi_square;
+        if is_exact && rounds >= HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values {
+            still_falls = Some(fall / before);
+            break;
+        }
         if has_modulus && fall < DONE * excess {
             still_falls = None;
             break;
@@ -351,6 +362,11 @@ pub(super) fn calibrate(
         })
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
-    let calibration = Calibration { parameters, correlation, chi_square_per_value };
-    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged })
+    let readings = match &of.site {
+        Some(site) => site.learned(of.evidence.lines_of_sound_machine(&now.spectra)),
+        None => vec![],
+    };
+    let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
+    let shows_errors = of.site.as_ref().is_some_and(super::SiteRecording::shows_errors);
+    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, shows_errors })
 }

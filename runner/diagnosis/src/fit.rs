@@ -21,6 +21,14 @@ pub struct Fitted {
     pub covariance: DMatrix<f64>,
 }
 
+impl Fitted {
+    /// Returns the standard deviation of an unknown; 0 where it is not one of the fit.
+    pub fn deviation(&self, unknown: Unknown) -> f64 {
+        let at = self.unknowns.iter().position(|own| *own == unknown);
+        at.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
+    }
+}
+
 pub fn square(r: &[f64]) -> f64 {
     dot(r, r)
 }
@@ -52,6 +60,9 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
     if of_rotor(&before.machine) != of_rotor(machine) {
         // A change of the rotor may also move the bearings.
         spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;
+    }
+    if before.machine.readings != machine.readings {
+        spectra = e.changed(&spectra, machine, ForceSource::Readings)?;
     }
     let residual = e.residual(&spectra);
     let chi_square = square(&residual);

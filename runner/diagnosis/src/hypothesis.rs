@@ -20,6 +20,8 @@ pub(crate) struct IdentifiedFault {
     /// Second-best candidate, and the logarithm of the odds against it.
     pub next: Option<(AnyFault, f64)>,
     pub fitted: Fitted,
+    /// False for a fault of a site that moves the shaft, but explains less than half of the motion.
+    explains_motion: bool,
     /// Bearings whose cage can be observed with it.
     observable: Vec<bool>,
 }
@@ -81,7 +83,7 @@ fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(F
 }
 
 /// Largest number of faults in one diagnosis.
-const MAX_FAULTS: usize = 3;
+pub const MAX_FAULTS: usize = 3;
 /// Largest number of fitted candidates, and their least share of the gain of the first.
 const FITTED: (usize, f64) = (6, 0.2);
 /// Share of the excess of chi-squared from which a candidate, or the faults found, explain it, so that less likely candidates are not
@@ -96,6 +98,10 @@ pub(crate) const MIN_GAIN: f64 = 100.0;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
 /// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
 const FORCE_ERROR: f64 = 0.01;
+/// Share of the largest gain from which an error of a reading is taken before a fault.
+const MEASURED: f64 = 0.33;
+/// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
+const EXPLAINED_MOTION: f64 = 0.5;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
@@ -106,26 +112,37 @@ const AXIAL_ROUNDS: usize = 2;
 /// between lines that coincide for different slips.
 const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
 
-/// Adds faults to the healthy machine as long as they explain enough.
-pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<IdentifiedFault>> {
+/// Adds at most `most` faults to the healthy machine, as long as they explain enough.
+pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Result<Vec<IdentifiedFault>> {
     let mut locked = vec![false; of.observable.len()];
     let mut now = of.healthy.clone();
     let mut faults: Vec<IdentifiedFault> = vec![];
     let values = now.residual.len() as f64;
     let first_excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
-    while faults.len() < MAX_FAULTS {
+    while faults.len() < most {
         let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
+        // What a fault of a site leaves beside what is expected has no further cause.
+        if of.site.is_some() && !faults.is_empty() && excess < 0.0 {
+            break;
+        }
         let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(&faults));
         let cages = cage::unknowns(&of.observable, &now.machine);
-        let list = Search::new(&of.evidence, &of.band, &now, cages, &locked)?.candidates()?;
+        let moved = of.shifted.as_ref().map(|e| evaluate(e, &now.machine)).transpose()?;
+        let shifted = match (&of.shifted, &moved) {
+            (Some(e), Some(moved)) => (e, moved),
+            _ => (&of.evidence, &now),
+        };
+        let list = Search::new((&of.evidence, &now), shifted, &of.band, cages, &locked)?.candidates()?;
         progress(0.3 + 0.2 * faults.len() as f64);
         let is_new = |c: &&Candidate| faults.iter().all(|other| other.fault != c.fault);
         let Some(top) = list.iter().find(is_new).map(|c| c.gain) else { break };
         let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
         let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(is_new).partition(is_likely);
-        let mut tried = scored_all(of, &now, likely.into_iter().take(FITTED.0), SEARCHED)?;
+        let mut tried = scored_all(of, (&now, shifted), likely.into_iter().take(FITTED.0), SEARCHED)?;
         let is_fault = |Scored { identified, .. }: &&Scored| {
-            identified.gain > least && identified.fault.exceeds_tolerance(&now, &identified.fitted)
+            identified.gain > least
+                && identified.explains_motion
+                && identified.fault.exceeds_tolerance(&of.evidence, &now, &identified.fitted)
         };
         let best = tried.iter().filter(is_fault).map(|scored| scored.identified.gain).fold(0.0, f64::max);
         if best < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * first_excess) {
@@ -133,9 +150,15 @@ pub fn diagnose(of: &mut Prepared, progress: &dyn Fn(f64)) -> Result<Vec<Identif
             let (nonlinear, others): (Vec<&Candidate>, Vec<&Candidate>) =
                 others.into_iter().partition(|c| c.fault.is_nonlinear());
             let further = nonlinear.into_iter().chain(others.into_iter().take(FURTHER));
-            tried.extend(scored_all(of, &now, further, 1)?);
+            tried.extend(scored_all(of, (&now, shifted), further, 1)?);
         }
         tried.retain(|scored| is_fault(&scored));
+        // What a probe may have measured accuses no bearing.
+        let is_measured =
+            |scored: &Scored| scored.identified.fault.is_of_measurement() && scored.identified.gain > MEASURED * best;
+        if tried.iter().any(is_measured) {
+            tried.retain(is_measured);
+        }
         let closest = |tried: &[Scored]| tried.iter().map(Scored::chi_square).fold(f64::INFINITY, f64::min);
         let left = FORCE_ERROR * FORCE_ERROR * best;
         let nearly = closest(&tried) + left + MIN_GAIN;
@@ -181,7 +204,7 @@ fn left_by_model(faults: &[IdentifiedFault]) -> f64 {
 /// Fits candidates and scores them; the cages are searched again for those that fit best.
 fn scored_all<'a, 'b>(
     of: &Prepared<'a>,
-    now: &Fitted,
+    (now, shifted): (&Fitted, (&Evidence<'a>, &Fitted)),
     candidates: impl Iterator<Item = &'b Candidate>,
     searched: usize,
 ) -> Result<Vec<Scored<'a>>> {
@@ -189,7 +212,8 @@ fn scored_all<'a, 'b>(
     let top = candidates.iter().map(|candidate| candidate.gain).fold(0.0, f64::max);
     let fit = |candidate: &&'b Candidate| -> Result<Option<(&'b Candidate, Fitted)>> {
         let is_likely = candidate.gain > EXPECTED * top;
-        Ok(candidate.fault.fit(&of.evidence, candidate, now, is_likely)?.map(|fitted| (*candidate, fitted)))
+        let (e, now) = if candidate.fault.moves_shaft() { shifted } else { (&of.evidence, now) };
+        Ok(candidate.fault.fit(e, candidate, now, is_likely)?.map(|fitted| (*candidate, fitted)))
     };
     let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
     let mut fits: Vec<(&Candidate, Fitted)> = fits.into_iter().flatten().collect();
@@ -240,8 +264,16 @@ fn scored<'a>(
     let before = before.min(now.chi_square);
     let prior = penalty + slips;
     let gain = before - fitted.chi_square - prior;
+    let explains_motion = match &of.shifted {
+        Some(shifted) if fault.moves_shaft() => {
+            let e = evidence.as_ref().unwrap_or(shifted);
+            let lacking = evaluate(e, &fault.removed(&fitted.machine, &now.machine))?;
+            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * e.unexplained_square(&lacking.spectra)
+        }
+        _ => true,
+    };
     Ok(Scored {
-        identified: IdentifiedFault { fault, gain, next: None, fitted, observable },
+        identified: IdentifiedFault { fault, gain, next: None, fitted, explains_motion, observable },
         prior,
         tolerated: 0.0,
         evidence,
@@ -322,7 +354,9 @@ fn weighted_from<'a>(
     candidate: &Candidate,
     start: &Machine,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    let mut evidence = of.evidence.clone();
+    let measured = of.site.as_ref().map(|site| site.clone().evidence(start)).transpose()?;
+    let mut evidence = measured.flatten().unwrap_or_else(|| of.evidence.clone());
+    evidence.uncertain_as(&of.evidence);
     evidence.weight_for(start)?;
     let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable, &settled.machine);

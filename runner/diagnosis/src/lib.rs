@@ -24,11 +24,13 @@ mod fit;
 mod force_rose;
 mod hypothesis;
 mod machine;
+mod measurement;
 mod motion;
 mod parameter;
 pub mod plausibility;
 mod residual;
 mod result;
+mod site;
 mod surface;
 mod unexplained;
 pub mod vibration;
@@ -43,10 +45,13 @@ use ballrace_plant::probes::PoseSolver;
 use ballrace_recording::Sample;
 use ballrace_scene::{Direction, Probe, Scene};
 use fit::Fitted;
+use hypothesis::MAX_FAULTS;
 use machine::Machine;
 use motion::Motion;
 use residual::{Evidence, Weighting};
+use site::SiteRecording;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use surface::Baseband;
 
 /// Result of a diagnosis step.
@@ -84,6 +89,19 @@ struct Prepared<'a> {
     band: Baseband,
     healthy: Fitted,
     observable: Vec<bool>,
+    /// The recording with the errors of the readings that count against their prior, at a site.
+    shifted: Option<Evidence<'a>>,
+    /// The readings, in a recording of a site.
+    site: Option<SiteRecording<'a>>,
+}
+
+/// What the readings of the probes are taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum World {
+    /// The motion of the shaft of the scene's machine, and noise.
+    Exact,
+    /// Besides it the errors of a site, and the imperfections of sound bearings.
+    Site,
 }
 
 /// Returns the reason why a scene cannot be diagnosed; `None` if it can.
@@ -118,28 +136,34 @@ pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(of: &DiagnosisInput<'a>, machine: &Machine) -> Result<Option<Self>> {
+    fn new(of: &DiagnosisInput<'a>, machine: &Machine, world: World) -> Result<Option<Self>> {
         let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
         let Ok(solver) = PoseSolver::try_new(of.probes, &stations) else { return Ok(None) };
         let noise: Vec<f64> = of
             .probes
             .iter()
             .enumerate()
-            .map(|(p, probe)| ballrace_plant::observer::noise(of.samples, p, probe.noise))
+            .map(|(p, probe)| {
+                let given = if world == World::Site { None } else { probe.noise };
+                ballrace_plant::observer::noise(of.samples, p, given)
+            })
             .collect();
         let axial = of.plant.pose(&of.plant.rest).w;
         let motion = Motion::new(of.samples, of.period, &solver, axial);
         let rate = TAU / of.period;
         let highest = (HIGHEST_OVER_NATURAL * of.plant.highest_frequency()).min(HIGHEST_OVER_RATE * rate);
-        let weighting = Weighting {
+        let weighting = Arc::new(Weighting {
             probes: of.probes.to_vec(),
             noise,
             solver,
             has_axial_probe: of.probes.iter().any(|p| p.direction == Direction::Axial),
+        });
+        let mut site = None;
+        let evidence = match world {
+            World::Exact => Evidence::new(of.scene, of.plant, motion, highest, weighting)?,
+            World::Site => site.insert(SiteRecording::new(*of, weighting, highest, motion)).evidence(machine)?,
         };
-        let Some(mut evidence) = Evidence::new(of.scene, of.plant, motion, highest, weighting)? else {
-            return Ok(None);
-        };
+        let Some(mut evidence) = evidence else { return Ok(None) };
         if let Some(calibration) = of.calibration {
             evidence.set_uncertain(calibration::covariance(calibration, machine));
         }
@@ -151,7 +175,23 @@ impl<'a> Prepared<'a> {
             evidence.weight_for(&healthy.machine)?;
             (healthy, observable) = cage::fit_cages_together(&evidence, &band, &healthy.machine, cage::SLIPS)?;
         }
-        Ok(Some(Self { evidence, band, healthy, observable }))
+        let mut shifted = site.as_ref().map(SiteRecording::with_counting_errors).transpose()?.flatten();
+        if let Some(shifted) = &mut shifted {
+            shifted.uncertain_as(&evidence);
+            shifted.weight_for(&healthy.machine)?;
+        }
+        Ok(Some(Self { evidence, band, healthy, observable, shifted, site }))
+    }
+}
+
+impl Prepared<'_> {
+    /// Finds the errors of the readings of a site anew for a machine. The next call must be [`Evidence::weight_for`].
+    fn remeasure(&mut self, machine: &Machine) -> Result<()> {
+        let Some(site) = &mut self.site else { return Ok(()) };
+        if let Some(evidence) = site.evidence(machine)? {
+            self.evidence = evidence;
+        }
+        Ok(())
     }
 }
 
@@ -165,11 +205,46 @@ pub fn diagnose(
     of: &DiagnosisInput,
     progress: &dyn Fn(f64),
 ) -> std::result::Result<Option<DiagnosisResult>, BuildError> {
+    // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, or the readings
+    // must show the errors of a site.
+    if world(of) == World::Site {
+        return Ok(diagnose_in(World::Site, of, MAX_FAULTS, progress)?.map(|(result, _)| result));
+    }
+    let exact = diagnose_in(World::Exact, of, MAX_FAULTS, &|share| progress(0.5 * share))?.map(|(result, _)| result);
+    if exact.as_ref().is_none_or(DiagnosisResult::explains) {
+        return Ok(exact);
+    }
+    match diagnose_in(World::Site, of, MAX_FAULTS, &|share| progress(0.5 + 0.5 * share))? {
+        Some((result, true)) => Ok(Some(result)),
+        _ => Ok(exact),
+    }
+}
+
+/// Returns the world of a baseline.
+fn world(of: &DiagnosisInput) -> World {
+    let is_site = of.calibration.is_some_and(|calibration| !calibration.readings.is_empty());
+    if is_site { World::Site } else { World::Exact }
+}
+
+/// Diagnoses a recording in a world with at most `most` faults; returns as well whether the readings show the errors of a site, without which no fault is searched for
+/// in the world of one.
+fn diagnose_in(
+    world: World,
+    of: &DiagnosisInput,
+    most: usize,
+    progress: &dyn Fn(f64),
+) -> Result<Option<(DiagnosisResult, bool)>> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let Some(mut prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    let Some(mut prepared) = Prepared::new(of, &machine, world)? else { return Ok(None) };
     progress(0.1);
-    let faults = hypothesis::diagnose(&mut prepared, progress)?;
-    Ok(Some(result::diagnosis(of, &prepared, &faults)?))
+    let shows_errors = prepared.site.as_ref().is_some_and(SiteRecording::shows_errors);
+    let is_known = of.calibration.is_some_and(|calibration| !calibration.readings.is_empty());
+    let faults = if world == World::Exact || is_known || shows_errors {
+        hypothesis::diagnose(&mut prepared, most, progress)?
+    } else {
+        vec![]
+    };
+    Ok(Some((result::diagnosis(of, &prepared, &faults)?, shows_errors)))
 }
 
 /// Estimates angle and slip of every cage, without a search for faults; `None` if the rotor or its probes do not allow it.
@@ -178,7 +253,7 @@ pub fn diagnose(
 /// Returns an error if a bearing cannot be built.
 pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let Some(prepared) = Prepared::new(of, &machine)? else { return Ok(None) };
+    let Some(prepared) = Prepared::new(of, &machine, world(of))? else { return Ok(None) };
     Ok(Some(result::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
 }
 
@@ -201,6 +276,24 @@ pub fn calibrate(
 ) -> std::result::Result<Option<Calibrated>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };
-    let Some(mut prepared) = Prepared::new(&alone, &machine)? else { return Ok(None) };
-    Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan)?))
+    let in_world = |world: World| -> Result<Option<Calibrated>> {
+        let Some(mut prepared) = Prepared::new(&alone, &machine, world)? else { return Ok(None) };
+        Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan)?))
+    };
+    if world(of) == World::Site {
+        return in_world(World::Site);
+    }
+    let exact = in_world(World::Exact)?;
+    if exact.as_ref().is_none_or(|calibrated| calibrated.learning(of.scene).taken) {
+        return Ok(exact);
+    }
+    let site = in_world(World::Site)?;
+    // A fault of the scene's machine is no site: its recording is learned with the fault.
+    let is_site = |calibrated: &Calibrated| calibrated.shows_errors && calibrated.learning(of.scene).taken;
+    if !site.as_ref().is_some_and(is_site) {
+        return Ok(exact);
+    }
+    // One fault of the scene's machine is no site: its recording is learned with the fault.
+    let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
+    Ok(if with_fault.is_some_and(|(result, _)| result.explains()) { exact } else { site })
 }

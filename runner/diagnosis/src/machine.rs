@@ -2,6 +2,7 @@
 
 use super::Result;
 use super::dynamics::Tangent;
+use super::measurement::{COEFFICIENTS, ReadingError};
 use super::motion::{D, Motion, PARTS};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
@@ -56,6 +57,8 @@ pub struct Machine {
     pub damping: [f64; D],
     /// Static unbalance (kg m) and couple (kg m^2), each along X and Y at shaft angle 0.
     pub unbalance: [f64; 4],
+    /// Errors of the probes' readings beyond those that are expected.
+    pub readings: Vec<ReadingError>,
 }
 
 impl Machine {
@@ -76,7 +79,9 @@ impl Machine {
             .collect();
         // The damping of a flexible or supported rotor is part of its equations of motion.
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
-        Some(Self { bearings, load: rotor.load, damping, unbalance })
+        let probes = scene.recording.as_ref().map_or(0, |recording| recording.probes.len());
+        let readings = vec![[0.0; COEFFICIENTS]; probes];
+        Some(Self { bearings, load: rotor.load, damping, unbalance, readings })
     }
 }
 

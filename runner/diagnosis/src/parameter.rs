@@ -16,8 +16,16 @@ pub struct Parameter {
 
 /// Reads the parameter with an index, and sets it to the nearest value within its bounds.
 pub enum Access {
-    Bearing { get: fn(&MachineBearing, usize) -> f64, set: fn(&mut MachineBearing, usize, f64) },
-    Rotor { get: fn(&Machine, usize) -> f64, set: fn(&mut Machine, usize, f64) },
+    Bearing {
+        get: fn(&MachineBearing, usize) -> f64,
+        set: fn(&mut MachineBearing, usize, f64),
+    },
+    Rotor {
+        get: fn(&Machine, usize) -> f64,
+        set: fn(&mut Machine, usize, f64),
+    },
+    /// Reading of a probe, whose index stands for that of a bearing.
+    Reading,
 }
 
 /// Longest step of a parameter on which the residual depends linearly.
@@ -41,7 +49,7 @@ impl Parameter {
 #[derive(Clone, Copy)]
 pub struct Unknown {
     pub parameter: &'static Parameter,
-    /// 0 where the parameter is the rotor's.
+    /// 0 where the parameter is the rotor's, the probe where it is of a reading.
     pub bearing: usize,
     index: usize,
 }
@@ -57,6 +65,7 @@ impl PartialEq for Unknown {
 pub enum ForceSource {
     Bearing(usize),
     Rotor,
+    Readings,
 }
 
 impl Unknown {
@@ -73,6 +82,7 @@ impl Unknown {
         match self.parameter.access {
             Access::Bearing { .. } => ForceSource::Bearing(self.bearing),
             Access::Rotor { .. } => ForceSource::Rotor,
+            Access::Reading => ForceSource::Readings,
         }
     }
 
@@ -80,6 +90,7 @@ impl Unknown {
         match self.parameter.access {
             Access::Bearing { get, .. } => get(&machine.bearings[self.bearing], self.index),
             Access::Rotor { get, .. } => get(machine, self.index),
+            Access::Reading => machine.readings[self.bearing][self.index],
         }
     }
 
@@ -87,6 +98,7 @@ impl Unknown {
         match self.parameter.access {
             Access::Bearing { set, .. } => set(&mut machine.bearings[self.bearing], self.index, x),
             Access::Rotor { set, .. } => set(machine, self.index, x),
+            Access::Reading => machine.readings[self.bearing][self.index] = x,
         }
     }
 }

@@ -1,12 +1,14 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise; `weights` has that noise.
 
 mod axial;
+pub mod site;
 mod weights;
 
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
 use super::filter::LineFilter;
 use super::machine::{Evaluated, Machine, MachineBearing};
+use super::measurement::Site;
 use super::motion::{C, D, Motion, Transform};
 use super::parameter::{ForceSource, Unknown};
 use ballrace::Displacement;
@@ -111,6 +113,12 @@ pub(super) struct Evidence<'a> {
     /// lower the noise by less damping.
     correction: [Vec<C>; D],
     gravity: [f64; D],
+    /// Errors of the readings, in a recording of a site.
+    pub site: Option<Arc<Site>>,
+    /// Spectrum of the displacement that was subtracted as errors of the readings; empty without a site.
+    subtracted: Arc<[Vec<C>; D]>,
+    /// Per line: inverse root of the covariance of the whitened residual by what a site adds to the noise; empty without a site.
+    narrowing: Vec<DMatrix<C>>,
 }
 
 /// Relations between the rotor's stations, applied to a motion.
@@ -162,6 +170,8 @@ struct MeanStiffness {
 pub struct Spectra {
     bearings: Vec<[Vec<C>; D]>,
     rotor: [Vec<C>; D],
+    /// What errors of the readings that a machine has stand for; nothing without them.
+    readings: [Vec<C>; D],
 }
 
 impl Spectra {
@@ -183,7 +193,7 @@ impl<'a> Evidence<'a> {
         plant: &'a Plant,
         mut motion: Motion,
         highest: f64,
-        weighting: Weighting,
+        weighting: Arc<Weighting>,
     ) -> Result<Option<Self>> {
         let Some(rotor) = scene.rotor.as_ref() else { return Ok(None) };
         let transform = Transform::new(
@@ -224,7 +234,7 @@ impl<'a> Evidence<'a> {
             motion: Arc::new(motion),
             transform: Arc::new(transform),
             displacement: Arc::new(displacement),
-            weighting: Arc::new(weighting),
+            weighting,
             shaft,
             stiffer,
             displaced: vec![],
@@ -242,6 +252,9 @@ impl<'a> Evidence<'a> {
             rest: Arc::new(rest),
             correction: Default::default(),
             gravity,
+            site: None,
+            subtracted: Arc::default(),
+            narrowing: vec![],
         }))
     }
 
@@ -355,7 +368,10 @@ impl<'a> Evidence<'a> {
         let moved = |(k, w): (usize, &f64)| {
             let unexplained = SVector::<C, D>::from_fn(|i, _| force[i][k]);
             let caused = self.dynamic_stiffness(&own, k, *w).lu().solve(&unexplained).unwrap_or_else(SVector::zeros);
-            caused + SVector::<C, D>::from_fn(|i, _| self.rest_lines[i][k])
+            caused
+                + SVector::<C, D>::from_fn(|i, _| {
+                    self.rest_lines[i][k] + self.subtracted[i].get(k).copied().unwrap_or_default()
+                })
         };
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
         let slope = |unknown: &Unknown| {
@@ -381,7 +397,8 @@ impl<'a> Evidence<'a> {
         for (k, w) in self.transform.lines.iter().enumerate() {
             let change = self.dynamic_stiffness(own, k, *w) - self.dynamic_stiffness(&self.reference, k, *w);
             for (i, force) in force.iter_mut().enumerate() {
-                force[k] -= (0..D).map(|j| change[(i, j)] * self.rest_lines[j][k]).sum::<C>();
+                let rest = |j: usize| self.rest_lines[j][k] + self.subtracted[j].get(k).copied().unwrap_or_default();
+                force[k] -= (0..D).map(|j| change[(i, j)] * rest(j)).sum::<C>();
             }
         }
     }
@@ -389,7 +406,7 @@ impl<'a> Evidence<'a> {
     /// Returns the spectra of a machine.
     pub fn spectra(&self, machine: &Machine) -> Result<Spectra> {
         let bearings = (0..machine.bearings.len()).map(|i| self.bearing(machine, i)).collect::<Result<_>>()?;
-        Ok(Spectra { bearings, rotor: self.rotor(machine) })
+        Ok(Spectra { bearings, rotor: self.rotor(machine), readings: self.readings(&machine.readings) })
     }
 
     /// Returns the spectra of a force at bearing `b`, sample by sample, as one about the centre of mass.
@@ -432,6 +449,7 @@ impl<'a> Evidence<'a> {
         let mut spectra = from.clone();
         match part {
             ForceSource::Bearing(i) => spectra.bearings[i] = self.bearing(machine, i)?,
+            ForceSource::Readings => spectra.readings = self.readings(&machine.readings),
             ForceSource::Rotor => {
                 spectra.rotor = self.rotor(machine);
                 if self.shaft.dynamics.is_elastic() {
@@ -447,8 +465,10 @@ impl<'a> Evidence<'a> {
     /// Returns the unexplained force.
     pub fn force(&self, spectra: &Spectra) -> [Vec<C>; D] {
         let mut sum = spectra.rotor.clone();
-        for (sum, part) in sum.iter_mut().zip(&self.correction) {
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        for part in [&self.correction, &spectra.readings] {
+            for (sum, part) in sum.iter_mut().zip(part) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+            }
         }
         for bearing in &spectra.bearings {
             for (sum, part) in sum.iter_mut().zip(bearing) {
@@ -541,6 +561,7 @@ impl<'a> Evidence<'a> {
                 pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
             }
             ForceSource::Rotor => vec![(&changed.rotor, &spectra.rotor)],
+            ForceSource::Readings => vec![(&changed.readings, &spectra.readings)],
         };
         for (i, difference) in difference.iter_mut().enumerate() {
             *difference = vec![C::new(0.0, 0.0); self.transform.lines.len()];

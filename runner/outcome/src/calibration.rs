@@ -12,6 +12,23 @@ pub struct Calibration {
     pub correlation: Vec<Vec<f64>>,
     /// Sum of squares of the residual per value, in units of the noise: about 1 where the calibrated scene describes the recording.
     pub chi_square_per_value: f64,
+    /// Readings of the probes of a site, in their order; nothing where the readings are the motion of the shaft alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<ProbeReadings>,
+}
+
+/// What the readings of a probe have besides the motion of the shaft, and the motion of the sound machine that its model leaves.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeReadings {
+    /// Column of the probe.
+    pub column: String,
+    /// Reading with the shaft in the middle, m, beyond the scene's offset.
+    pub gap: f64,
+    /// Run-out beyond that measured at slow roll, m: cosine and sine of each multiple of the shaft angle, from 1.
+    pub run_out: Vec<[f64; 2]>,
+    /// Lines that the model does not explain: order and amplitude, m.
+    pub lines: Vec<[f64; 2]>,
 }
 
 /// A calibration compared with its scene and with its recording.

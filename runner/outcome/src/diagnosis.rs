@@ -25,6 +25,8 @@ pub enum FaultKind {
     Clearance,
     /// Constant load other than the scene's.
     Load,
+    /// Changed run-out of the shaft's surface under a probe: no fault of the machine.
+    RunOut,
     /// Another fault.
     Other,
 }
@@ -61,6 +63,12 @@ impl FaultKind {
                 "load",
                 "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
                  thrust loads and what the machine drives.",
+            ],
+            Self::RunOut => [
+                "run-out",
+                "run-out under a probe",
+                "Look at the shaft under this probe for scratches, dirt, rust and magnetic spots, record a slow roll and learn the baseline anew. No bearing \
+                 is to be ordered.",
             ],
             Self::Other => [
                 "other",

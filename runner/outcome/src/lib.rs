@@ -18,7 +18,7 @@ mod snapshots;
 mod timing;
 pub mod verdict;
 
-pub use calibration::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
+pub use calibration::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings};
 pub use diagnosis::{
     Diagnosis, Estimate, EstimateKind, EvidenceSource, FaultField, FaultForm, FaultKind, FaultParameters, Precession,
     UnexplainedLine, UnexplainedMotion, VibrationLine,

@@ -57,6 +57,8 @@ pub fn closest(machines: impl Iterator<Item = Fitted>) -> Option<Fitted> {
 pub struct Search<'a, 'b> {
     pub e: &'a Evidence<'b>,
     pub now: &'a Fitted,
+    /// The same for faults that move the shaft: the readings with the errors that count against their prior.
+    shifted: (&'a Evidence<'b>, &'a Fitted),
     /// Bearings whose cage is known from a fault found before.
     pub locked: &'a [bool],
     /// Unknowns of the observable cages, free in every fit.
@@ -67,9 +69,9 @@ pub struct Search<'a, 'b> {
 
 impl<'a, 'b> Search<'a, 'b> {
     pub fn new(
-        e: &'a Evidence<'b>,
+        (e, now): (&'a Evidence<'b>, &'a Fitted),
+        shifted: (&'a Evidence<'b>, &'a Fitted),
         band: &Baseband,
-        now: &'a Fitted,
         cages: Vec<Unknown>,
         locked: &'a [bool],
     ) -> Result<Self> {
@@ -81,7 +83,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let families = parallel::map(&surfaces, |(b, component)| {
             best_family(e, band, now, &compliance[*b], *component, SLIPS, locked[*b])
         });
-        Ok(Self { e, now, locked, cages, families })
+        Ok(Self { e, now, shifted, locked, cages, families })
     }
 
     /// Returns candidates, best first.
@@ -105,37 +107,53 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Returns a candidate whose force depends linearly on its unknowns.
     pub fn linear(&self, fault: AnyFault, own: &[Unknown]) -> Result<Candidate> {
-        let (gain, start) = self.linear_step(own)?;
+        let (gain, start) = linear_step((self.e, self.now), own)?;
         Ok(self.found(fault, gain, vec![start], own))
     }
 
-    /// Returns the machine after a step of linear least squares in `unknowns`, with its fall of chi-squared.
-    pub(crate) fn linear_step(&self, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
-        let Self { e, now, .. } = self;
-        let slope = |u: &Unknown| e.slope(&now.spectra, &now.machine, *u);
-        let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
-        let n = slopes.len();
-        let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
-        let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));
-        let Some(x) = normal.lu().solve(&right) else { return Ok((0.0, now.machine.clone())) };
-        let mut machine = now.machine.clone();
-        for (u, x) in unknowns.iter().zip(x.iter()) {
-            u.set(&mut machine, u.get(&now.machine) + x);
-        }
-        Ok((x.dot(&right), machine))
+    /// Returns a candidate that moves the shaft, and whose force depends linearly on its unknowns.
+    pub(crate) fn linear_shift(&self, fault: AnyFault, own: &[Unknown]) -> Result<Candidate> {
+        let (gain, start) = self.shifted_step(own)?;
+        Ok(self.found(fault, gain, vec![start], own))
     }
 
-    /// Tries `machines` that differ in one bearing, and returns the best with its fall of chi-squared.
+    /// Returns the machine after a step of linear least squares in unknowns that move the shaft, with its fall of chi-squared.
+    pub(crate) fn shifted_step(&self, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+        let (gain, machine) = linear_step(self.shifted, unknowns)?;
+        Ok((gain - self.cost_of_shift(), machine))
+    }
+
+    /// Returns the fall of chi-squared by the errors of the readings that the sound machine has.
+    fn cost_of_shift(&self) -> f64 {
+        self.shifted.1.chi_square - self.now.chi_square
+    }
+
+    /// Tries `machines` that differ in one bearing and move the shaft, and returns the best with its fall of chi-squared.
     pub(crate) fn best_of(&self, bearing: usize, machines: impl Iterator<Item = Machine>) -> Result<(f64, Machine)> {
-        let Self { e, now, .. } = self;
+        let (e, now) = self.shifted;
         let mut best = (f64::NEG_INFINITY, now.machine.clone());
         for machine in machines {
             let spectra = e.changed(&now.spectra, &machine, ForceSource::Bearing(bearing))?;
-            let gain = now.chi_square - square(&e.residual(&spectra));
+            let gain = self.now.chi_square - square(&e.residual(&spectra));
             if gain > best.0 {
                 best = (gain, machine);
             }
         }
         Ok(best)
     }
+}
+
+/// Returns the machine after a step of linear least squares in `unknowns`, with its fall of chi-squared.
+fn linear_step((e, now): (&Evidence, &Fitted), unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+    let slope = |u: &Unknown| e.slope(&now.spectra, &now.machine, *u);
+    let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
+    let n = slopes.len();
+    let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
+    let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));
+    let Some(x) = normal.lu().solve(&right) else { return Ok((0.0, now.machine.clone())) };
+    let mut machine = now.machine.clone();
+    for (u, x) in unknowns.iter().zip(x.iter()) {
+        u.set(&mut machine, u.get(&now.machine) + x);
+    }
+    Ok((x.dot(&right), machine))
 }

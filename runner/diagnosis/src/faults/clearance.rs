@@ -35,6 +35,10 @@ const CLOSER: usize = 5;
 const EQUAL_GAIN: f64 = 0.02;
 /// Least change of the clearance, m, and the same over the clearance.
 const TOLERANCE: (f64, f64) = (3e-7, 0.03);
+/// Growth of an inner ring over its diameter that is 5 K warmer than the outer ring, between recordings of a site.
+const GROWTH: f64 = 5.0 * 12e-6;
+/// Least change over the clearance between such recordings.
+const SHARE_OF_SITE: f64 = 0.25;
 
 /// Clearance of a bearing other than the scene's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,10 +69,15 @@ impl Fault for Clearance {
         unknown.set(machine, unknown.get(before));
     }
 
-    fn exceeds_tolerance(&self, before: &Fitted, after: &Fitted) -> bool {
-        let [old, new] = [before, after].map(|of| CLEARANCE.of_bearing(self.bearing).get(&of.machine));
+    fn exceeds_tolerance(&self, e: &Evidence, before: &Fitted, after: &Fitted) -> bool {
+        let unknown = CLEARANCE.of_bearing(self.bearing);
+        let [old, new] = [before, after].map(|of| unknown.get(&of.machine));
         let (least, share) = TOLERANCE;
-        (new - old).abs() > least.max(share * old)
+        let change = (new - old).abs();
+        let geometry = after.machine.bearings[self.bearing].scene.geometry;
+        let growth = geometry.map_or(0.0, |g| GROWTH * (g.pitch_diameter - g.ball_diameter));
+        let of_site = e.site.as_ref().map_or(0.0, |_| growth.max(SHARE_OF_SITE * old));
+        change > least.max(share * old).max(of_site) && change > e.significant() * after.deviation(unknown)
     }
 
     fn bearing(&self) -> Option<usize> {
@@ -80,6 +89,10 @@ impl Fault for Clearance {
     }
 
     fn is_nonlinear(&self) -> bool {
+        true
+    }
+
+    fn moves_shaft(&self) -> bool {
         true
     }
 

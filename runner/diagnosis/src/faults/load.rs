@@ -23,6 +23,14 @@ static LOAD: Parameter = Parameter {
 /// Least change of the load, N.
 const TOLERANCE: f64 = 1.0;
 
+/// The same over the weight of the rotor, between recordings of a site.
+const SHARE_OF_WEIGHT: f64 = 0.2;
+
+/// Returns the basic static radial rating of a ball bearing, N (ISO 76: `f0 i Z D^2 cos(alpha)` with the largest factor, 15 N/mm^2).
+fn static_rating(bearing: &ballrace_scene::Bearing) -> f64 {
+    bearing.geometry.map_or(f64::INFINITY, |g| 15e6 * bearing.elements as f64 * g.ball_diameter * g.ball_diameter)
+}
+
 /// Constant load other than the scene's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load;
@@ -33,18 +41,28 @@ impl Fault for Load {
     }
 
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
-        search.linear(AnyFault::Load(*self), &[0, 1, 2].map(|i| LOAD.of_rotor(i))).map(Some)
+        search.linear_shift(AnyFault::Load(*self), &[0, 1, 2].map(|i| LOAD.of_rotor(i))).map(Some)
     }
 
     fn remove(&self, machine: &mut Machine, before: &Machine) {
         machine.load = before.load;
     }
 
-    fn exceeds_tolerance(&self, before: &Fitted, after: &Fitted) -> bool {
-        (0..3).any(|i| (after.machine.load[i] - before.machine.load[i]).abs() > TOLERANCE)
+    fn exceeds_tolerance(&self, e: &Evidence, before: &Fitted, after: &Fitted) -> bool {
+        let change = |i: usize| (after.machine.load[i] - before.machine.load[i]).abs();
+        let weight = e.scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass * 9.81);
+        let least = e.site.as_ref().map_or(TOLERANCE, |_| SHARE_OF_WEIGHT * weight);
+        // What the bearings would not survive is an error of the readings.
+        let rating: f64 = after.machine.bearings.iter().map(|bearing| static_rating(&bearing.scene)).sum();
+        (0..3).any(|i| change(i) > least && change(i) > e.significant() * after.deviation(LOAD.of_rotor(i)))
+            && (0..3).all(|i| change(i) < rating)
     }
 
     fn changes_stiffness(&self, _: &Evidence) -> bool {
+        true
+    }
+
+    fn moves_shaft(&self) -> bool {
         true
     }
 

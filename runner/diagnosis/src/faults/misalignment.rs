@@ -24,6 +24,8 @@ static TILT: Parameter = Parameter {
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
 /// Least tilt, rad.
 const TOLERANCE: f64 = 3e-5;
+/// The same between recordings of a site: a bearing is not seated more exactly.
+const TOLERANCE_OF_SITE: f64 = 1.5e-4;
 
 /// Tilt of the outer ring of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +48,7 @@ impl Fault for Misalignment {
             machine
         };
         let (first, others, axes) = TILTS;
-        let (_, small) = search.linear_step(&own)?;
+        let (_, small) = search.shifted_step(&own)?;
         let about = (0..axes).map(|i| tilted(first, TAU * f64::from(i) / f64::from(axes)));
         let best = search.best_of(self.bearing, about)?;
         let [x, y] = best.1.bearings[self.bearing].tilt;
@@ -60,9 +62,11 @@ impl Fault for Misalignment {
         machine.bearings[self.bearing].tilt = before.bearings[self.bearing].tilt;
     }
 
-    fn exceeds_tolerance(&self, _: &Fitted, after: &Fitted) -> bool {
+    fn exceeds_tolerance(&self, e: &Evidence, _: &Fitted, after: &Fitted) -> bool {
         let [x, y] = after.machine.bearings[self.bearing].tilt;
-        x.hypot(y) > TOLERANCE
+        let deviation = [0, 1].map(|axis| after.deviation(TILT.of_bearing_at(self.bearing, axis)));
+        let least = e.site.as_ref().map_or(TOLERANCE, |_| TOLERANCE_OF_SITE);
+        x.hypot(y) > least.max(e.significant() * deviation[0].max(deviation[1]))
     }
 
     fn bearing(&self) -> Option<usize> {
@@ -74,6 +78,10 @@ impl Fault for Misalignment {
     }
 
     fn is_nonlinear(&self) -> bool {
+        true
+    }
+
+    fn moves_shaft(&self) -> bool {
         true
     }
 

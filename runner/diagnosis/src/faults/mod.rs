@@ -7,6 +7,7 @@ pub mod candidates;
 mod clearance;
 mod load;
 mod misalignment;
+mod run_out;
 mod spall;
 mod unbalance;
 mod waviness;
@@ -46,7 +47,7 @@ pub trait Fault {
     fn remove(&self, machine: &mut Machine, before: &Machine);
 
     /// Returns true if the fault is larger than the deviations of healthy bearings and rotors.
-    fn exceeds_tolerance(&self, before: &Fitted, after: &Fitted) -> bool;
+    fn exceeds_tolerance(&self, e: &Evidence, before: &Fitted, after: &Fitted) -> bool;
 
     /// Returns bearing and component of a damaged surface; `None` for a fault of another kind.
     fn surface(&self) -> Option<(usize, Component)> {
@@ -70,6 +71,16 @@ pub trait Fault {
 
     /// Returns true if the fault changes the stiffness of the bearings along the motion.
     fn changes_stiffness(&self, _e: &Evidence) -> bool {
+        false
+    }
+
+    /// Returns true for an error of a reading, which is no fault of bearing or rotor.
+    fn is_of_measurement(&self) -> bool {
+        false
+    }
+
+    /// Returns true if the fault moves the shaft: it is then searched at the readings with the errors that count against their prior.
+    fn moves_shaft(&self) -> bool {
         false
     }
 
@@ -149,6 +160,7 @@ registry!(
     load::Load,
     clearance::Clearance,
     misalignment::Misalignment,
+    run_out::RunOut,
     spall::Spall,
     waviness::Waviness,
 );

@@ -58,6 +58,8 @@ static DEPTH: Parameter = Parameter {
 
 /// Least depth, m.
 const TOLERANCE: f64 = 1e-7;
+/// The same at a site: a sound race is not more even.
+const TOLERANCE_OF_SITE: f64 = 5e-7;
 /// Least significant ratio of the depth of a spall to its standard deviation; 1 of 40 spalls with depth 0 exceeds it.
 const SIGNIFICANT: f64 = 2.0;
 /// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
@@ -122,11 +124,12 @@ impl Fault for Spall {
         machine.bearings[self.bearing].scene.defect.remove(self.index);
     }
 
-    fn exceeds_tolerance(&self, _: &Fitted, after: &Fitted) -> bool {
+    fn exceeds_tolerance(&self, e: &Evidence, _: &Fitted, after: &Fitted) -> bool {
         let depth = DEPTH.of_bearing_at(self.bearing, self.index);
         let at = after.unknowns.iter().position(|unknown| *unknown == depth);
         let deviation = at.map_or(0.0, |i| after.covariance[(i, i)].max(0.0).sqrt());
-        depth.get(&after.machine) > f64::max(TOLERANCE, SIGNIFICANT * deviation)
+        let least = e.site.as_ref().map_or(TOLERANCE, |_| TOLERANCE_OF_SITE);
+        depth.get(&after.machine) > f64::max(least, SIGNIFICANT * deviation)
     }
 
     fn surface(&self) -> Option<(usize, Component)> {

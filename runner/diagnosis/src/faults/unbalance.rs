@@ -32,6 +32,8 @@ pub static COUPLE: Parameter = Parameter {
 
 /// Least change over the scene's unbalance.
 const TOLERANCE: f64 = 0.05;
+/// The same between recordings of a site: deposits and temperature change the unbalance of a sound rotor.
+const TOLERANCE_OF_SITE: f64 = 0.3;
 /// Least couple, over the scene's static unbalance in m, to which a change of it is compared.
 const LEAST_COUPLE: f64 = 0.02;
 
@@ -53,11 +55,12 @@ impl Fault for Unbalance {
         machine.unbalance = before.unbalance;
     }
 
-    fn exceeds_tolerance(&self, before: &Fitted, after: &Fitted) -> bool {
+    fn exceeds_tolerance(&self, e: &Evidence, before: &Fitted, after: &Fitted) -> bool {
         let (old, new) = (before.machine.unbalance, after.machine.unbalance);
         let change = |i: usize| (new[i] - old[i]).hypot(new[i + 1] - old[i + 1]);
         let given = |i: usize| old[i].hypot(old[i + 1]);
-        change(0) > TOLERANCE * given(0) || change(2) > TOLERANCE * given(2).max(LEAST_COUPLE * given(0))
+        let share = e.site.as_ref().map_or(TOLERANCE, |_| TOLERANCE_OF_SITE);
+        change(0) > share * given(0) || change(2) > share * given(2).max(LEAST_COUPLE * given(0))
     }
 
     /// An unbalance moves the bearings of an elastic rotor.

@@ -6,6 +6,7 @@ use super::super::fit::{Fitted, fit};
 use super::super::machine::Machine;
 use super::super::parameter::{Access, CAGE_SLIP, LINEAR, Parameter, SPIN_SLIP, Unknown};
 use super::super::residual::Evidence;
+use super::super::residual::site::sound_wave;
 use super::super::surface::Component;
 use super::candidates::{Candidate, Search};
 use super::{AnyFault, Fault};
@@ -29,6 +30,10 @@ static AMPLITUDE: Parameter = Parameter {
 const PHASES: [f64; 2] = [0.0, -0.5 * PI];
 /// Least amplitude, m.
 const TOLERANCE: f64 = 1e-8;
+/// Waves of sound bearings, over which one is a fault at a site.
+const EXCEEDS: f64 = 3.0;
+/// Least amplitude of a wave that is a fault there, m.
+const LEAST_OF_SITE: f64 = 0.05e-6;
 /// Share of the largest gain by which a wave may be worse and is fitted further: where its line coincides with that of another, a first fit and
 /// uncertain parameters leave as much.
 const NEARLY: f64 = 0.02;
@@ -98,9 +103,11 @@ impl Fault for Waviness {
         machine.bearings[self.bearing].scene.waviness.drain(self.index..self.index + 2);
     }
 
-    fn exceeds_tolerance(&self, _: &Fitted, after: &Fitted) -> bool {
+    fn exceeds_tolerance(&self, e: &Evidence, _: &Fitted, after: &Fitted) -> bool {
         let [x, y] = self.amplitudes().map(|amplitude| amplitude.get(&after.machine));
-        (x * x + y * y).sqrt() > TOLERANCE
+        let least =
+            e.site.as_ref().map_or(TOLERANCE, |_| LEAST_OF_SITE.max(EXCEEDS * sound_wave(f64::from(self.order))));
+        (x * x + y * y).sqrt() > least
     }
 
     fn surface(&self) -> Option<(usize, Component)> {

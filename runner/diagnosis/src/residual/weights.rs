@@ -33,8 +33,13 @@ impl Evidence<'_> {
         self.whiten_bearings();
         self.rows = self.whitening.first().map_or(0, Vec::len);
         self.noise_scale = vec![vec![1.0; self.rows]; self.whitening.len()];
+        self.narrowing.clear();
         self.tolerance.clear();
         self.scale_noise(machine)?;
+        if self.site.is_some() {
+            self.whiten_bearings();
+            self.narrow(machine)?;
+        }
         self.whiten_bearings();
         self.tolerate(machine)
     }
@@ -61,6 +66,11 @@ impl Evidence<'_> {
         let root = correlation.cholesky().map_or_else(|| DMatrix::identity(unknowns.len(), unknowns.len()), |c| c.l());
         let root = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| deviations[i] * root[(i, j)]);
         self.uncertain = Some((unknowns, root));
+    }
+
+    /// Takes the uncertain parameters of the same recording. The next call must be [`Evidence::weight_for`].
+    pub fn uncertain_as(&mut self, other: &Self) {
+        self.uncertain.clone_from(&other.uncertain);
     }
 
     /// Finds the directions of the residual along which the uncertain parameters move it.
@@ -114,6 +124,7 @@ impl Evidence<'_> {
                 row.iter_mut().for_each(|a| *a /= scale);
             }
         }
+        self.narrow_weights(&mut whitening);
         whitening
     }
 
@@ -136,8 +147,8 @@ impl Evidence<'_> {
         self.shaft.dynamics.stiffness(k, w, &of.damping, &of.tangents)
     }
 
-    /// Returns the weights that convert a force to the displacement that it causes at the mean stiffness, divided by its noise.
-    fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
+    /// Returns the rows that convert a pose to displacements in units of the noise of the probes.
+    pub(super) fn rows_of_pose(&self) -> Vec<[f64; D]> {
         let unit = (0.5 * self.transform.power).sqrt();
         // Information on the displacement, and its square root: rows that all have the noise 1.
         let mut information = SMatrix::<f64, D, D>::zeros();
@@ -153,19 +164,28 @@ impl Evidence<'_> {
         let scale: Vec<f64> = (0..D).map(|i| information[(i, i)].max(1e-300).sqrt()).collect();
         let scaled = SMatrix::<f64, D, D>::from_fn(|i, j| information[(i, j)] / (scale[i] * scale[j]));
         let root = scaled.cholesky().map_or_else(SMatrix::<f64, D, D>::identity, |c| c.l().transpose());
-        let whitening = |(k, w): (usize, &f64)| {
-            let inverse = self.held(self.dynamic_stiffness(of, k, *w)).try_inverse().unwrap_or_else(Square::zeros);
-            let row = |&i: &usize| {
-                std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * (root[(i, k)] * scale[k] / unit)).sum::<C>())
-            };
-            measured.iter().map(row).collect()
-        };
-        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
+        measured.iter().map(|&i| std::array::from_fn(|k| root[(i, k)] * scale[k] / unit)).collect()
+    }
+
+    /// Returns the weight of the lines of the mean.
+    pub(super) fn mean_weight(&self) -> f64 {
         // The offset of a probe is not known better than its noise, however long the record, and the line of a shaft that bends under its
         // weight no better than its elasticity.
         let least = self.weighting.noise.iter().copied().fold(f64::INFINITY, f64::min);
         let offset = (ELASTICITY_ERROR * self.shaft.dynamics.sag(&self.given.1, &self.gravity) / least).hypot(1.0);
-        let mean = 1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt();
+        1.0 / (1.0 + 2.0 * self.motion.len() as f64 * offset * offset).sqrt()
+    }
+
+    /// Returns the weights that convert a force to the displacement that it causes at the mean stiffness, divided by its noise.
+    fn whitening_of(&self, of: &MeanStiffness) -> Vec<Vec<[C; D]>> {
+        let map = self.rows_of_pose();
+        let whitening = |(k, w): (usize, &f64)| {
+            let inverse = self.held(self.dynamic_stiffness(of, k, *w)).try_inverse().unwrap_or_else(Square::zeros);
+            let row = |row: &[f64; D]| std::array::from_fn(|j| (0..D).map(|k| inverse[(k, j)] * row[k]).sum::<C>());
+            map.iter().map(row).collect()
+        };
+        let mut all: Vec<Vec<[C; D]>> = self.transform.lines.iter().enumerate().map(whitening).collect();
+        let mean = self.mean_weight();
         for rows in all.iter_mut().take(MEAN_LINES) {
             rows.iter_mut().flatten().for_each(|a| *a *= mean);
         }

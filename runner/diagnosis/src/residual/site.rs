@@ -1,0 +1,387 @@
+//! What a site adds to the noise of a residual: errors of the readings, waves of the races of sound bearings, error of the model.
+//!
+//! Each is a covariance of the lines of the displacement. The residual, white by the noise of the probes alone, becomes white by the sum of
+//! both, line by line. Lines that a sound machine shows so count by how far they exceed what is expected of them.
+
+use super::super::Result;
+use super::super::machine::Machine;
+use super::super::measurement::{Expected, ReadingBasis, ReadingError, Site, limited};
+use super::super::motion::{C, D};
+use super::{Evidence, MEAN_LINES, Spectra};
+use ballrace_outcome::ProbeReadings;
+use ballrace_plant::probes;
+use nalgebra::{DMatrix, SVector};
+use std::sync::Arc;
+
+/// Relative error of the motion that a model of the machine describes, line by line.
+const MODEL_ERROR: f64 = 0.02;
+/// Lines on each side over which the motion that has it is taken: the window spreads a line.
+const SPREAD: usize = 3;
+/// Share of a motion that appears at other lines by an error of the model, where the stiffness changes by its own amount.
+const INTERMODULATION: f64 = 0.02;
+/// Largest part of a line that is such a product.
+const PRODUCT: f64 = 0.3;
+/// Least displacement over which it does, m.
+const DEFLECTION: f64 = 2e-6;
+/// Lines of a sound machine recur with up to this multiple of their amplitude.
+const RECURRENCE: f64 = 2.0;
+/// Relative change of the order of a line between recordings, by the slip of a cage.
+const MOVED: f64 = 0.012;
+/// Amplitude of the waves of races and of the difference of elements of a sound bearing of ordinary class, m, at order 1; it falls with the
+/// order.
+const WAVES: f64 = 0.5e-6;
+/// The same from where it falls no more.
+const ROUGHNESS: f64 = 0.01e-6;
+
+/// Returns the amplitude of a wave of a sound race, m, by the number of waves.
+pub fn sound_wave(order: f64) -> f64 {
+    (WAVES / order.max(1.0)).max(ROUGHNESS)
+}
+/// Harmonics of a ball pass with such waves, and range of the slip of a cage.
+const PASSES: usize = 20;
+const SLIPS: [f64; 2] = [0.0, 0.03];
+
+/// Standard deviations of a change of a site that is significant.
+const SIGNIFICANT: f64 = 4.0;
+
+/// What is known of a site before its recording.
+#[derive(Clone)]
+pub struct SiteKnowledge<'a> {
+    /// Standard deviation of the coefficients of each probe's error.
+    pub deviations: Vec<ReadingError>,
+    /// Learned from a sound machine.
+    pub learned: &'a [ProbeReadings],
+}
+
+impl Evidence<'_> {
+    /// Describes the site of the recording; `subtracted` are the errors that the motion lacks, and that count against their prior. The next
+    /// call must be [`Evidence::weight_for`].
+    pub fn set_site(&mut self, known: &SiteKnowledge, basis: Arc<ReadingBasis>, subtracted: &[ReadingError]) {
+        let sum = self.transform.sum();
+        let orders: Vec<f64> =
+            self.transform.lines.iter().map(|w| w / self.motion.mean_speed().abs().max(f64::MIN_POSITIVE)).collect();
+        let apart = orders.get(1).copied().unwrap_or(0.0);
+        let free = self.plant_clearance();
+        let probe = |(p, probe): (usize, &ballrace_scene::Probe)| {
+            let row = probes::row(probe);
+            let power: Vec<f64> = (0..orders.len())
+                .map(|k| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr())
+                .collect();
+            let square =
+                2.0 * power.iter().skip(MEAN_LINES).sum::<f64>() / (self.motion.len() as f64 * self.transform.power);
+            let intermodulation = (INTERMODULATION * 2.0 * square / free * 0.5 * sum).powi(2);
+            let around = |k: usize| {
+                let lines = k.saturating_sub(SPREAD).max(MEAN_LINES)..(k + SPREAD + 1).min(orders.len());
+                power[lines].iter().copied().fold(0.0, f64::max)
+            };
+            let learned = |k: usize| {
+                let near = |line: &&[f64; 2]| (line[0] - orders[k]).abs() < (MOVED * line[0]).max(2.5 * apart);
+                let lines = known.learned.get(p).map(|learned| learned.lines.as_slice()).unwrap_or_default();
+                (lines.iter().filter(near).map(|line| line[1]).fold(0.0, f64::max) * 0.5 * sum).powi(2)
+            };
+            let mut variance = basis.variance(&known.deviations[p]);
+            for (k, variance) in variance.iter_mut().enumerate().skip(MEAN_LINES) {
+                *variance += intermodulation.min(PRODUCT * PRODUCT * around(k));
+            }
+            let of = |k: usize, x: &dyn Fn(usize) -> f64| if k < MEAN_LINES { 0.0 } else { x(k) };
+            Expected { variance, learned: (0..orders.len()).map(|k| of(k, &learned)).collect() }
+        };
+        let expected = self.weighting.probes.iter().enumerate().map(probe).collect();
+        let waves = |b: usize| {
+            let bearing = &self.plant.bearings[b];
+            let (n, cage) = (bearing.elements as f64, bearing.kinematics.rolling_cage_ratio);
+            let mut variance = vec![0.0; orders.len()];
+            for k in 1..=PASSES {
+                let amplitude = sound_wave(k as f64 * n);
+                let pass = |slip: f64| k as f64 * n * cage * (1.0 - slip);
+                let [outer, inner] = [SLIPS.map(pass), SLIPS.map(|slip| k as f64 * n - pass(slip))];
+                let spin = SLIPS.map(|slip| 2.0 * k as f64 * bearing.kinematics.ball_ratio() * (1.0 - slip));
+                let element = |side: f64| spin.map(|order| order + side * cage);
+                for range in [
+                    outer,
+                    inner,
+                    inner.map(|x| x - 1.0),
+                    inner.map(|x| x + 1.0),
+                    element(-1.0),
+                    element(0.0),
+                    element(1.0),
+                ] {
+                    let (low, high) =
+                        (range[0].min(range[1]).abs() - 2.0 * apart, range[0].max(range[1]).abs() + 2.0 * apart);
+                    let (first, last) = ((low / apart).ceil().max(MEAN_LINES as f64) as usize, (high / apart) as usize);
+                    for variance in variance.iter_mut().take(last + 1).skip(first) {
+                        *variance = (amplitude * 0.5 * sum).powi(2).max(*variance);
+                    }
+                }
+            }
+            variance
+        };
+        let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
+        let mut lines: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); orders.len()]);
+        for (p, error) in subtracted.iter().enumerate() {
+            let column = self.weighting.solver.column(p).to_array();
+            for (k, x) in basis.spectrum(error).into_iter().enumerate() {
+                lines.iter_mut().zip(column).for_each(|(line, a)| line[k] += a * x);
+            }
+        }
+        self.subtracted = Arc::new(lines);
+        self.site = Some(Arc::new(Site { basis, expected, waves }));
+    }
+
+    /// Returns the number of standard deviations that a change exceeds: 0 where the readings are those of the scene's machine.
+    pub fn significant(&self) -> f64 {
+        if self.site.is_some() { SIGNIFICANT } else { 0.0 }
+    }
+
+    /// Returns the force that stands for errors of the readings: that of the mean stiffness at the displacement that they pretend.
+    pub(super) fn readings(&self, errors: &[ReadingError]) -> [Vec<C>; D] {
+        let Some(site) = &self.site else { return Default::default() };
+        let mut lines: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
+        for (p, error) in errors.iter().enumerate().filter(|(_, error)| error.iter().any(|x| *x != 0.0)) {
+            let column = self.weighting.solver.column(p).to_array();
+            for (k, x) in site.basis.spectrum(error).into_iter().enumerate() {
+                lines.iter_mut().zip(column).for_each(|(line, a)| line[k] += a * x);
+            }
+        }
+        self.required_at_reference(&lines)
+    }
+
+    /// Returns the force that a displacement requires at the mean stiffness.
+    fn required_at_reference(&self, displacement: &[Vec<C>; D]) -> [Vec<C>; D] {
+        let mut force: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let q = SVector::<C, D>::from_fn(|i, _| displacement[i][k]);
+            if q.iter().all(|x| *x == C::new(0.0, 0.0)) {
+                continue;
+            }
+            let required = self.dynamic_stiffness(&self.reference, k, *w) * q;
+            force.iter_mut().zip(required.iter()).for_each(|(force, x)| force[k] = *x);
+        }
+        force
+    }
+
+    /// Prepares the evidence for [`Evidence::unexplained_readings`] alone: without the noise of the residual.
+    pub fn refer_to(&mut self, machine: &Machine) -> Result<()> {
+        if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
+            self.displace(machine)?;
+        }
+        if self.follows_axially() {
+            self.follow_axially(machine)?;
+        }
+        self.reference = self.mean_stiffness(machine)?;
+        Ok(())
+    }
+
+    /// Returns the spectrum of the error of each probe's readings that would explain what a machine does not explain; `least` is the least
+    /// stiffness of translations at which the mean is taken, N/m: without contact, a bearing has none.
+    pub fn unexplained_readings(&self, spectra: &Spectra, least: f64) -> Vec<Vec<C>> {
+        let force = self.force(spectra);
+        let span = self.weighting.probes.iter().map(|probe| probe.station * probe.station).sum::<f64>()
+            / self.weighting.probes.len().max(1) as f64;
+        let mut out = vec![Vec::with_capacity(self.transform.lines.len()); self.weighting.probes.len()];
+        for (k, w) in self.transform.lines.iter().enumerate() {
+            let mut stiffness = self.held(self.dynamic_stiffness(&self.reference, k, *w));
+            if k < MEAN_LINES {
+                for i in 0..D {
+                    stiffness[(i, i)] += C::new(if i < 3 { least } else { least * span }, 0.0);
+                }
+            }
+            let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
+            let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
+            for (out, probe) in out.iter_mut().zip(&self.weighting.probes) {
+                let row = probes::row(probe);
+                // What no probe measures is no error of one.
+                let used = |i: usize| i != 2 || self.weighting.has_axial_probe;
+                out.push(-(0..D).filter(|i| used(*i)).map(|i| caused[i] * row[i]).sum::<C>());
+            }
+        }
+        out
+    }
+
+    /// Returns the sum of the squares of the motion of all probes that a machine does not explain.
+    pub fn unexplained_square(&self, spectra: &Spectra) -> f64 {
+        self.unexplained_readings(spectra, 0.0).iter().flatten().map(C::norm_sqr).sum()
+    }
+
+    /// Returns the posterior mean of the errors of the readings from what a machine does not explain; the motion lacks those that are
+    /// `subtracted`. `uncertain_unbalance` is the standard
+    /// deviation of the machine's unbalance over it.
+    pub fn reading_errors(
+        &self,
+        machine: &Machine,
+        known: &SiteKnowledge,
+        basis: &ReadingBasis,
+        subtracted: &[ReadingError],
+        (least, uncertain_unbalance): (f64, f64),
+    ) -> Result<Vec<ReadingError>> {
+        let mut unexplained = self.unexplained_readings(&self.spectra(machine)?, least);
+        for (sum, subtracted) in unexplained.iter_mut().zip(subtracted) {
+            sum.iter_mut().zip(basis.spectrum(subtracted)).for_each(|(sum, x)| *sum += x);
+        }
+        let unbalance = self.shaft.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines);
+        let unit = self.transform.power;
+        let estimate = |(p, unexplained): (usize, &Vec<C>)| {
+            let row = probes::row(&self.weighting.probes[p]);
+            let noise = unit * self.weighting.noise[p].powi(2);
+            let variance: Vec<f64> = (0..unexplained.len())
+                .map(|k| {
+                    let motion = (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr();
+                    let stiffness = self.held(self.dynamic_stiffness(&self.reference, k, self.transform.lines[k]));
+                    let force = SVector::<C, D>::from_fn(|i, _| unbalance[i][k]);
+                    let whirl = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
+                    let whirl = (0..D).map(|i| whirl[i] * row[i]).sum::<C>().norm_sqr();
+                    let motion = if k < MEAN_LINES { 0.0 } else { motion };
+                    2.0 * noise + MODEL_ERROR.powi(2) * motion + uncertain_unbalance.powi(2) * whirl
+                })
+                .collect();
+            basis.estimate(unexplained, &variance, &known.deviations[p])
+        };
+        Ok(unexplained.iter().enumerate().map(estimate).collect())
+    }
+
+    /// Narrows the weights by what the site adds to the noise, and counts the errors that were subtracted.
+    pub(super) fn narrow(&mut self, machine: &Machine) -> Result<()> {
+        let Some(site) = self.site.clone() else { return Ok(()) };
+        let modelled = self.modelled_readings(machine)?;
+        let subtracted = self.required_at_reference(&self.subtracted);
+        for (sum, part) in self.correction.iter_mut().zip(subtracted) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part);
+        }
+        let map = self.rows_of_pose();
+        let tangents: Vec<f64> = self.reference.tangents.iter().map(|k| 0.5 * (k[(0, 0)] + k[(1, 1)])).collect();
+        self.narrowing = (0..self.whitening.len())
+            .map(|k| {
+                let rows = self.rows;
+                let mean = if k < MEAN_LINES { self.mean_weight() } else { 1.0 };
+                let mut covariance = DMatrix::<C>::identity(rows, rows);
+                let error = MODEL_ERROR * self.amplification(k).max(1.0);
+                for (p, expected) in site.expected.iter().enumerate() {
+                    let variance = expected.variance[k]
+                        + error.powi(2) * modelled[p][k]
+                        + (RECURRENCE * (1.0 + 5.0 * error)).powi(2) * expected.learned[k];
+                    let column = self.weighting.solver.column(p).to_array();
+                    let at =
+                        |r: usize| (0..D).map(|i| map[r][i] * column[i]).sum::<f64>() * mean / self.noise_scale[k][r];
+                    let along: Vec<f64> = (0..rows).map(at).collect();
+                    for i in 0..rows {
+                        for j in 0..rows {
+                            covariance[(i, j)] += C::new(0.5 * variance * along[i] * along[j], 0.0);
+                        }
+                    }
+                }
+                for (b, variance) in site.waves.iter().enumerate().filter(|(_, variance)| variance[k] > 0.0) {
+                    for direction in 0..2 {
+                        let along: Vec<C> =
+                            self.whitening_of_bearing[b][k].iter().map(|row| row[direction] * tangents[b]).collect();
+                        for i in 0..rows {
+                            for j in 0..rows {
+                                covariance[(i, j)] += 0.5 * variance[k] * along[i] * along[j].conj();
+                            }
+                        }
+                    }
+                }
+                let root = covariance.cholesky().map(|factors| factors.l());
+                root.and_then(nalgebra::Matrix::try_inverse).unwrap_or_else(|| DMatrix::identity(rows, rows))
+            })
+            .collect();
+        let mut whitening = std::mem::take(&mut self.whitening);
+        self.narrow_weights(&mut whitening);
+        self.whitening = whitening;
+        Ok(())
+    }
+
+    /// Returns the square of each line of each probe's reading that the machine describes: the largest of the lines about it.
+    fn modelled_readings(&self, machine: &Machine) -> Result<Vec<Vec<f64>>> {
+        let unexplained = self.unexplained_readings(&self.spectra(machine)?, 0.0);
+        let probe = |(p, unexplained): (usize, &Vec<C>)| {
+            let row = probes::row(&self.weighting.probes[p]);
+            let square = |k: usize| {
+                let read: C = (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum();
+                if k < MEAN_LINES { 0.0 } else { (read - unexplained[k]).norm_sqr().min(read.norm_sqr()) }
+            };
+            let squares: Vec<f64> = (0..unexplained.len()).map(square).collect();
+            let around = |k: usize| {
+                let lines = k.saturating_sub(SPREAD)..(k + SPREAD + 1).min(squares.len());
+                squares[lines].iter().copied().fold(0.0, f64::max)
+            };
+            (0..squares.len()).map(around).collect()
+        };
+        Ok(unexplained.iter().enumerate().map(probe).collect())
+    }
+
+    /// Returns the largest radial motion of a bearing by a force there, over the static one: by so much an error of the stiffness changes the
+    /// motion.
+    fn amplification(&self, k: usize) -> f64 {
+        let compliance = self
+            .held(self.dynamic_stiffness(&self.reference, k, self.transform.lines[k]))
+            .try_inverse()
+            .unwrap_or_default();
+        let of = |(b, tangent): (usize, &super::Tangent)| {
+            let to = self.shaft.dynamics.to_centre(b, k);
+            let own = to.transpose() * compliance * to;
+            own[(0, 0)].norm().max(own[(1, 1)].norm()) * 0.5 * (tangent[(0, 0)] + tangent[(1, 1)])
+        };
+        self.reference.tangents.iter().enumerate().map(of).fold(0.0, f64::max)
+    }
+
+    /// Returns the displacement over which the stiffness of the bearings changes by its own amount, m: half their clearance, and about the
+    /// deflection under a load.
+    fn plant_clearance(&self) -> f64 {
+        let halves = self.scene.bearings.iter().map(|bearing| 0.5 * super::super::machine::clearance(bearing));
+        halves.fold(f64::INFINITY, f64::min).max(DEFLECTION)
+    }
+
+    /// Narrows weights, line by line.
+    pub(super) fn narrow_weights(&self, whitening: &mut [Vec<[C; D]>]) {
+        for (rows, narrowing) in whitening.iter_mut().zip(&self.narrowing) {
+            let wide = rows.clone();
+            for (r, row) in rows.iter_mut().enumerate() {
+                *row = std::array::from_fn(|j| (0..=r).map(|i| narrowing[(r, i)] * wide[i][j]).sum());
+            }
+        }
+    }
+
+    /// Returns the lines of a sound machine that its model does not explain: order and amplitude (m) at each probe, those above
+    /// the noise.
+    pub fn lines_of_sound_machine(&self, spectra: &Spectra) -> Vec<Vec<[f64; 2]>> {
+        /// Least power of a line over that of the noise.
+        const CLEAR: f64 = 12.0;
+        let speed = self.motion.mean_speed().abs().max(f64::MIN_POSITIVE);
+        let sum = self.transform.sum();
+        let apart = self.transform.lines.get(1).map_or(1.0, |w| w / speed);
+        let of = |(p, unexplained): (usize, &Vec<C>)| {
+            let noise = self.transform.power * self.weighting.noise[p].powi(2);
+            let power: Vec<f64> = unexplained.iter().map(C::norm_sqr).collect();
+            let scale = |k: usize| self.noise_scale.get(k).map_or(1.0, |s| s.iter().copied().fold(1.0, f64::max));
+            let is_line = |k: usize| power[k] > CLEAR * noise * scale(k) * scale(k);
+            let is_peak = |k: usize| power[k] >= power[k - 1] && power.get(k + 1).is_none_or(|next| power[k] >= *next);
+            let lines: Vec<[f64; 2]> = (MEAN_LINES..power.len())
+                .filter(|&k| is_line(k) && is_peak(k))
+                .map(|k| [k as f64 * apart, 2.0 * power[k].sqrt() / sum])
+                .collect();
+            lines
+        };
+        self.unexplained_readings(spectra, 0.0).iter().enumerate().map(of).collect()
+    }
+}
+
+/// Returns the part of the errors that counts against its prior, limited to what is plausible, and the part that does not count because
+/// nothing is known of it.
+pub fn divided(errors: &[ReadingError], known: &SiteKnowledge) -> [Vec<ReadingError>; 2] {
+    let counting = errors.iter().zip(&known.deviations).map(|(mean, deviations)| limited(mean, deviations));
+    let counting: Vec<ReadingError> = counting.collect();
+    let is_unknown = |x: f64| x >= UNKNOWN;
+    let part = |unknown: bool| {
+        let one = |(p, error): (usize, &ReadingError)| -> ReadingError {
+            std::array::from_fn(|j| {
+                let x = if unknown { error[j] } else { counting[p][j] };
+                if is_unknown(known.deviations[p][j]) == unknown { x } else { 0.0 }
+            })
+        };
+        errors.iter().enumerate().map(one).collect()
+    };
+    [part(false), part(true)]
+}
+
+/// Standard deviation from which a coefficient is unknown: it is subtracted whole, m.
+const UNKNOWN: f64 = 1.5e-6;

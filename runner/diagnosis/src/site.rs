@@ -1,0 +1,166 @@
+//! The recording of a site: the motion of the shaft without the errors of the readings that a machine does not explain.
+
+use super::machine::Machine;
+use super::measurement::{self, COEFFICIENTS, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic};
+use super::motion::Motion;
+use super::residual::site::{SiteKnowledge, divided};
+use super::residual::{Evidence, Weighting};
+use super::{DiagnosisInput, Result};
+use ballrace_outcome::ProbeReadings;
+use ballrace_plant::probes;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+/// Rounds in which the errors are found: each evaluates the bearings at the motion without those found before.
+const ROUNDS: usize = 5;
+/// Largest change of a gap at which the rounds end, m.
+const CLOSE: f64 = 3e-8;
+/// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
+const SAG: f64 = 20e-6;
+/// Standard deviation of a scene's unbalance over it, and of that of a baseline.
+const UNBALANCE_FIRST: f64 = 0.3;
+const UNBALANCE_LATER: f64 = 0.0;
+
+/// Least gap, drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
+/// first is also that of an unbalance.
+const SHOWN_GAP: f64 = 10e-6;
+const SHOWN_DRIFT: f64 = 2e-6;
+const SHOWN_RUN_OUT: f64 = 0.15e-6;
+const SHOWN_MULTIPLES: (RangeInclusive<usize>, usize) = (2..=8, 3);
+
+/// Readings of a site with their errors.
+#[derive(Clone)]
+pub struct SiteRecording<'a> {
+    input: DiagnosisInput<'a>,
+    weighting: Arc<Weighting>,
+    highest: f64,
+    /// Motion by the readings.
+    raw: Motion,
+    known: SiteKnowledge<'a>,
+    /// Errors known from the baseline.
+    centre: Vec<ReadingError>,
+    /// Errors beyond them.
+    errors: Vec<ReadingError>,
+    basis: Option<Arc<ReadingBasis>>,
+}
+
+impl<'a> SiteRecording<'a> {
+    pub fn new(input: DiagnosisInput<'a>, weighting: Arc<Weighting>, highest: f64, raw: Motion) -> Self {
+        let learned = input.calibration.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();
+        let is_measured = input.scene.recording.as_ref().is_some_and(|recording| recording.run_out.is_some());
+        let knowledge = match (learned.is_empty(), is_measured) {
+            (false, _) => Knowledge::Baseline,
+            (true, true) => Knowledge::SlowRoll,
+            (true, false) => Knowledge::First,
+        };
+        let count = input.probes.len();
+        let mut centre = vec![[0.0; COEFFICIENTS]; count];
+        for (centre, learned) in centre.iter_mut().zip(learned) {
+            centre[0] = learned.gap;
+            for (order, parts) in (1..=HARMONICS).zip(&learned.run_out) {
+                for (part, x) in parts.iter().enumerate() {
+                    centre[harmonic(order, part)] = *x;
+                }
+            }
+        }
+        let mut errors = vec![[0.0; COEFFICIENTS]; count];
+        if learned.is_empty() {
+            // The rotor rests where its bearings carry the load.
+            let rest = input.plant.pose(&input.plant.rest).to_array();
+            let n = raw.len().max(1) as f64;
+            let mean: [f64; 5] = std::array::from_fn(|i| raw.q.iter().map(|q| q.to_array()[i]).sum::<f64>() / n);
+            for (error, probe) in errors.iter_mut().zip(input.probes) {
+                let row = probes::row(probe);
+                error[0] = (0..5).filter(|i| *i != 2).map(|i| row[i] * (mean[i] - rest[i])).sum();
+            }
+        }
+        let known = SiteKnowledge {
+            deviations: input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect(),
+            learned,
+        };
+        Self { input, weighting, highest, raw, known, centre, errors, basis: None }
+    }
+
+    /// Returns the recording for a machine, after the errors that the machine does not explain have been found; `None` if the rotor cannot be
+    /// diagnosed. The next call must be [`Evidence::weight_for`].
+    pub fn evidence(&mut self, machine: &Machine) -> Result<Option<Evidence<'a>>> {
+        let mass = self.input.scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass);
+        let least = mass * 9.81 / SAG;
+        let unbalance = if self.known.learned.is_empty() { UNBALANCE_FIRST } else { UNBALANCE_LATER };
+        for round in 0..ROUNDS {
+            let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
+            let basis = self.basis.get_or_insert_with(|| Arc::new(ReadingBasis::new(&e.transform, &self.raw))).clone();
+            e.refer_to(machine)?;
+            let [_, unknown] = divided(&self.errors, &self.known);
+            let removed = sums(&counting, &unknown);
+            let found = e.reading_errors(machine, &self.known, &basis, &removed, (least, unbalance))?;
+            let moved = found.iter().zip(&removed).map(|(new, old)| (new[0] - old[0]).abs()).fold(0.0, f64::max);
+            self.errors = found;
+            if round > 0 && moved < CLOSE {
+                break;
+            }
+        }
+        let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
+        if let Some(basis) = &self.basis {
+            e.set_site(&self.known, basis.clone(), &counting);
+        }
+        Ok(Some(e))
+    }
+
+    /// Returns the recording without the errors of which nothing is known, but with those that count against their prior: a machine with a
+    /// fault that moves the shaft is not to be evaluated at the position of the sound one. The next call must be
+    /// [`Evidence::weight_for`].
+    pub fn with_counting_errors(&self) -> Result<Option<Evidence<'a>>> {
+        let [counting, unknown] = divided(&self.errors, &self.known);
+        let none = vec![[0.0; COEFFICIENTS]; counting.len()];
+        let Some(mut e) = self.without(&unknown)? else { return Ok(None) };
+        if let Some(basis) = &self.basis {
+            e.set_site(&self.known, basis.clone(), &none);
+        }
+        Ok(Some(e))
+    }
+
+    /// Returns the recording without the errors of the readings as they are known, with those that count against their prior.
+    fn without_errors(&self) -> Result<Option<(Evidence<'a>, Vec<ReadingError>)>> {
+        let [counting, unknown] = divided(&self.errors, &self.known);
+        Ok(self.without(&sums(&counting, &unknown))?.map(|e| (e, counting)))
+    }
+
+    /// Returns the recording without the errors of the baseline and some beyond them.
+    fn without(&self, errors: &[ReadingError]) -> Result<Option<Evidence<'a>>> {
+        let mut motion = self.raw.clone();
+        measurement::subtract(&mut motion, &self.weighting.solver, &sums(&self.centre, errors));
+        let DiagnosisInput { scene, plant, .. } = self.input;
+        Evidence::new(scene, plant, motion, self.highest, self.weighting.clone())
+    }
+
+    /// Returns true where the readings have errors that no machine of the scene explains: gaps, drift, or a run-out of several multiples of
+    /// the shaft angle.
+    pub fn shows_errors(&self) -> bool {
+        self.errors.iter().any(|error| {
+            let amplitude = |order: usize| error[harmonic(order, 0)].hypot(error[harmonic(order, 1)]);
+            let (orders, count) = SHOWN_MULTIPLES;
+            error[0].abs() > SHOWN_GAP
+                || error[1].abs() > SHOWN_DRIFT
+                || orders.filter(|order| amplitude(*order) > SHOWN_RUN_OUT).count() >= count
+        })
+    }
+
+    /// Returns what is learned of the readings from a sound machine; `lines` are those that its model leaves.
+    pub fn learned(&self, lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
+        let probe = |(p, lines): (usize, Vec<[f64; 2]>)| {
+            let sum = |j: usize| self.centre[p][j] + self.errors[p][j];
+            ProbeReadings {
+                column: self.input.probes[p].column.clone(),
+                gap: sum(0),
+                run_out: (1..=HARMONICS).map(|order| [0, 1].map(|part| sum(harmonic(order, part)))).collect(),
+                lines,
+            }
+        };
+        lines.into_iter().enumerate().map(probe).collect()
+    }
+}
+
+fn sums(a: &[ReadingError], b: &[ReadingError]) -> Vec<ReadingError> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|j| a[j] + b[j])).collect()
+}
