@@ -30,7 +30,7 @@ const SETTLED: f64 = 0.1;
 /// The same, below which the calibration ends.
 const DONE: f64 = 0.01;
 
-/// Rounds after which chi-squared per value is at most so much where the readings are those of the scene's machine and of nothing else.
+/// Rounds after which chi-squared per value is at most so much, unless the recording is that of a site: `is_of_site` decides it.
 const HOPEFUL: (usize, f64) = (3, 6.0);
 
 /// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
@@ -286,8 +286,8 @@ pub(super) fn calibrate(
     of: &mut Prepared,
     earlier: Option<&Calibration>,
     plan: &CalibrationPlan<'_>,
+    is_of_site: &dyn Fn() -> Result<bool>,
 ) -> Result<Calibrated> {
-    let is_exact = of.site.is_none();
     let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let is_over = || end.is_some_and(|end| Instant::now() > end);
     let own = parameters(&of.healthy.machine);
@@ -318,8 +318,8 @@ pub(super) fn calibrate(
         let values = now.residual.len() as f64;
         let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
         let fall = before - now.chi_square;
-        if is_exact && rounds >= HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values {
-            still_falls = Some(fall / before);
+        if rounds == HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values && is_of_site()? {
+            still_falls = None;
             break;
         }
         if has_modulus && fall < DONE * excess {

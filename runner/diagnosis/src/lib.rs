@@ -278,7 +278,11 @@ pub fn calibrate(
     let alone = DiagnosisInput { calibration: None, ..*of };
     let in_world = |world: World| -> Result<Option<Calibrated>> {
         let Some(mut prepared) = Prepared::new(&alone, &machine, world)? else { return Ok(None) };
-        Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan)?))
+        let is_of_site = || {
+            let site = if world == World::Exact { Prepared::new(&alone, &machine, World::Site)? } else { None };
+            Ok(site.and_then(|prepared| prepared.site).is_some_and(|site| site.shows_errors()))
+        };
+        Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan, &is_of_site)?))
     };
     if world(of) == World::Site {
         return in_world(World::Site);

@@ -19,7 +19,7 @@ use ballrace_scene::{Bearing, Model, Scene};
 /// # Errors
 /// Returns an error if the scene lacks a value of this model or the kernel rejects one.
 pub fn bearing(scene: &Scene, of: &Bearing, model: Model) -> Result<AnyBearing<f64>, BuildError> {
-    crate::build::<f64, Exact, _>(scene, of, model)
+    crate::construct::<f64, Exact, _>(scene, of, model)
 }
 
 /// Builds the force of the model `model` of one bearing, in any precision and with any math backend.
@@ -31,5 +31,5 @@ pub fn force_model<T: Scalar, M: Math<T>>(
     of: &Bearing,
     model: Model,
 ) -> Result<AnyForceModel<T>, BuildError> {
-    crate::build::<T, M, _>(scene, of, model)
+    crate::construct::<T, M, _>(scene, of, model)
 }

@@ -38,7 +38,7 @@ macro_rules! registry {
         }
 
         /// Builds the model `model` of one bearing, in any precision and with any math backend.
-        fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
+        fn construct<T: Scalar, M: Math<T>, H: BearingHandle<T>>(
             scene: &Scene,
             of: &Bearing,
             model: Model,

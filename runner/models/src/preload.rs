@@ -2,12 +2,12 @@
 
 use crate::construction::{BuildError, rotation_at};
 use crate::handle::{AnyBearing, Shared};
-use crate::{bearing_model, build};
+use crate::{bearing_model, construct};
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
 };
-use ballrace::{BearingKinematicState, Displacement, Scalar, Stiffness};
+use ballrace::{BearingKinematicState, Displacement, Exact, Scalar, Stiffness};
 use ballrace_scene::{Bearing as BearingScene, Facing, PreloadAmount, PreloadState, Scene};
 use std::sync::Arc;
 
@@ -58,7 +58,8 @@ pub fn preload_offset(
     let Some(preload) = bearing.preload else { return Ok(None) };
     let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
     if let Some(set) = as_set(bearing) {
-        let at_setting = build::bearing(scene, &set, bearing_model(set.model).preload_model())?;
+        let at_setting =
+            construct::<f64, Exact, AnyBearing<f64>>(scene, &set, bearing_model(set.model).preload_model())?;
         let axial = |of: &BearingScene| match of.facing {
             // Without a displacement the grooves of a deep groove bearing are opposite each other.
             Facing::Both => 0.0,
@@ -94,7 +95,7 @@ pub fn offset_by_preload(scene: &Scene, of: &BearingScene) -> Result<Displacemen
     if of.preload.is_none() {
         return Ok(Displacement::default());
     }
-    let built = build::bearing(scene, of, bearing_model(of.model).preload_model())?;
+    let built = construct::<f64, Exact, AnyBearing<f64>>(scene, of, bearing_model(of.model).preload_model())?;
     Ok(preload_offset(scene, of, &built)?.unwrap_or_default())
 }
 
@@ -124,7 +125,7 @@ pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64
     {
         return Ok(Some(force));
     }
-    let built = build::bearing(scene, bearing, bearing.model)?;
+    let built = construct::<f64, Exact, AnyBearing<f64>>(scene, bearing, bearing.model)?;
     let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
     let at = rotation_at(scene, bearing, 0.0)?;
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
@@ -150,7 +151,7 @@ pub fn loaded(
         gravity: [0.0; 3],
         load,
     };
-    let rotor = RigidRotor::<f64, ballrace::Exact>::try_new(&params, &[])?;
+    let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
     let mounted = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
     let machine = RotorBearingSystem { rotor, bearings: [mounted] };
     // From a displacement at which the bearing carries thrust, Newton's method needs a few steps; where it fails, the damped
