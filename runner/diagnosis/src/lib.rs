@@ -208,16 +208,14 @@ pub fn diagnose(
     // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, or the readings
     // must show the errors of a site.
     if world(of) == World::Site {
-        return Ok(diagnose_in(World::Site, of, MAX_FAULTS, progress)?.map(|(result, _)| result));
+        return diagnose_in(World::Site, of, MAX_FAULTS, progress);
     }
-    let exact = diagnose_in(World::Exact, of, MAX_FAULTS, &|share| progress(0.5 * share))?.map(|(result, _)| result);
+    let exact = diagnose_in(World::Exact, of, MAX_FAULTS, &|share| progress(0.5 * share))?;
     if exact.as_ref().is_none_or(DiagnosisResult::explains) {
         return Ok(exact);
     }
-    match diagnose_in(World::Site, of, MAX_FAULTS, &|share| progress(0.5 + 0.5 * share))? {
-        Some((result, true)) => Ok(Some(result)),
-        _ => Ok(exact),
-    }
+    let site = diagnose_in(World::Site, of, MAX_FAULTS, &|share| progress(0.5 + 0.5 * share))?;
+    Ok(site.or(exact))
 }
 
 /// Returns the world of a baseline.
@@ -226,25 +224,22 @@ fn world(of: &DiagnosisInput) -> World {
     if is_site { World::Site } else { World::Exact }
 }
 
-/// Diagnoses a recording in a world with at most `most` faults; returns as well whether the readings show the errors of a site, without which no fault is searched for
-/// in the world of one.
+/// Diagnoses a recording in a world with at most `most` faults; `None` as well in the world of a site that neither a baseline nor the readings
+/// show.
 fn diagnose_in(
     world: World,
     of: &DiagnosisInput,
     most: usize,
     progress: &dyn Fn(f64),
-) -> Result<Option<(DiagnosisResult, bool)>> {
+) -> Result<Option<DiagnosisResult>> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(mut prepared) = Prepared::new(of, &machine, world)? else { return Ok(None) };
     progress(0.1);
-    let shows_errors = prepared.site.as_ref().is_some_and(SiteRecording::shows_errors);
-    let is_known = of.calibration.is_some_and(|calibration| !calibration.readings.is_empty());
-    let faults = if world == World::Exact || is_known || shows_errors {
-        hypothesis::diagnose(&mut prepared, most, progress)?
-    } else {
-        vec![]
-    };
-    Ok(Some((result::diagnosis(of, &prepared, &faults)?, shows_errors)))
+    if self::world(of) == World::Exact && prepared.site.as_ref().is_some_and(|site| !site.shows_errors()) {
+        return Ok(None);
+    }
+    let faults = hypothesis::diagnose(&mut prepared, most, progress)?;
+    Ok(Some(result::diagnosis(of, &prepared, &faults)?))
 }
 
 /// Estimates angle and slip of every cage, without a search for faults; `None` if the rotor or its probes do not allow it.
@@ -299,5 +294,5 @@ pub fn calibrate(
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
     let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
-    Ok(if with_fault.is_some_and(|(result, _)| result.explains()) { exact } else { site })
+    Ok(if with_fault.is_some_and(|result| result.explains()) { exact } else { site })
 }

@@ -22,12 +22,12 @@ const LARGEST_ODDS: f64 = 1e12;
 const LEAST_ODDS: f64 = 19.0;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
 const UNEXPLAINED: f64 = 9.0;
-/// Share of the unexplained motion from which a fault of a site is named, and one that moves the shaft.
-const DECIDED: [f64; 2] = [0.6, 0.8];
 /// The same at a site, where the noise contains what is expected.
 const UNEXPLAINED_AT_SITE: f64 = 1.25;
 /// The same up to which it is: what the model of a bearing leaves of the motion of another one.
 const EXPLAINED: f64 = 1.5;
+/// Share of the unexplained motion from which a fault of a site is named, and one that moves the shaft.
+const DECIDED: [f64; 2] = [0.6, 0.8];
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 

@@ -19,10 +19,10 @@ const MODEL_ERROR: f64 = 0.02;
 const SPREAD: usize = 3;
 /// Share of a motion that appears at other lines by an error of the model, where the stiffness changes by its own amount.
 const INTERMODULATION: f64 = 0.02;
-/// Largest part of a line that is such a product.
-const PRODUCT: f64 = 0.3;
 /// Least displacement over which it does, m.
 const DEFLECTION: f64 = 2e-6;
+/// Largest part of a line that is such a product.
+const PRODUCT: f64 = 0.3;
 /// Lines of a sound machine recur with up to this multiple of their amplitude.
 const RECURRENCE: f64 = 2.0;
 /// Relative change of the order of a line between recordings, by the slip of a cage.
@@ -117,14 +117,7 @@ impl Evidence<'_> {
             variance
         };
         let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
-        let mut lines: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); orders.len()]);
-        for (p, error) in subtracted.iter().enumerate() {
-            let column = self.weighting.solver.column(p).to_array();
-            for (k, x) in basis.spectrum(error).into_iter().enumerate() {
-                lines.iter_mut().zip(column).for_each(|(line, a)| line[k] += a * x);
-            }
-        }
-        self.subtracted = Arc::new(lines);
+        self.subtracted = Arc::new(self.pretended(&basis, subtracted));
         self.site = Some(Arc::new(Site { basis, expected, waves }));
     }
 
@@ -136,14 +129,19 @@ impl Evidence<'_> {
     /// Returns the force that stands for errors of the readings: that of the mean stiffness at the displacement that they pretend.
     pub(super) fn readings(&self, errors: &[ReadingError]) -> [Vec<C>; D] {
         let Some(site) = &self.site else { return Default::default() };
+        self.required_at_reference(&self.pretended(&site.basis, errors))
+    }
+
+    /// Returns the spectrum of the displacement that errors of the readings pretend.
+    fn pretended(&self, basis: &ReadingBasis, errors: &[ReadingError]) -> [Vec<C>; D] {
         let mut lines: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
         for (p, error) in errors.iter().enumerate().filter(|(_, error)| error.iter().any(|x| *x != 0.0)) {
             let column = self.weighting.solver.column(p).to_array();
-            for (k, x) in site.basis.spectrum(error).into_iter().enumerate() {
+            for (k, x) in basis.spectrum(error).into_iter().enumerate() {
                 lines.iter_mut().zip(column).for_each(|(line, a)| line[k] += a * x);
             }
         }
-        self.required_at_reference(&lines)
+        lines
     }
 
     /// Returns the force that a displacement requires at the mean stiffness.
@@ -204,8 +202,7 @@ impl Evidence<'_> {
     }
 
     /// Returns the posterior mean of the errors of the readings from what a machine does not explain; the motion lacks those that are
-    /// `subtracted`. `uncertain_unbalance` is the standard
-    /// deviation of the machine's unbalance over it.
+    /// `subtracted`. `uncertain_unbalance` is the standard deviation of the machine's unbalance over it.
     pub fn reading_errors(
         &self,
         machine: &Machine,

@@ -22,13 +22,7 @@ const MIN_TOLERANCE: f64 = 1e-3;
 impl Evidence<'_> {
     /// Weights residuals by the noise that they have with this machine.
     pub(crate) fn weight_for(&mut self, machine: &Machine) -> Result<()> {
-        if self.displaced.is_empty() || self.shaft.dynamics.is_elastic() {
-            self.displace(machine)?;
-        }
-        if self.follows_axially() {
-            self.follow_axially(machine)?;
-        }
-        self.reference = self.mean_stiffness(machine)?;
+        self.refer_to(machine)?;
         self.whitening = self.whitening_of(&self.reference);
         self.whiten_bearings();
         self.rows = self.whitening.first().map_or(0, Vec::len);
