@@ -173,7 +173,7 @@ impl Plant {
     /// Returns the notes for a simulation with this sample period.
     ///
     /// # Errors
-    /// As [`Plant::unstable_step`].
+    /// If the stability of a step cannot be determined.
     pub fn simulation_notes(&self, scene: &Scene, sample_period: f64) -> Result<Vec<String>> {
         let of_replay = self.unstable_in_replay(scene)?;
         let others = self.notes.iter().filter(|note| of_replay.as_ref() != Some(note));
@@ -452,7 +452,7 @@ impl Plant {
     /// Returns the number of integration steps in one sample period.
     ///
     /// # Errors
-    /// More than [`MAX_SUBSTEPS`]: longer steps would not be stable.
+    /// More than 10 000: longer steps would not be stable.
     pub fn substeps(&self, sample_period: f64) -> Result<u32> {
         let step = self.integration.step.unwrap_or_else(|| self.own_step());
         let steps = (sample_period / step * (1.0 - 1e-9)).ceil().max(1.0);

@@ -21,6 +21,7 @@ import contextlib
 import datetime
 import json
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
 #: A path of a CSV or Parquet file, or a table in memory.
 Machines = Union[str, "os.PathLike[str]", Mapping[str, Sequence[Any]], Any]
 
-#: Seconds between looks at the workers of a cluster, and looks without a worker after which a machine is given up.
-_LOOKS = (5, 12)
+#: Seconds between looks at the workers of a cluster, and without a worker after which a machine is given up.
+_LOOK_S, _WITHOUT_WORKER_S = 5, 60
 
 #: Largest number of machines that one task evaluates: a task that is lost with its worker is evaluated again.
 _MOST_PER_TASK = 8
@@ -272,13 +273,18 @@ def _wait_for_workers(client: Client, count: int) -> None:
 
 def _result_alone(client: Client, task: Any) -> list[Evaluated]:
     """Return the result of the only task. Dask does not start a worker again that ended while it was started."""
-    (seconds, most), without_worker = _LOOKS, 0
-    while without_worker < most:
+    from distributed import wait
+
+    last_worker = time.monotonic()
+    while not task.done():
         with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
-            result: list[Evaluated] = task.result(timeout=seconds)
-            return result
-        without_worker = 0 if client.nthreads() else without_worker + 1
-    raise RuntimeError("the cluster has had no worker for a minute")
+            wait(task, timeout=_LOOK_S)
+        if client.nthreads():
+            last_worker = time.monotonic()
+        elif time.monotonic() - last_worker > _WITHOUT_WORKER_S:
+            raise RuntimeError("the cluster has had no worker for a minute")
+    result: list[Evaluated] = task.result()
+    return result
 
 
 def _on_cluster(client: Client, machines: list[str], reports: bool, error: float | None) -> Iterator[Evaluated]:

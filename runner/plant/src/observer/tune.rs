@@ -77,7 +77,7 @@ struct Candidate {
 /// Returns `None` if no steady filter exists because neither a probe nor a bearing determines some coordinate.
 ///
 /// # Errors
-/// Returns an error for more than [`MAX_PROBES`] probes, if the kernel rejects the plant, or if the search is cancelled.
+/// Returns an error for more probes than an observer has room for, if the kernel rejects the plant, or if the search is cancelled.
 pub fn identify(
     plant: &Plant,
     linear: &Plant,

@@ -78,7 +78,8 @@ impl Machine {
         }
     }
 
-    /// Returns the [`fingerprint`](Self::fingerprint), or `None` where a file does not answer within `patience`.
+    /// Returns a hash of the row of the table and of the files that it names, or `None` where a file does not answer within
+    /// `patience`.
     #[must_use]
     pub fn fingerprint_within(&self, patience: Duration) -> Option<String> {
         let one = self.clone();

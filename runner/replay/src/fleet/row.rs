@@ -158,7 +158,7 @@ pub struct Row {
     pub duration_s: Option<f64>,
     /// Mean shaft speed.
     pub mean_speed_rpm: Option<f64>,
-    /// Fingerprint of the inputs, as [`Machine::fingerprint`](super::Machine::fingerprint).
+    /// Fingerprint of the inputs: of the row of the table, and of size and modification time of its files.
     pub inputs: String,
 }
 
