@@ -10,7 +10,6 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 import pandas
@@ -143,30 +142,18 @@ def test_a_machine_that_ends_its_workers_is_an_error(
     assert [_rows(result)[i] for i in others] == [_rows(single)[i] for i in others]
 
 
-class Workerless:
-    """A client and its task: no worker at the first looks, and a result at the last of ``looks``."""
-
-    def __init__(self, looks: int, without: int) -> None:
-        self.looks, self.without = looks, without
-
-    def result(self, timeout: float) -> list[tuple[str, None]]:
-        self.looks -= 1
-        if self.looks > 0:
-            raise TimeoutError
-        return [("row", None)]
-
-    def nthreads(self) -> dict[str, int]:
-        self.without -= 1
-        return {"a": 1} if self.without < 0 else {}
-
-
-def test_a_cluster_without_workers_is_given_up() -> None:
-    given_up = Workerless(looks=100, without=100)
-    with pytest.raises(RuntimeError, match="no worker for a minute"):
-        ballrace.fleet._result_alone(cast(Any, given_up), given_up)
-    # A worker that comes back, and a machine that takes long.
-    slow = Workerless(looks=50, without=11)
-    assert ballrace.fleet._result_alone(cast(Any, slow), slow) == [("row", None)]
+@pytest.mark.cluster
+def test_a_cluster_without_workers_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ballrace.fleet, "_LOOK_S", 0.2)
+    monkeypatch.setattr(ballrace.fleet, "_WITHOUT_WORKER_S", 2)
+    with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        with pytest.raises(RuntimeError, match="no worker for a minute"):
+            ballrace.fleet._result_alone(client, client.submit(time.sleep, 0))
+        # A worker that comes, and a machine that takes longer than a cluster may be without workers.
+        cluster.scale(1)
+        client.wait_for_workers(1)
+        monkeypatch.setattr(ballrace.fleet, "_WITHOUT_WORKER_S", 2)
+        ballrace.fleet._result_alone(client, client.submit(time.sleep, 3))
 
 
 def test_a_folder_has_one_writer(machines: Path, tmp_path: Path) -> None:
