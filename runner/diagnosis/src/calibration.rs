@@ -30,8 +30,15 @@ const SETTLED: f64 = 0.1;
 /// The same, below which the calibration ends.
 const DONE: f64 = 0.01;
 
-/// Rounds after which chi-squared per value is at most so much, unless the recording is that of a site: `is_of_site` decides it.
+/// Rounds after which chi-squared per value is at most so much, or the calibration ends early.
 const HOPEFUL: (usize, f64) = (3, 6.0);
+
+/// Least gap that shows a site, m: the parameters of a machine are fitted so that they leave less of a position.
+const SHOWN_GAP: f64 = 1.5e-6;
+
+/// Values of a residual of a site that one error of the model changes together: those of all probes at the lines about one motion. A value
+/// is evidence of so much less.
+const DEPENDENT: f64 = 100.0;
 
 /// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
 const UNLIKELY: f64 = 1e-3;
@@ -281,12 +288,13 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
     fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, (2 * ITERATIONS, end))
 }
 
-/// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration.
+/// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration; unless `to_end`, only a few rounds
+/// where these lead to nothing.
 pub(super) fn calibrate(
     of: &mut Prepared,
     earlier: Option<&Calibration>,
     plan: &CalibrationPlan<'_>,
-    is_of_site: &dyn Fn() -> Result<bool>,
+    to_end: bool,
 ) -> Result<Calibrated> {
     let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let is_over = || end.is_some_and(|end| Instant::now() > end);
@@ -302,7 +310,10 @@ pub(super) fn calibrate(
         of.evidence.weight_for(&loaded)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &loaded, SLIPS)?;
     }
-    let loose = prior.times(LOOSE);
+    // Parameters that the scene gives are fitted as if its values were known so much better, and their deviations are as much larger.
+    let (dependent, loose) = if of.site.is_some() { (DEPENDENT, 1.0) } else { (1.0, LOOSE) };
+    let prior = prior.times(dependent);
+    let loose = prior.times(loose);
     let mut has_modulus = false;
     let (mut rounds, mut still_falls) = (0, None);
     while rounds < MAX_ROUNDS && !is_over() {
@@ -317,9 +328,9 @@ pub(super) fn calibrate(
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
         let values = now.residual.len() as f64;
         let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
-        let fall = before - now.chi_square;
-        if rounds == HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values && is_of_site()? {
-            still_falls = None;
+        let fall = (before - now.chi_square) / dependent;
+        if !to_end && rounds == HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values {
+            still_falls = Some(fall / before);
             break;
         }
         if has_modulus && fall < DONE * excess {
@@ -358,7 +369,10 @@ pub(super) fn calibrate(
             name: *name,
             bearing: b.map(|b| now.machine.bearings[b].scene.name.clone()),
             value: unknown.get(&now.machine),
-            deviation: place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i)),
+            deviation: {
+                let dependent = if scene_deviation(*name).is_some() { dependent.sqrt() } else { 1.0 };
+                dependent * place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i))
+            },
         })
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
@@ -367,6 +381,6 @@ pub(super) fn calibrate(
         None => vec![],
     };
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
-    let shows_errors = of.site.as_ref().is_some_and(super::SiteRecording::shows_errors);
+    let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
     Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, shows_errors })
 }

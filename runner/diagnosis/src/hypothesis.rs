@@ -19,6 +19,8 @@ pub(crate) struct IdentifiedFault {
     pub gain: f64,
     /// Second-best candidate, and the logarithm of the odds against it.
     pub next: Option<(AnyFault, f64)>,
+    /// Largest fall of chi-squared by a fault of another kind or bearing, over its own.
+    pub rival: f64,
     pub fitted: Fitted,
     /// False for a fault of a site that moves the shaft, but explains less than half of the motion.
     explains_motion: bool,
@@ -99,7 +101,7 @@ pub(crate) const MIN_GAIN: f64 = 100.0;
 /// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
 const FORCE_ERROR: f64 = 0.01;
 /// Share of the largest gain from which an error of a reading is taken before a fault.
-const MEASURED: f64 = 0.33;
+const MEASURED: f64 = 0.7;
 /// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
 const EXPLAINED_MOTION: f64 = 0.5;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
@@ -121,8 +123,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
     let first_excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
     while faults.len() < most {
         let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
-        // What a fault of a site leaves beside what is expected has no further cause.
-        if of.site.is_some() && !faults.is_empty() && excess < 0.0 {
+        // What a fault of a site leaves beside what is expected has no further cause, and one that moves the shaft leaves lines of all bearings.
+        if of.site.is_some() && (faults.iter().any(|one| one.fault.moves_shaft()) || !faults.is_empty() && excess < 0.0)
+        {
             break;
         }
         let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(&faults));
@@ -176,8 +179,13 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         } else {
             None
         };
+        let place = |scored: &Scored| (scored.identified.fault.kind(), scored.identified.fault.bearing());
+        let first = tried.first().map(place);
+        let others = tried.iter().filter(|scored| Some(place(scored)) != first);
+        let rival = others.map(|scored| scored.identified.gain).fold(0.0, f64::max);
         let Some(Scored { mut identified, mut evidence, .. }) = tried.into_iter().next() else { break };
         identified.next = next;
+        identified.rival = rival / identified.gain.max(f64::MIN_POSITIVE);
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
             evidence = moved_axially(of, &mut identified)?;
         }
@@ -273,7 +281,7 @@ fn scored<'a>(
         _ => true,
     };
     Ok(Scored {
-        identified: IdentifiedFault { fault, gain, next: None, fitted, explains_motion, observable },
+        identified: IdentifiedFault { fault, gain, next: None, rival: 0.0, fitted, explains_motion, observable },
         prior,
         tolerated: 0.0,
         evidence,

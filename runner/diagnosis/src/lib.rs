@@ -63,6 +63,8 @@ pub(crate) const MIN_REVOLUTIONS: f64 = 16.0;
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
 /// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
 const HIGHEST_OVER_RATE: f64 = 0.16;
+/// Least gap that shows a site, m: a fault may move the shaft by less.
+const SHOWN_GAP: f64 = 10e-6;
 /// Band about a carrier, in orders of the shaft.
 const BAND_ORDERS: f64 = 3.5;
 
@@ -235,7 +237,7 @@ fn diagnose_in(
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let Some(mut prepared) = Prepared::new(of, &machine, world)? else { return Ok(None) };
     progress(0.1);
-    if self::world(of) == World::Exact && prepared.site.as_ref().is_some_and(|site| !site.shows_errors()) {
+    if self::world(of) == World::Exact && prepared.site.as_ref().is_some_and(|site| !site.shows_errors(SHOWN_GAP)) {
         return Ok(None);
     }
     let faults = hypothesis::diagnose(&mut prepared, most, progress)?;
@@ -271,28 +273,24 @@ pub fn calibrate(
 ) -> std::result::Result<Option<Calibrated>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };
-    let in_world = |world: World| -> Result<Option<Calibrated>> {
+    let in_world = |world: World, to_end: bool| -> Result<Option<Calibrated>> {
         let Some(mut prepared) = Prepared::new(&alone, &machine, world)? else { return Ok(None) };
-        let is_of_site = || {
-            let site = if world == World::Exact { Prepared::new(&alone, &machine, World::Site)? } else { None };
-            Ok(site.and_then(|prepared| prepared.site).is_some_and(|site| site.shows_errors()))
-        };
-        Ok(Some(calibration::calibrate(&mut prepared, of.calibration, plan, &is_of_site)?))
+        calibration::calibrate(&mut prepared, of.calibration, plan, to_end).map(Some)
     };
     if world(of) == World::Site {
-        return in_world(World::Site);
+        return in_world(World::Site, true);
     }
-    let exact = in_world(World::Exact)?;
+    let exact = in_world(World::Exact, false)?;
     if exact.as_ref().is_none_or(|calibrated| calibrated.learning(of.scene).taken) {
         return Ok(exact);
     }
-    let site = in_world(World::Site)?;
-    // A fault of the scene's machine is no site: its recording is learned with the fault.
+    let exact_to_end = || in_world(World::Exact, true);
+    let site = in_world(World::Site, true)?;
     let is_site = |calibrated: &Calibrated| calibrated.shows_errors && calibrated.learning(of.scene).taken;
     if !site.as_ref().is_some_and(is_site) {
-        return Ok(exact);
+        return exact_to_end();
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
     let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
-    Ok(if with_fault.is_some_and(|result| result.explains()) { exact } else { site })
+    if with_fault.is_some_and(|result| result.explains()) { exact_to_end() } else { Ok(site) }
 }

@@ -16,8 +16,8 @@ pub const HARMONICS: usize = 20;
 const MAINS: [f64; 2] = [50.0, 60.0];
 const MULTIPLES: usize = 4;
 /// Index of the first coefficient of the run-out, and of the hum.
-const GAP: usize = 0;
-const DRIFT: usize = 1;
+pub const GAP: usize = 0;
+pub const DRIFT: usize = 1;
 const RUN_OUT: usize = 2;
 const HUM: usize = RUN_OUT + 2 * HARMONICS;
 /// Coefficients of one probe.

@@ -26,8 +26,10 @@ const UNEXPLAINED: f64 = 9.0;
 const UNEXPLAINED_AT_SITE: f64 = 1.25;
 /// The same up to which it is: what the model of a bearing leaves of the motion of another one.
 const EXPLAINED: f64 = 1.5;
-/// Share of the unexplained motion from which a fault of a site is named, and one that moves the shaft.
+/// Share of the unexplained motion from which a fault of a site is named without "possibly", and one that moves the shaft.
 const DECIDED: [f64; 2] = [0.6, 0.8];
+/// The same from which a surface is named whose lines no other fault explains, and the largest share of its gain by another one.
+const ALONE: (f64, f64) = (0.4, 0.33);
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 
@@ -119,7 +121,7 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         diagnoses.push(match identified.equally_likely() {
             Some(other) => undecided(diagnosis, fault, other, e, &of.healthy),
             None if e.site.is_some() && explained < DECIDED[usize::from(fault.moves_shaft())] => {
-                possible(diagnosis, e, &of.healthy)
+                possible(diagnosis, identified.is_alone(explained), e, &of.healthy)
             }
             None => diagnosis,
         });
@@ -162,6 +164,12 @@ impl IdentifiedFault {
         self.next.map(|(_, odds)| odds.min(LARGEST_ODDS.ln()).exp())
     }
 
+    /// Returns true for a fault of a surface whose lines no other fault explains.
+    fn is_alone(&self, explained: f64) -> bool {
+        let (least, rival) = ALONE;
+        self.fault.surface().is_some() && explained > least && self.rival < rival
+    }
+
     /// Returns the second-best candidate if it is another kind of fault, or on another bearing, and the recording does not decide
     /// between the two.
     fn equally_likely(&self) -> Option<AnyFault> {
@@ -171,16 +179,21 @@ impl IdentifiedFault {
     }
 }
 
-/// Returns the diagnosis that a fault is possible, from that of the fault: too much of the motion is left.
-fn possible(first: Diagnosis, e: &Evidence, healthy: &Fitted) -> Diagnosis {
+/// Returns the diagnosis that a fault is possible, from that of the fault: too much of the motion is left. A fault that is `alone` keeps its
+/// cause, place and size.
+fn possible(first: Diagnosis, alone: bool, e: &Evidence, healthy: &Fitted) -> Diagnosis {
+    let sentence = format!(
+        "Possibly: {} Most likely, but not decided: a recording at another speed or load, or a vibration sensor at the bearings may decide.",
+        first.sentence
+    );
+    let first = Diagnosis { sentence, ..first };
+    if alone {
+        return first;
+    }
     let FaultParameters { log_likelihood_gain, odds_to_next, explained, .. } = first.parameters;
     Diagnosis {
         kind: FaultKind::Other,
         bearing: None,
-        sentence: format!(
-            "Possibly: {} Most likely, but not decided: a recording at another speed or load, or a vibration sensor at the bearings may decide.",
-            first.sentence
-        ),
         lines: unexplained_lines(e, healthy),
         parameters: FaultParameters { log_likelihood_gain, odds_to_next, explained, ..FaultParameters::default() },
         figures: FaultFigures::default(),

@@ -1,7 +1,7 @@
 //! The recording of a site: the motion of the shaft without the errors of the readings that a machine does not explain.
 
 use super::machine::Machine;
-use super::measurement::{self, COEFFICIENTS, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic};
+use super::measurement::{self, COEFFICIENTS, DRIFT, GAP, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic};
 use super::motion::Motion;
 use super::residual::site::{SiteKnowledge, divided};
 use super::residual::{Evidence, Weighting};
@@ -21,9 +21,8 @@ const SAG: f64 = 20e-6;
 const UNBALANCE_FIRST: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
 
-/// Least gap, drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
+/// Least drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
 /// first is also that of an unbalance.
-const SHOWN_GAP: f64 = 10e-6;
 const SHOWN_DRIFT: f64 = 2e-6;
 const SHOWN_RUN_OUT: f64 = 0.15e-6;
 const SHOWN_MULTIPLES: (RangeInclusive<usize>, usize) = (2..=8, 3);
@@ -37,6 +36,8 @@ pub struct SiteRecording<'a> {
     /// Motion by the readings.
     raw: Motion,
     known: SiteKnowledge<'a>,
+    /// Standard deviation of the coefficients of each probe's error before the recording.
+    deviations: Vec<ReadingError>,
     /// Errors known from the baseline.
     centre: Vec<ReadingError>,
     /// Errors beyond them.
@@ -56,7 +57,7 @@ impl<'a> SiteRecording<'a> {
         let count = input.probes.len();
         let mut centre = vec![[0.0; COEFFICIENTS]; count];
         for (centre, learned) in centre.iter_mut().zip(learned) {
-            centre[0] = learned.gap;
+            centre[GAP] = learned.gap;
             for (order, parts) in (1..=HARMONICS).zip(&learned.run_out) {
                 for (part, x) in parts.iter().enumerate() {
                     centre[harmonic(order, part)] = *x;
@@ -71,14 +72,13 @@ impl<'a> SiteRecording<'a> {
             let mean: [f64; 5] = std::array::from_fn(|i| raw.q.iter().map(|q| q.to_array()[i]).sum::<f64>() / n);
             for (error, probe) in errors.iter_mut().zip(input.probes) {
                 let row = probes::row(probe);
-                error[0] = (0..5).filter(|i| *i != 2).map(|i| row[i] * (mean[i] - rest[i])).sum();
+                error[GAP] = (0..5).filter(|i| *i != 2).map(|i| row[i] * (mean[i] - rest[i])).sum();
             }
         }
-        let known = SiteKnowledge {
-            deviations: input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect(),
-            learned,
-        };
-        Self { input, weighting, highest, raw, known, centre, errors, basis: None }
+        let deviations: Vec<ReadingError> =
+            input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect();
+        let known = SiteKnowledge { deviations: deviations.clone(), learned };
+        Self { input, weighting, highest, raw, known, deviations, centre, errors, basis: None }
     }
 
     /// Returns the recording for a machine, after the errors that the machine does not explain have been found; `None` if the rotor cannot be
@@ -93,8 +93,13 @@ impl<'a> SiteRecording<'a> {
             e.refer_to(machine)?;
             let [_, unknown] = divided(&self.errors, &self.known);
             let removed = sums(&counting, &unknown);
+            self.known.deviations.clone_from(&self.deviations);
+            for (deviations, error) in self.known.deviations.iter_mut().zip(&self.errors) {
+                // A probe that drifts in the record has drifted before it.
+                deviations[GAP] = deviations[GAP].hypot(error[DRIFT]);
+            }
             let found = e.reading_errors(machine, &self.known, &basis, &removed, (least, unbalance))?;
-            let moved = found.iter().zip(&removed).map(|(new, old)| (new[0] - old[0]).abs()).fold(0.0, f64::max);
+            let moved = found.iter().zip(&removed).map(|(new, old)| (new[GAP] - old[GAP]).abs()).fold(0.0, f64::max);
             self.errors = found;
             if round > 0 && moved < CLOSE {
                 break;
@@ -134,14 +139,14 @@ impl<'a> SiteRecording<'a> {
         Evidence::new(scene, plant, motion, self.highest, self.weighting.clone())
     }
 
-    /// Returns true where the readings have errors that no machine of the scene explains: gaps, drift, or a run-out of several multiples of
-    /// the shaft angle.
-    pub fn shows_errors(&self) -> bool {
+    /// Returns true where the readings have errors that no machine of the scene explains: a gap of at least so much, drift, or a
+    /// run-out of several multiples of the shaft angle.
+    pub fn shows_errors(&self, least_gap: f64) -> bool {
         self.errors.iter().any(|error| {
             let amplitude = |order: usize| error[harmonic(order, 0)].hypot(error[harmonic(order, 1)]);
             let (orders, count) = SHOWN_MULTIPLES;
-            error[0].abs() > SHOWN_GAP
-                || error[1].abs() > SHOWN_DRIFT
+            error[GAP].abs() > least_gap
+                || error[DRIFT].abs() > SHOWN_DRIFT
                 || orders.filter(|order| amplitude(*order) > SHOWN_RUN_OUT).count() >= count
         })
     }
@@ -152,7 +157,7 @@ impl<'a> SiteRecording<'a> {
             let sum = |j: usize| self.centre[p][j] + self.errors[p][j];
             ProbeReadings {
                 column: self.input.probes[p].column.clone(),
-                gap: sum(0),
+                gap: sum(GAP),
                 run_out: (1..=HARMONICS).map(|order| [0, 1].map(|part| sum(harmonic(order, part)))).collect(),
                 lines,
             }

@@ -93,9 +93,8 @@ impl FaultKind {
         name
     }
 
-    /// Returns the recommended action.
-    #[must_use]
-    pub const fn action(self) -> &'static str {
+    /// Returns the action that a sure diagnosis recommends.
+    const fn action(self) -> &'static str {
         let [.., action] = self.words();
         action
     }
@@ -389,7 +388,21 @@ pub struct Diagnosis {
     pub figures: FaultFigures,
 }
 
+/// Confidence from which a diagnosis recommends to order or to replace a part.
+const SURE: f64 = 0.9;
+
 impl Diagnosis {
+    /// Returns the recommended action: it follows the confidence.
+    #[must_use]
+    pub const fn action(&self) -> &'static str {
+        if matches!(self.kind, FaultKind::OuterRace | FaultKind::InnerRace | FaultKind::Element | FaultKind::Cage)
+            && self.confidence < SURE
+        {
+            return "Record again within a week, at another speed or load or with a vibration sensor at the bearing, before anything is ordered.";
+        }
+        self.kind.action()
+    }
+
     /// Adds the data of the figures, with the numbers of the force rose.
     #[must_use]
     pub fn with_figures(mut self, figures: FaultFigures) -> Self {

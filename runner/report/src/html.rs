@@ -81,7 +81,7 @@ fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
         (Level::Neutral, "NO VERDICT")
     };
     let action = match outcome.diagnoses.first() {
-        Some(diagnosis) => diagnosis.kind.action().to_owned(),
+        Some(diagnosis) => diagnosis.action().to_owned(),
         None if !outcome.events.is_empty() => words::EVENT_ACTION.to_owned(),
         None => words::no_action(outcome).to_owned(),
     };
@@ -186,7 +186,7 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             typeset(&fixed(diagnosis.level_db, 1)),
             typeset(&fixed(100.0 * diagnosis.confidence, 0)),
             diagnosis.sentence.clone(),
-            diagnosis.kind.action().to_owned(),
+            diagnosis.action().to_owned(),
         ];
         table.push(Row { diagnosis: Some(i), ..Row::new(cells) });
     }

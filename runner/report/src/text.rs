@@ -317,7 +317,7 @@ fn diagnoses(page: &mut Page, outcome: &Outcome) {
         if let Some(unexplained) = &diagnosis.parameters.unexplained_motion {
             page.sentence("    ", &words::unexplained_motion(unexplained));
         }
-        page.sentence("    Action: ", diagnosis.kind.action());
+        page.sentence("    Action: ", diagnosis.action());
     }
 }
 
@@ -413,7 +413,7 @@ mod tests {
         let text = text(&outcome).split_whitespace().collect::<Vec<_>>().join(" ");
         let said = diagnosis.sentence.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(text.matches(&said).count(), 1, "{text}");
-        assert!(text.contains(diagnosis.kind.action()) && text.contains(words::severity(diagnosis)), "{text}");
+        assert!(text.contains(diagnosis.action()) && text.contains(words::severity(diagnosis)), "{text}");
         assert!(text.contains("diagnosis 2.5 s"), "{text}");
     }
 

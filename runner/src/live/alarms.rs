@@ -88,7 +88,7 @@ impl AlarmList {
         let ids: Vec<String> = diagnoses.iter().map(fault_id).collect();
         for (diagnosis, id) in diagnoses.iter().zip(&ids) {
             let [title, _] = report::diagnosis(diagnosis);
-            self.raise(id.clone(), &title, &diagnosis.sentence, diagnosis.kind.action());
+            self.raise(id.clone(), &title, &diagnosis.sentence, diagnosis.action());
         }
         self.end(|alarm| alarm.id.starts_with(FAULT) && !ids.contains(&alarm.id));
     }

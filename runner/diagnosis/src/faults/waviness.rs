@@ -32,8 +32,8 @@ const PHASES: [f64; 2] = [0.0, -0.5 * PI];
 const TOLERANCE: f64 = 1e-8;
 /// Waves of sound bearings, over which one is a fault at a site.
 const EXCEEDS: f64 = 3.0;
-/// Least amplitude of a wave that is a fault there, m.
-const LEAST_OF_SITE: f64 = 0.05e-6;
+/// Least amplitude of a wave that is a fault there, m: elements of sound bearings of ordinary class differ by up to 0.1 um.
+const LEAST_OF_SITE: f64 = 0.15e-6;
 /// Share of the largest gain by which a wave may be worse and is fitted further: where its line coincides with that of another, a first fit and
 /// uncertain parameters leave as much.
 const NEARLY: f64 = 0.02;

@@ -8,23 +8,27 @@ use super::super::machine::Machine;
 use super::super::measurement::{Expected, ReadingBasis, ReadingError, Site, limited};
 use super::super::motion::{C, D};
 use super::{Evidence, MEAN_LINES, Spectra};
+use ballrace::Displacement;
 use ballrace_outcome::ProbeReadings;
 use ballrace_plant::probes;
+use ballrace_scene::Direction;
 use nalgebra::{DMatrix, SVector};
 use std::sync::Arc;
 
 /// Relative error of the motion that a model of the machine describes, line by line.
 const MODEL_ERROR: f64 = 0.02;
+/// Relative error of the gain of a probe, and of its direction in rad, until a baseline has been recorded with it.
+const GAIN_ERROR: f64 = 0.03;
 /// Lines on each side over which the motion that has it is taken: the window spreads a line.
 const SPREAD: usize = 3;
+/// The same over the number of the line, by a speed that varies in the record.
+const SPEED_SPREAD: f64 = 0.003;
 /// Share of a motion that appears at other lines by an error of the model, where the stiffness changes by its own amount.
 const INTERMODULATION: f64 = 0.02;
 /// Least displacement over which it does, m.
 const DEFLECTION: f64 = 2e-6;
-/// Largest part of a line that is such a product.
-const PRODUCT: f64 = 0.3;
 /// Lines of a sound machine recur with up to this multiple of their amplitude.
-const RECURRENCE: f64 = 2.0;
+const RECURRENCE: f64 = 1.5;
 /// Relative change of the order of a line between recordings, by the slip of a cage.
 const MOVED: f64 = 0.012;
 /// Amplitude of the waves of races and of the difference of elements of a sound bearing of ordinary class, m, at order 1; it falls with the
@@ -61,28 +65,18 @@ impl Evidence<'_> {
         let orders: Vec<f64> =
             self.transform.lines.iter().map(|w| w / self.motion.mean_speed().abs().max(f64::MIN_POSITIVE)).collect();
         let apart = orders.get(1).copied().unwrap_or(0.0);
-        let free = self.plant_clearance();
-        let probe = |(p, probe): (usize, &ballrace_scene::Probe)| {
-            let row = probes::row(probe);
-            let power: Vec<f64> = (0..orders.len())
-                .map(|k| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr())
-                .collect();
-            let square =
-                2.0 * power.iter().skip(MEAN_LINES).sum::<f64>() / (self.motion.len() as f64 * self.transform.power);
-            let intermodulation = (INTERMODULATION * 2.0 * square / free * 0.5 * sum).powi(2);
-            let around = |k: usize| {
-                let lines = k.saturating_sub(SPREAD).max(MEAN_LINES)..(k + SPREAD + 1).min(orders.len());
-                power[lines].iter().copied().fold(0.0, f64::max)
-            };
+        let products = self.products();
+        let probe = |(p, _): (usize, &ballrace_scene::Probe)| {
             let learned = |k: usize| {
                 let near = |line: &&[f64; 2]| (line[0] - orders[k]).abs() < (MOVED * line[0]).max(2.5 * apart);
                 let lines = known.learned.get(p).map(|learned| learned.lines.as_slice()).unwrap_or_default();
                 (lines.iter().filter(near).map(|line| line[1]).fold(0.0, f64::max) * 0.5 * sum).powi(2)
             };
             let mut variance = basis.variance(&known.deviations[p]);
-            for (k, variance) in variance.iter_mut().enumerate().skip(MEAN_LINES) {
-                *variance += intermodulation.min(PRODUCT * PRODUCT * around(k));
-            }
+            variance
+                .iter_mut()
+                .zip(&products)
+                .for_each(|(variance, product)| *variance += INTERMODULATION.powi(2) * product);
             let of = |k: usize, x: &dyn Fn(usize) -> f64| if k < MEAN_LINES { 0.0 } else { x(k) };
             Expected { variance, learned: (0..orders.len()).map(|k| of(k, &learned)).collect() }
         };
@@ -119,6 +113,32 @@ impl Evidence<'_> {
         let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
         self.subtracted = Arc::new(self.pretended(&basis, subtracted));
         self.site = Some(Arc::new(Site { basis, expected, waves }));
+    }
+
+    /// Returns the square of each line that a bearing makes of others: of the second and third power of the motion over the displacement
+    /// that changes its stiffness by its own amount.
+    fn products(&self) -> Vec<f64> {
+        let free = self.plant_clearance();
+        let mut squares = vec![0.0; self.transform.lines.len()];
+        for probe in self.weighting.probes.iter().filter(|probe| probe.direction != Direction::Axial) {
+            let row = probes::row(probe);
+            let read = |q: &Displacement<f64>| q.to_array().iter().zip(row).map(|(x, a)| x * a).sum::<f64>();
+            let mean = self.motion.q.iter().map(read).sum::<f64>() / self.motion.len().max(1) as f64;
+            let x: Vec<f64> = self.motion.q.iter().map(|q| read(q) - mean).collect();
+            let [square, fourth] = [2, 4].map(|power| x.iter().map(|x| x.powi(power)).sum::<f64>());
+            // The third power without its part along the motion: a stiffness of another amount explains that.
+            let along = fourth / square.max(f64::MIN_POSITIVE);
+            let third = |x: f64| x * (x * x - along) / (free * free);
+            let spectra = self.transform.pair(0, |t| x[t] * x[t] / free, |t| third(x[t]));
+            for spectrum in &spectra {
+                squares.iter_mut().zip(spectrum).skip(MEAN_LINES).for_each(|(sum, x)| *sum += x.norm_sqr());
+            }
+        }
+        let largest = |k: usize| {
+            let lines = k.saturating_sub(SPREAD)..(k + SPREAD + 1).min(squares.len());
+            squares[lines].iter().copied().fold(0.0, f64::max)
+        };
+        (0..squares.len()).map(largest).collect()
     }
 
     /// Returns the number of standard deviations that a change exceeds: 0 where the readings are those of the scene's machine.
@@ -251,7 +271,8 @@ impl Evidence<'_> {
                 let rows = self.rows;
                 let mean = if k < MEAN_LINES { self.mean_weight() } else { 1.0 };
                 let mut covariance = DMatrix::<C>::identity(rows, rows);
-                let error = MODEL_ERROR * self.amplification(k).max(1.0);
+                let error = if site.waves.is_empty() { MODEL_ERROR } else { MODEL_ERROR.hypot(GAIN_ERROR) };
+                let error = error * self.amplification(k).max(1.0);
                 for (p, expected) in site.expected.iter().enumerate() {
                     let variance = expected.variance[k]
                         + error.powi(2) * modelled[p][k]
@@ -297,9 +318,12 @@ impl Evidence<'_> {
                 if k < MEAN_LINES { 0.0 } else { (read - unexplained[k]).norm_sqr().min(read.norm_sqr()) }
             };
             let squares: Vec<f64> = (0..unexplained.len()).map(square).collect();
+            // The lines of one motion have one error, and are compared as if each had its own: the variance of each is so much larger that
+            // the error counts as one value.
             let around = |k: usize| {
-                let lines = k.saturating_sub(SPREAD)..(k + SPREAD + 1).min(squares.len());
-                squares[lines].iter().copied().fold(0.0, f64::max)
+                let half_width = SPREAD + (SPEED_SPREAD * k as f64) as usize;
+                let lines = k.saturating_sub(half_width)..(k + half_width + 1).min(squares.len());
+                squares[lines].iter().sum::<f64>()
             };
             (0..squares.len()).map(around).collect()
         };
@@ -348,7 +372,11 @@ impl Evidence<'_> {
         let apart = self.transform.lines.get(1).map_or(1.0, |w| w / speed);
         let of = |(p, unexplained): (usize, &Vec<C>)| {
             let noise = self.transform.power * self.weighting.noise[p].powi(2);
-            let power: Vec<f64> = unexplained.iter().map(C::norm_sqr).collect();
+            let row = probes::row(&self.weighting.probes[p]);
+            let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>();
+            // Near a resonance, a small error of the stiffness leaves more than the motion.
+            let power: Vec<f64> =
+                unexplained.iter().enumerate().map(|(k, x)| x.norm_sqr().min(read(k).norm_sqr())).collect();
             let scale = |k: usize| self.noise_scale.get(k).map_or(1.0, |s| s.iter().copied().fold(1.0, f64::max));
             let is_line = |k: usize| power[k] > CLEAR * noise * scale(k) * scale(k);
             let is_peak = |k: usize| power[k] >= power[k - 1] && power.get(k + 1).is_none_or(|next| power[k] >= *next);

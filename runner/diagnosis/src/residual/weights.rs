@@ -19,6 +19,10 @@ const DRAWS: usize = 3;
 /// Square of the change of the residual, in units of the noise, below which the uncertainty of a parameter is neglected.
 const MIN_TOLERANCE: f64 = 1e-3;
 
+/// Share of the deviation of a learned parameter by which it moves the residual of a later recording of a site: what a wrong parameter moves
+/// in the baseline as well is part of the gaps and lines that are learned with it.
+const LEFT_BY_BASELINE: f64 = 0.1;
+
 impl Evidence<'_> {
     /// Weights residuals by the noise that they have with this machine.
     pub(crate) fn weight_for(&mut self, machine: &Machine) -> Result<()> {
@@ -84,7 +88,9 @@ impl Evidence<'_> {
             return Ok(());
         }
         // The elasticity is independent of the rest, its slope that of one deviation.
-        let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
+        let left = if self.site.as_ref().is_some_and(|site| site.waves.is_empty()) { LEFT_BY_BASELINE } else { 1.0 };
+        let root =
+            DMatrix::from_fn(n, n, |i, j| known.get((i, j)).map_or(if i == j { 1.0 } else { 0.0 }, |x| left * x));
         let root = &root;
         let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);

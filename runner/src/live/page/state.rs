@@ -70,7 +70,7 @@ impl Description {
     pub fn state(&self, view: &View) -> String {
         let diagnoses = view.diagnoses.iter().map(|diagnosis| {
             let [title, details] = report::diagnosis(diagnosis);
-            DiagnosisText { title, details, action: diagnosis.kind.action() }
+            DiagnosisText { title, details, action: diagnosis.action() }
         });
         let state = State {
             description: self,
