@@ -24,11 +24,11 @@ const PROBE_RATIO: f64 = 50.0;
 const PLANE_RATIO: f64 = 200.0;
 /// Ratio of backward and forward 1X from which an orbit counts as backward.
 const BACKWARD: f64 = 3.0;
+/// The same for one of several planes where no slow roll has been recorded: a run-out of random phases has it once in 100 times.
+const BACKWARD_UNCOMPENSATED: f64 = 10.0;
 /// Ratio of the 1X amplitude to its standard deviation by noise above which its direction is significant; noise exceeds it once in
 /// 1e6 times.
 const CLEAR: f64 = 5.0;
-/// Run-out at 1X of a shaft that has not been recorded at slow roll, um: it may turn the orbit of one plane round.
-const RUN_OUT: f64 = 5.0;
 /// Samples per period of the inner ball pass that a spectrum needs.
 const SAMPLES_PER_PASS: f64 = 2.56;
 /// Units of length that a column may be in by mistake: name and metres.
@@ -63,7 +63,7 @@ pub(super) fn of_readings(evidence: &Evidence) -> Vec<Implausibility> {
     all.extend(out_of_range(&checked));
     all.extend(too_small(&checked));
     let planes = planes(&checked);
-    all.extend(backward(&planes, if recording.run_out.is_some() { 0.0 } else { RUN_OUT }));
+    all.extend(backward(&planes, if recording.run_out.is_some() { BACKWARD } else { BACKWARD_UNCOMPENSATED }));
     all.extend(unequal(&checked));
     all
 }
@@ -306,7 +306,7 @@ fn circles(angles: [f64; 2], one_x: [[f64; 2]; 2]) -> (f64, f64) {
     (difference(1.0), difference(-1.0))
 }
 
-fn backward(planes: &[Plane], run_out: f64) -> Option<Implausibility> {
+fn backward(planes: &[Plane], ratio_of_one: f64) -> Option<Implausibility> {
     let is_clear = |plane: &&Plane| plane.backward.max(plane.forward) > CLEAR * plane.noise;
     let is_backward = |plane: &&Plane| is_clear(plane) && plane.backward > BACKWARD * plane.forward;
     let is_forward = |plane: &&Plane| is_clear(plane) && plane.forward > BACKWARD * plane.backward;
@@ -314,7 +314,7 @@ fn backward(planes: &[Plane], run_out: f64) -> Option<Implausibility> {
     // Backward whirl of one plane alone is possible between the critical speeds of two directions; there no plane is
     // clearly forward.
     let in_all = planes.iter().all(|plane| is_backward(&plane));
-    let in_one = first.backward > run_out && planes.iter().any(|plane| is_forward(&plane));
+    let in_one = first.backward > ratio_of_one * first.forward && planes.iter().any(|plane| is_forward(&plane));
     (in_all || in_one).then(|| Implausibility {
         subject: first.name.clone(),
         found: format!(
