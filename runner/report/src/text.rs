@@ -405,6 +405,16 @@ mod tests {
     }
 
     #[test]
+    fn no_part_is_ordered_on_an_unsure_diagnosis() {
+        let mut outcome = fixture::usual();
+        outcome.diagnoses.truncate(1);
+        for (confidence, orders) in [(0.95, true), (0.85, false)] {
+            outcome.diagnoses[0].confidence = confidence;
+            assert_eq!(text(&outcome).contains("Order a spare bearing"), orders, "{confidence}");
+        }
+    }
+
+    #[test]
     fn a_diagnosis_of_the_verdict_is_not_repeated_and_has_its_action() {
         let mut outcome = fixture::usual();
         outcome.diagnoses.truncate(1);
