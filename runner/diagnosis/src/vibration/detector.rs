@@ -50,7 +50,9 @@ const OF_SEVERAL_BANDS: f64 = 2.7;
 const LEAST_MODULATION: f64 = 0.2;
 /// Least modulation of a levelled envelope. In a part of the range the bins of noise are fewer: lines of the same significance are
 /// stronger by the root of the number of parts. Good bearings reach 0.17 of it, impacts at one resonance 0.9.
-const LEAST_OF_BAND: f64 = 0.3;
+const LEAST_OF_BAND: f64 = 0.25;
+/// First bin in which a line has a level.
+const FIRST_BIN: f64 = 2.0;
 /// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
 const MOST_UNSEEN: f64 = 12.0;
 /// Smallest growth of the modulation against the baseline, dB.
@@ -359,7 +361,10 @@ impl FaultDetector<'_> {
             LineLevel { bearing: suspect.name.clone(), component: pattern.kind, level_db: levels.fold(0.0, f64::max) }
         };
         let own = self.suspects.iter().filter(|suspect| measures(sensor, suspect));
-        own.flat_map(|suspect| patterns(suspect).map(|pattern| level(suspect, &pattern))).collect()
+        let all = own.flat_map(|suspect| patterns(suspect).map(|pattern| (suspect, pattern)));
+        // The first bins hold the mean.
+        let resolved = all.filter(|(_, p)| p.order * self.rotation.turn_hz >= FIRST_BIN * spectra.envelope().bin_hz);
+        resolved.map(|(suspect, pattern)| level(suspect, &pattern)).collect()
     }
 
     /// Returns the highest order of a line that is looked for, harmonics included.

@@ -213,13 +213,20 @@ fn averaged(
 /// Returns the spectrum of the signal itself, and the share of its power at multiples of the supply frequency.
 fn raw_spectrum(signal: &[f64], rate: f64, turn_hz: f64, transforms: &mut Transforms) -> Option<(Spectrum, f64)> {
     let mut spectrum = averaged(signal, rate, (turn_hz, RAW_TURNS, 0.5 * rate / turn_hz), transforms)?;
-    let of = |(i, power): (usize, &f64)| {
-        // A line under the Hann window has bins on either side.
-        let near = |j: f64| is_of_mains((i as f64 + j) * spectrum.bin_hz, spectrum.bin_hz);
-        if i > 1 && (near(0.0) || near(1.0) || near(-1.0)) { *power } else { 0.0 }
-    };
-    let total: f64 = spectrum.power.iter().skip(2).sum();
-    let mains = spectrum.power.iter().enumerate().map(of).sum::<f64>() / total.max(f64::MIN_POSITIVE);
+    // A line under the Hann window has bins on either side.
+    let is_mains =
+        |i: usize| [-1.0, 0.0, 1.0].iter().any(|j| is_of_mains((i as f64 + j) * spectrum.bin_hz, spectrum.bin_hz));
+    let (mut total, mut of_mains, mut bins_of_mains) = (f64::MIN_POSITIVE, 0.0, 0.0);
+    for (i, power) in spectrum.power.iter().enumerate().skip(2) {
+        total += power;
+        if is_mains(i) {
+            of_mains += power;
+            bins_of_mains += 1.0;
+        }
+    }
+    // Noise has its share of these bins.
+    let chance = bins_of_mains / spectrum.power.len().max(1) as f64;
+    let mains = ((of_mains / total - chance) / (1.0 - chance).max(f64::MIN_POSITIVE)).max(0.0);
     spectrum.power.truncate((HIGHEST_RAW_ORDER * turn_hz / spectrum.bin_hz) as usize + 1);
     Some((spectrum, mains))
 }

@@ -14,6 +14,8 @@ const ABSENT_SIDE_BAND: f64 = 0.15;
 const ABOVE_CARRIER: f64 = 0.7;
 /// Distance from a multiple of the shaft speed within which a line may be the shaft's, bins.
 const SHAFT_BINS: f64 = 1.6;
+/// Greatest such distance, orders: short snapshots have bins of a third of an order.
+const SHAFT_ORDERS: f64 = 0.15;
 
 /// Number of harmonics of a family.
 pub(crate) const HARMONIC_COUNT: usize = HARMONICS.len();
@@ -32,9 +34,10 @@ impl Lines {
     /// neither for nor against.
     pub fn evidence(&self, carrier_hz: f64, side_bands: &[f64], turn_hz: f64) -> f64 {
         let chance = self.field.mean;
+        let shaft = (SHAFT_BINS * self.bin_hz / turn_hz).min(SHAFT_ORDERS);
         let line = |hz: f64| {
             let order = hz.abs() / turn_hz;
-            let is_of_shaft = (order - order.round()).abs() * turn_hz < SHAFT_BINS * self.bin_hz;
+            let is_of_shaft = (order - order.round()).abs() < shaft;
             self.field.at(hz).filter(|_| !is_of_shaft)
         };
         let mut sum = 0.0;
