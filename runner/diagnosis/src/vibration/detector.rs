@@ -32,7 +32,7 @@ const SLIP_DEVIATION: f64 = 0.01;
 /// Ratio to the noise from which a maximum of the envelope counts: noise exceeds it in 5 % of the bins.
 const LEAST_RATIO: f64 = 3.0;
 /// Greatest logarithm of a line over this ratio.
-const GREATEST: f64 = 7.0;
+const GREATEST: f64 = 9.0;
 /// Steps of the field in a revolution.
 const STEPS_PER_ORDER: f64 = 1000.0;
 /// Error of the frequency of a line: bins, and a share by the jitter of a slipping cage.
@@ -55,6 +55,9 @@ const LEAST_OF_BAND: f64 = 0.25;
 const FIRST_BIN: f64 = 2.0;
 /// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
 const MOST_UNSEEN: f64 = 12.0;
+/// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation are as strong as the
+/// carrier.
+const STRONGER: f64 = 2.0;
 /// Smallest growth of the modulation against the baseline, dB.
 const MIN_GROWTH_DB: f64 = 6.0;
 /// Bins about a harmonic in which its amplitude is taken.
@@ -213,8 +216,14 @@ impl FaultDetector<'_> {
         };
         // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one resonance, which it
         // does not show.
+        let of_group = |first: bool| hypotheses.iter().filter(move |h| (h.band == 0) == first);
+        // Side bands of a strong carrier, taken for a family of their own, are weaker than the carrier.
+        let is_beside_stronger = |h: &Hypothesis, first: bool| {
+            let others = of_group(first).filter(is_significant).filter(|other| other.pattern.kind != h.pattern.kind);
+            others.map(Hypothesis::modulation).any(|modulation| modulation > STRONGER * h.modulation())
+        };
         let strongest_of = |first: bool| {
-            let own = hypotheses.iter().filter(move |h| (h.band == 0) == first).filter(is_significant);
+            let own = of_group(first).filter(is_significant).filter(|h| !is_beside_stronger(h, first));
             own.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
         };
         let best = strongest_of(true).or_else(|| strongest_of(false).filter(|_| strongest < MOST_UNSEEN))?;
@@ -226,10 +235,9 @@ impl FaultDetector<'_> {
         let growth_db = usual.map(|usual| 20.0 * (best.modulation() / usual.max(1e-6)).log10());
         // Another component, or nothing of these, as likely as the least evidence.
         let against = |kind: FaultKind| {
-            let other = hypotheses
-                .iter()
-                .filter(|h| h.pattern.kind == kind && kind != best.pattern.kind && (h.band == 0) == (best.band == 0));
-            other.map(|h| (h.evidence - best.evidence).exp()).fold(0.0, f64::max)
+            let others = of_group(best.band == 0).filter(|h| h.pattern.kind == kind && kind != best.pattern.kind);
+            let equal = others.filter(|h| STRONGER * h.modulation() >= best.modulation());
+            equal.map(|h| (h.evidence - best.evidence).exp()).fold(0.0, f64::max)
         };
         let weights = KINDS.map(against).iter().sum::<f64>();
         let confidence = 1.0 / (1.0 + weights + (LEAST_EVIDENCE - best.evidence).exp());
