@@ -13,7 +13,7 @@ const AT_LIMIT: f64 = 1e-5;
 pub(crate) fn unusable(signal: &[f64]) -> Option<String> {
     let (low, high) =
         signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-    if !(high > low) {
+    if high <= low || signal.is_empty() {
         return Some("is constant".to_owned());
     }
     let count = signal.len() as f64;

@@ -42,9 +42,14 @@ const ERROR_SHARE: f64 = 3e-4;
 /// somewhere. Good bearings reach 5.
 const LEAST_EVIDENCE: f64 = 6.0;
 /// Share of the evidence of the best family of any order that a hypothesis must have.
-const OF_BEST_FAMILY: f64 = 0.85;
+const OF_BEST_FAMILY: f64 = 0.75;
 /// Logarithm of the number of bands: what the best of several reaches by chance. The full band, in which impacts usually show, has none.
 const OF_SEVERAL_BANDS: f64 = 2.7;
+/// Amplitude over that of the strongest line that a carrier has at least: side bands are weaker.
+const OF_STRONGEST_LINE: f64 = 0.5;
+/// Least order of a ball pass, and bins of a line under the Hann window.
+const LOWEST_PASS: f64 = 1.5;
+const LOBE_BINS: f64 = 2.0;
 /// Least modulation of the whitened envelope by the harmonics of the carrier together. Its mean is 1 in every machine; good bearings modulate
 /// it by up to 0.13, damaged ones by 0.3 to 2.6.
 const LEAST_MODULATION: f64 = 0.2;
@@ -57,7 +62,7 @@ const FIRST_BIN: f64 = 2.0;
 const MOST_UNSEEN: f64 = 12.0;
 /// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation are as strong as the
 /// carrier.
-const STRONGER: f64 = 2.0;
+const STRONGER: f64 = 1.5;
 /// Smallest growth of the modulation against the baseline, dB.
 const MIN_GROWTH_DB: f64 = 6.0;
 /// Bins about a harmonic in which its amplitude is taken.
@@ -111,6 +116,8 @@ struct Hypothesis {
     evidence: f64,
     /// Its share of the evidence of the strongest family of any order at the same speed.
     share: f64,
+    /// Amplitude of its strongest harmonic over that of the strongest line of any origin but the shaft.
+    of_strongest: f64,
     carrier_hz: f64,
     turn_hz: f64,
     /// Modulation by the harmonics of the carrier together, for each sensor; 0 for one that does not measure the bearing.
@@ -212,7 +219,10 @@ impl FaultDetector<'_> {
     /// family of any order in the whitened envelope.
     fn named(&self, hypotheses: &[Hypothesis], sensors: &Sensors<'_>, strongest: f64) -> Option<(Diagnosis, usize)> {
         let is_significant = |h: &&Hypothesis| {
-            h.evidence >= LEAST_EVIDENCE && h.share >= OF_BEST_FAMILY && h.modulation() >= h.least_modulation()
+            h.evidence >= LEAST_EVIDENCE
+                && h.share >= OF_BEST_FAMILY
+                && h.of_strongest >= OF_STRONGEST_LINE
+                && h.modulation() >= h.least_modulation()
         };
         // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one resonance, which it
         // does not show.
@@ -389,6 +399,17 @@ impl FaultDetector<'_> {
     }
 }
 
+/// Returns the greatest power above the background at orders of ball passes that are no multiples of the shaft speed.
+fn strongest_line(spectrum: &Spectrum, background: &[f64], turn_hz: f64) -> f64 {
+    let first = (LOWEST_PASS * turn_hz / spectrum.bin_hz) as usize;
+    let of = |(i, (power, background)): (usize, (&f64, &f64))| {
+        let order = i as f64 * spectrum.bin_hz / turn_hz;
+        let is_of_shaft = (order - order.round()).abs() * turn_hz < LOBE_BINS * spectrum.bin_hz;
+        if is_of_shaft { 0.0 } else { power - background }
+    };
+    spectrum.power.iter().zip(background).enumerate().skip(first).map(of).fold(0.0, f64::max)
+}
+
 fn measures(sensor: &Sensor, suspect: &Suspect) -> bool {
     sensor.bearing.as_ref().is_none_or(|name| *name == suspect.name)
 }
@@ -422,14 +443,18 @@ fn fit(
     let handicap = if band == 0 { 0.0 } else { OF_SEVERAL_BANDS };
     let evidence = evidence - handicap;
     let mut modulations = vec![0.0; sensors.len()];
-    let mut parts = 1;
+    let (mut parts, mut of_strongest) = (1, 0.0);
     for &i in own {
         let envelope = sensors.get(i).and_then(|(_, spectra)| spectra.as_ref()?.bands.get(band));
         let Some((envelope, modulation)) = envelope.zip(modulations.get_mut(i)) else { continue };
         parts = envelope.parts;
         let background = envelope.spectrum.background();
         let power = |k: usize| envelope.spectrum.line(k as f64 * carrier_hz, AMPLITUDE_BINS, &background)[0];
-        *modulation = (1..=HARMONIC_COUNT).map(power).sum::<f64>().sqrt();
+        let powers: Vec<f64> = (1..=HARMONIC_COUNT).map(power).collect();
+        *modulation = powers.iter().sum::<f64>().sqrt();
+        let greatest = powers.iter().copied().fold(0.0, f64::max);
+        let strongest = strongest_line(&envelope.spectrum, &background, turn_hz).max(f64::MIN_POSITIVE);
+        of_strongest += (greatest / strongest).sqrt() / own.len() as f64;
     }
     // A family of any order has no slip. Most hypotheses need no comparison.
     let share = if evidence >= LEAST_EVIDENCE {
@@ -438,5 +463,17 @@ fn fit(
         0.0
     };
     let sensors = own.len();
-    Hypothesis { pattern, bearing, band, parts, evidence, share, carrier_hz, turn_hz, modulations, sensors }
+    Hypothesis {
+        pattern,
+        bearing,
+        band,
+        parts,
+        evidence,
+        share,
+        of_strongest,
+        carrier_hz,
+        turn_hz,
+        modulations,
+        sensors,
+    }
 }

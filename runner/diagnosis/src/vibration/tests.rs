@@ -6,6 +6,7 @@ use super::signals::{Evaluation, Signals};
 use super::suspect::Suspect;
 use ballrace::Phase;
 use ballrace::bearing::kinematics::{Orders, orders};
+use ballrace_outcome::baseline::Baseline;
 use ballrace_outcome::{EvidenceSource, FaultKind};
 use ballrace_recording::{Row, Sample};
 use ballrace_scene::read::read_str;
@@ -55,11 +56,14 @@ fn suspect() -> Suspect {
 }
 
 fn judgement(signal: &[f64], turn_hz: f64) -> Judgement {
+    judged_against(signal, turn_hz, None)
+}
+
+fn judged_against(signal: &[f64], turn_hz: f64, baseline: Option<&Baseline>) -> Judgement {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
     let suspects = [suspect()];
     let rotation = Rotation { turn_hz, fastest_hz: turn_hz, revolutions: None };
-    let detector =
-        FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline: None, is_speed_measured: false };
+    let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline, is_speed_measured: false };
     let spectra = detector.spectra(signal, &mut Transforms::default());
     detector.judge(&[(&sensor, spectra)])
 }
@@ -96,6 +100,79 @@ fn noise_and_the_shaft_are_no_damage() {
         assert!(found(&blows(1.0, 3000.0, STEADY, 3.0, seed)).is_empty(), "a blow a turn {seed}");
         assert!(found(&blows(2.0, 5000.0, STEADY, 3.0, seed)).is_empty(), "two blows a turn {seed}");
     }
+}
+
+/// Adds lines at multiples of a frequency: 1X and its harmonics of a shaft, or hum.
+fn with_lines(mut signal: Vec<f64>, hz: f64, amplitudes: &[f64]) -> Vec<f64> {
+    for (i, x) in signal.iter_mut().enumerate() {
+        let t = i as f64 / RATE;
+        *x += amplitudes
+            .iter()
+            .zip(1..)
+            .map(|(a, k)| a * (TAU * f64::from(k) * hz * t + f64::from(k)).sin())
+            .sum::<f64>();
+    }
+    signal
+}
+
+/// The lines of another bearing, or a wrong geometry: impacts 4 % beside the orders of the components, with and without the lines of the
+/// shaft.
+#[test]
+fn families_of_other_orders_are_no_damage() {
+    let Orders { outer_race, inner_race, .. } = suspect().orders;
+    for (seed, (order, modulated)) in [(outer_race, STEADY), (inner_race, (0.8, 1.0))].into_iter().enumerate() {
+        for share in [0.96, 1.04] {
+            let signal = blows(order * share, 4100.0, modulated, 3.0, seed as u64);
+            assert_eq!(found(&signal), [], "{order} {share}");
+            assert_eq!(found(&with_lines(signal, TURN_HZ, &[0.1, 0.05, 0.05])), [], "{order} {share}");
+        }
+    }
+}
+
+/// The speed of the scene is up to 6 % wrong: the shaft shows the true one, and the component is the true one.
+#[test]
+fn a_wrong_speed_is_corrected() {
+    let Orders { outer_race, inner_race, .. } = suspect().orders;
+    let parts = [(FaultKind::OuterRace, outer_race, STEADY), (FaultKind::InnerRace, inner_race, (0.8, 1.0))];
+    for (kind, order, modulated) in parts {
+        let signal = with_lines(blows(order, 4100.0, modulated, 3.0, 7), TURN_HZ, &[0.1, 0.05, 0.05]);
+        for share in [0.94, 0.96, 1.0, 1.04, 1.06] {
+            let judged = judgement(&signal, share * TURN_HZ);
+            let named: Vec<FaultKind> = judged.diagnoses.iter().map(|f| f.kind).collect();
+            assert_eq!(named, [kind], "{share} {:?}", judged.speed);
+            let turn_hz = judged.turn_hz.unwrap();
+            assert!((turn_hz / TURN_HZ - 1.0).abs() < 2e-3, "{share} {turn_hz}");
+            assert!(judged.speed.unwrap().starts_with("Shaft speed from the vibration: 148"), "{share}");
+        }
+    }
+}
+
+/// Hum without a turning shaft, at 50 and at 60 Hz.
+#[test]
+fn a_machine_that_stands_still_has_no_verdict() {
+    for mains in [50.0, 60.0] {
+        let hum = with_lines(blows(1.0, 3000.0, STEADY, 0.0, 5), mains, &[1.0, 0.6, 0.5, 0.3]);
+        let judged = judgement(&hum, TURN_HZ);
+        assert!(judged.diagnoses.is_empty());
+        assert!(judged.not_judged.unwrap().contains("at multiples of the supply frequency"), "{mains}");
+    }
+}
+
+/// Against a baseline a line of the shaft that has grown is the rotor's, and damage that was there is not named again.
+#[test]
+fn growth_against_a_baseline() {
+    let shaft = |amplitude: f64| with_lines(blows(1.0, 3000.0, STEADY, 0.0, 6), TURN_HZ, &[amplitude, 0.05]);
+    let baseline = |judged: Judgement| Baseline::of_sensors("", "", judged.learned);
+    let sound = baseline(judgement(&shaft(0.1), TURN_HZ));
+    let judged = judged_against(&shaft(0.5), TURN_HZ, Some(&sound));
+    assert!(judged.diagnoses.is_empty());
+    let sentence = judged.rotor.unwrap();
+    assert!(sentence.starts_with("Grown against the baseline: 1X at a by 14 dB to 0.49"), "{sentence}");
+    assert_eq!(judged_against(&shaft(0.1), TURN_HZ, Some(&sound)).rotor, None);
+    let damaged = blows(suspect().orders.outer_race, 4100.0, STEADY, 3.0, 8);
+    assert_eq!(judged_against(&damaged, TURN_HZ, Some(&sound)).diagnoses.len(), 1);
+    let known = baseline(judgement(&damaged, TURN_HZ));
+    assert!(judged_against(&damaged, TURN_HZ, Some(&known)).diagnoses.is_empty());
 }
 
 /// The line of the damage is the highest of the drawn spectrum about it; sound signals have a picture too.
