@@ -259,6 +259,18 @@ fn orders_are_tracked_while_the_speed_rises() {
     }
 }
 
+/// A run-up to 1.7 times the first speed.
+#[test]
+fn a_run_up_is_judged() {
+    let Orders { outer_race, inner_race, .. } = suspect().orders;
+    for (kind, order) in [(FaultKind::OuterRace, outer_race), (FaultKind::InnerRace, inner_race)] {
+        let found = evaluated(order, 1, |t| 14.0 * t + 1.7 * t * t);
+        let [diagnosis] = &found.diagnoses[..] else { panic!("{kind:?} {:?} {:?}", found.diagnoses, found.not_judged) };
+        assert_eq!(diagnosis.kind, kind);
+        assert!((diagnosis.order / order - 1.0).abs() < 0.005, "{}", diagnosis.order);
+    }
+}
+
 #[test]
 fn a_measured_constant_speed_is_not_resampled() {
     let found = evaluated(suspect().orders.inner_race, 1, |t| 24.7 * t);
