@@ -1,6 +1,6 @@
 //! Signals of the vibration sensors of a recording, with the shaft angle, and their evaluation.
 
-use super::condition::unusable;
+use super::condition::{clipped, unusable};
 use super::detector::FaultDetector;
 use super::envelope::{Rotation, Transforms};
 use super::shaft::ShaftAngle;
@@ -189,6 +189,9 @@ impl Signals {
             let signal = signal.get(part(signal)).unwrap_or_default();
             let reason = unusable(signal).map(|reason| format!("{} {reason}", sensor.column));
             spectra.push((sensor, if reason.is_none() { detector.spectra(signal, &mut transforms) } else { None }));
+            evaluation
+                .notes
+                .extend(clipped(signal).filter(|_| reason.is_none()).map(|text| format!("{} {text}.", sensor.column)));
             unusable_sensors.extend(reason);
         }
         if unusable_sensors.len() == self.sensors.len() {
