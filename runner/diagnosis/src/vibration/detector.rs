@@ -186,6 +186,10 @@ impl FaultDetector<'_> {
             ));
             return judgement;
         }
+        judgement.not_judged = rotor::standstill(&judgement.learned, self.baseline);
+        if judgement.not_judged.is_some() {
+            return judgement;
+        }
         judgement.rotor = rotor::growth(sensors, &judgement.learned, self.baseline);
         let named = self.named(&hypotheses, sensors, strongest_family(&machine, turn_hz));
         let shown = named.as_ref().map(|(_, band)| *band);
@@ -340,6 +344,7 @@ impl FaultDetector<'_> {
         let of = |(i, (sensor, spectra)): (usize, &(&Sensor, Option<SensorSpectra>))| BaselineSensor {
             name: sensor.column.clone(),
             modulations: hypotheses.iter().map(|h| h.modulations.get(i).copied().unwrap_or(0.0)).collect(),
+            rms: spectra.as_ref().map_or(0.0, |spectra| spectra.rms),
             shaft_lines: spectra.as_ref().map(|spectra| rotor::amplitudes(spectra, turn_hz)).unwrap_or_default(),
         };
         sensors.iter().enumerate().map(of).collect()

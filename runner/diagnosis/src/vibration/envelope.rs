@@ -50,6 +50,8 @@ pub(crate) struct SensorSpectra {
     pub bands: Vec<BandEnvelope>,
     /// Of the signal.
     pub raw: Spectrum,
+    /// Root mean square of the signal about its mean.
+    pub rms: f64,
     /// Share of the power of the signal that is at multiples of the supply frequency.
     pub mains: f64,
     /// Signals in the average.
@@ -103,7 +105,10 @@ impl SensorSpectra {
         }
         let tracked = rotation.revolutions.map(|turned| order_tracked(signal, signal.len(), turned, turn_hz / rate));
         let (raw, mains) = raw_spectrum(tracked.as_deref().unwrap_or(signal), rate, turn_hz, transforms)?;
-        Some(Self { bands, raw, mains, signals: 1.0 })
+        let count = signal.len() as f64;
+        let mean = signal.iter().sum::<f64>() / count;
+        let rms = (signal.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt();
+        Some(Self { bands, raw, rms, mains, signals: 1.0 })
     }
 
     /// Returns the spectrum of the envelope of the full band.
@@ -124,6 +129,7 @@ impl SensorSpectra {
         }
         mean.raw.average(&further.raw, mean.signals);
         mean.mains += (further.mains - mean.mains) / mean.signals;
+        mean.rms = (mean.rms.powi(2) + (further.rms.powi(2) - mean.rms.powi(2)) / mean.signals).sqrt();
     }
 }
 

@@ -9,6 +9,20 @@ const MULTIPLES: usize = 3;
 /// Growth from which a line has changed, dB: 2.5 is the ratio of two balance grades (ISO 21940-11).
 const GROWTH_DB: f64 = 8.0;
 
+/// Level below the baseline from which a machine stands still, dB.
+const STANDSTILL_DB: f64 = 40.0;
+
+/// Returns the reason why a machine whose level is far below its baseline at every sensor is not judged.
+pub(crate) fn standstill(now: &[BaselineSensor], baseline: Option<&Baseline>) -> Option<String> {
+    let below = |(now, before): (&BaselineSensor, &BaselineSensor)| {
+        20.0 * (before.rms / now.rms.max(f64::MIN_POSITIVE)).log10()
+    };
+    let least_db = now.iter().zip(&baseline?.sensors).map(below).fold(f64::INFINITY, f64::min);
+    (least_db.is_finite() && least_db >= STANDSTILL_DB).then(|| {
+        format!("the level of every sensor is {least_db:.0} dB or more below the baseline: the machine stands still")
+    })
+}
+
 /// Returns the amplitudes at the first multiples of the shaft speed, in the unit of the sensor.
 pub(crate) fn amplitudes(spectra: &SensorSpectra, turn_hz: f64) -> Vec<f64> {
     let background = spectra.raw.background();

@@ -169,6 +169,11 @@ fn growth_against_a_baseline() {
     let sentence = judged.rotor.unwrap();
     assert!(sentence.starts_with("Grown against the baseline: 1X at a by 14 dB to 0.49"), "{sentence}");
     assert_eq!(judged_against(&shaft(0.1), TURN_HZ, Some(&sound)).rotor, None);
+    let still: Vec<f64> = shaft(0.1).iter().map(|x| 0.004 * x).collect();
+    assert_eq!(
+        judged_against(&still, TURN_HZ, Some(&sound)).not_judged.as_deref(),
+        Some("the level of every sensor is 48 dB or more below the baseline: the machine stands still")
+    );
     let damaged = blows(suspect().orders.outer_race, 4100.0, STEADY, 3.0, 8);
     assert_eq!(judged_against(&damaged, TURN_HZ, Some(&sound)).diagnoses.len(), 1);
     let known = baseline(judgement(&damaged, TURN_HZ));
