@@ -1,4 +1,5 @@
-//! `labels.csv` of a folder of vibration recordings: one line a recording, with the fault, the geometry of the bearing and the speed.
+//! `labels.csv` of a folder of vibration recordings: one line a recording, with the fault, the geometry of the bearing
+//! and the speed.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -38,7 +39,8 @@ impl Recording {
         [n * cage, n * (1.0 - cage), (1.0 - along * along) / ratio, cage]
     }
 
-    /// Returns the recording with another diameter of the elements, which moves the order of its damaged component by `share`.
+    /// Returns the recording with another diameter of the elements, which moves the order of its damaged component by
+    /// `share`.
     pub fn decoy(&self, share: f64) -> Self {
         let component = DAMAGES.iter().position(|(fault, _)| *fault == self.fault).unwrap_or(0);
         let target = self.orders()[component] * (1.0 + share);

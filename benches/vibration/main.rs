@@ -1,14 +1,15 @@
 //! Measures the diagnosis of vibration on recordings with known faults:
 //! `cargo bench -q -p ballrace-benches --bench vibration -- FOLDER`.
 //!
-//! FOLDER has recordings and `labels.csv` (see `labels`). Each recording is replayed by the release binary with a scene that an owner writes:
-//! four numbers of the bearing, speed of the name plate, rate, columns. Options:
+//! FOLDER has recordings and `labels.csv` (see `labels`). Each recording is replayed by the release binary with a
+//! scene that an owner writes: four numbers of the bearing, speed of the name plate, rate, columns. Options:
 //!
 //! - `--methods` adds the three methods of Smith and Randall to the table (see `methods`),
 //! - `--decoys` replays the damaged recordings with geometry that moves the order of the damage by 4 % up and down,
 //! - `--speed SHARE` changes the speed of the scene, such as 0.05 or -0.05,
 //! - `--baseline` learns the healthy recording of the same machine and speed first,
-//! - `--only TEXT` takes the recordings whose name of data set has TEXT, `--program FILE` measures another binary than the release binary,
+//! - `--only TEXT` takes the recordings whose name of data set has TEXT, `--program FILE` measures another binary than
+//!   the release binary,
 //! - `--list` prints every recording with what is named.
 
 mod labels;

@@ -1,14 +1,16 @@
-//! The three methods of Smith and Randall 2015, Rolling element bearing diagnostics using the Case Western Reserve University data: a
-//! benchmark study, Mechanical Systems and Signal Processing 64-65, each with the squared envelope spectrum of the whole recording:
+//! The three methods of Smith and Randall 2015, Rolling element bearing diagnostics using the Case Western Reserve
+//! University data: a benchmark study, Mechanical Systems and Signal Processing 64-65, each with the squared envelope
+//! spectrum of the whole recording:
 //!
 //! 1. of the raw signal over the full band,
 //! 2. of the signal after cepstrum pre-whitening, over the full band,
-//! 3. the benchmark method: after discrete/random separation, in the band with the highest spectral kurtosis (kurtogram).
+//! 3. the benchmark method: after discrete/random separation, in the band with the highest spectral kurtosis
+//!    (kurtogram).
 //!
-//! The paper judges by eye. Here a component's level is the mean, in dB over the local median, of the first three harmonics of its order, at
-//! the slip within 1.5 % that makes it greatest, averaged over the sensors. The component with the greatest level is named where it exceeds a
-//! threshold. One threshold a method is set on the recordings themselves, so that the most answers are right: the best case for the
-//! methods.
+//! The paper judges by eye. Here a component's level is the mean, in dB over the local median, of the first three
+//! harmonics of its order, at the slip within 1.5 % that makes it greatest, averaged over the sensors. The component
+//! with the greatest level is named where it exceeds a threshold. One threshold a method is set on the recordings
+//! themselves, so that the most answers are right: the best case for the methods.
 
 use crate::labels::Recording;
 use crate::program::scene;
@@ -63,7 +65,8 @@ pub fn levels(data: &Path, recording: &Recording) -> Result<Levels, Box<dyn Erro
     Ok(levels)
 }
 
-/// Names the component of each recording by a method, with the threshold that makes the most answers right; returns it too.
+/// Names the component of each recording by a method, with the threshold that makes the most answers right; returns it
+/// too.
 pub fn answers(recordings: &[Recording], levels: &[Levels], method: usize) -> (f64, Vec<Vec<String>>) {
     let strongest = |levels: &Levels| {
         let all = levels[method].iter().zip(KINDS);
@@ -122,8 +125,8 @@ fn full_band(signal: &[f64], is_whitened: bool, planner: &mut FftPlanner<f64>) -
     squared_envelope(&bins, signal.len(), planner)
 }
 
-/// Returns the signal without its discrete lines, which a delayed copy of it predicts (Antoni and Randall 2004, Unsupervised noise cancellation
-/// for vibration signals: part II).
+/// Returns the signal without its discrete lines, which a delayed copy of it predicts (Antoni and Randall 2004,
+/// Unsupervised noise cancellation for vibration signals: part II).
 fn without_discrete(signal: &[f64], planner: &mut FftPlanner<f64>) -> Vec<f64> {
     let window: Vec<f64> =
         (0..SEGMENT).map(|i| 0.5 * (1.0 - (std::f64::consts::TAU * i as f64 / SEGMENT as f64).cos())).collect();

@@ -50,7 +50,8 @@ impl Program {
         Ok(Self { binary, folder: folder.to_owned() })
     }
 
-    /// Replays a recording of `data`; `names` distinguishes the files of this replay. With `learn` the baseline is written, else read.
+    /// Replays a recording of `data`; `names` distinguishes the files of this replay. With `learn` the baseline is
+    /// written, else read.
     pub fn replay(
         &self,
         data: &Path,

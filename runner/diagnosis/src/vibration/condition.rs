@@ -4,8 +4,9 @@
 const LOOKED_AT: usize = 1 << 16;
 /// Least rms of a signal, steps of its converter: below it the rounding is the signal.
 const LEAST_STEPS: f64 = 1.5;
-/// Share of readings at the limits of the range from which a signal is clipped, and from which it cannot be judged. Whitening keeps the timing of
-/// impacts of which the peaks are cut off: 60 recordings clipped at twice their rms, 5 % of the readings, have the verdicts of the whole ones.
+/// Share of readings at the limits of the range from which a signal is clipped, and from which it cannot be judged.
+/// Whitening keeps the timing of impacts of which the peaks are cut off: 60 recordings clipped at twice their rms, 5 %
+/// of the readings, have the verdicts of the whole ones.
 const CLIPPED: f64 = 0.002;
 const MOST_CLIPPED: f64 = 0.08;
 /// A reading is at a limit if it is within this share of the range.
@@ -25,7 +26,8 @@ pub(crate) fn unusable(signal: &[f64]) -> Option<String> {
     {
         let levels = ((high - low) / step).round() + 1.0;
         return Some(format!(
-            "has {levels:.0} levels only, rms {:.1} steps of its converter: the machine stands still, or the range is too large",
+            "has {levels:.0} levels only, rms {:.1} steps of its converter: the machine stands still, or the \
+             range is too large",
             rms / step
         ));
     }

@@ -1,11 +1,12 @@
 //! Diagnosis from envelope spectra: one joint hypothesis for the machine.
 //!
-//! The machine has no damaged bearing, or one component of one bearing is damaged. Each hypothesis has its whole pattern: harmonics of one
-//! carrier with one slip, and side bands. A line is evidence for one hypothesis only, since one is named. A hypothesis is named where
+//! The machine has no damaged bearing, or one component of one bearing is damaged. Each hypothesis has its whole
+//! pattern: harmonics of one carrier with one slip, and side bands. A line is evidence for one hypothesis only, since
+//! one is named. A hypothesis is named where
 //!
 //! 1. its evidence exceeds what noise and foreign lines reach by chance over all slips and speeds that are tried,
-//! 2. no family of lines at another order, whatever its origin, explains clearly more: lines of another bearing or of a gear are then
-//!    the cause, or the geometry is wrong,
+//! 2. no family of lines at another order, whatever its origin, explains clearly more: lines of another bearing or of
+//!    a gear are then the cause, or the geometry is wrong,
 //! 3. the envelope is modulated by more than the races of a good bearing do,
 //! 4. it has grown against the baseline, where there is one.
 
@@ -38,30 +39,32 @@ const STEPS_PER_ORDER: f64 = 1000.0;
 /// Error of the frequency of a line: bins, and a share by the jitter of a slipping cage.
 const ERROR_BINS: f64 = 0.4;
 const ERROR_SHARE: f64 = 3e-4;
-/// Least evidence. The cells of slip and speed of all components are some thousands, `ln` of which is 8; less a line that noise always has
-/// somewhere. Good bearings reach 5.
+/// Least evidence. The cells of slip and speed of all components are some thousands, `ln` of which is 8; less a line
+/// that noise always has somewhere. Good bearings reach 5.
 const LEAST_EVIDENCE: f64 = 6.0;
 /// Share of the evidence of the best family of any order that a hypothesis must have.
 const OF_BEST_FAMILY: f64 = 0.75;
-/// Logarithm of the number of bands: what the best of several reaches by chance. The full band, in which impacts usually show, has none.
+/// Logarithm of the number of bands: what the best of several reaches by chance. The full band, in which impacts
+/// usually show, has none.
 const OF_SEVERAL_BANDS: f64 = 2.7;
 /// Amplitude over that of the strongest line that a carrier has at least: side bands are weaker.
 const OF_STRONGEST_LINE: f64 = 0.5;
 /// Least order of a ball pass, and bins of a line under the Hann window.
 const LOWEST_PASS: f64 = 1.5;
 const LOBE_BINS: f64 = 2.0;
-/// Least modulation of the whitened envelope by the harmonics of the carrier together. Its mean is 1 in every machine; good bearings modulate
-/// it by up to 0.13, damaged ones by 0.3 to 2.6.
+/// Least modulation of the whitened envelope by the harmonics of the carrier together. Its mean is 1 in every machine;
+/// good bearings modulate it by up to 0.13, damaged ones by 0.3 to 2.6.
 const LEAST_MODULATION: f64 = 0.2;
-/// Least modulation of a levelled envelope. In a part of the range the bins of noise are fewer: lines of the same significance are
-/// stronger by the root of the number of parts. Good bearings reach 0.17 of it, impacts at one resonance 0.9.
+/// Least modulation of a levelled envelope. In a part of the range the bins of noise are fewer: lines of the same
+/// significance are stronger by the root of the number of parts. Good bearings reach 0.17 of it, impacts at one
+/// resonance 0.9.
 const LEAST_OF_BAND: f64 = 0.25;
 /// First bin in which a line has a level.
 const FIRST_BIN: f64 = 2.0;
 /// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
 const MOST_UNSEEN: f64 = 12.0;
-/// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation are as strong as the
-/// carrier.
+/// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation
+/// are as strong as the carrier.
 const STRONGER: f64 = 1.5;
 /// Smallest growth of the modulation against the baseline, dB.
 const MIN_GROWTH_DB: f64 = 6.0;
@@ -120,7 +123,8 @@ struct Hypothesis {
     of_strongest: f64,
     carrier_hz: f64,
     turn_hz: f64,
-    /// Modulation by the harmonics of the carrier together, for each sensor; 0 for one that does not measure the bearing.
+    /// Modulation by the harmonics of the carrier together, for each sensor; 0 for one that does not measure the
+    /// bearing.
     modulations: Vec<f64>,
     sensors: usize,
 }
@@ -180,8 +184,8 @@ impl FaultDetector<'_> {
         };
         if !speeds.is_confirmed && mains > MOST_MAINS {
             judgement.not_judged = Some(format!(
-                "{:.0} % of the power of the sensors is at multiples of the supply frequency, and no line turns with the shaft: \
-                 the machine stands still, or the sensors measure the supply",
+                "{:.0} % of the power of the sensors is at multiples of the supply frequency, and no line turns with the \
+                 shaft: the machine stands still, or the sensors measure the supply",
                 100.0 * mains
             ));
             return judgement;
@@ -219,8 +223,8 @@ impl FaultDetector<'_> {
         Lines { field, bin_hz }
     }
 
-    /// Returns the diagnosis of the best hypothesis, where it is one, and the number of its band. `strongest` is the evidence of the strongest
-    /// family of any order in the whitened envelope.
+    /// Returns the diagnosis of the best hypothesis, where it is one, and the number of its band. `strongest` is the
+    /// evidence of the strongest family of any order in the whitened envelope.
     fn named(&self, hypotheses: &[Hypothesis], sensors: &Sensors<'_>, strongest: f64) -> Option<(Diagnosis, usize)> {
         let is_significant = |h: &&Hypothesis| {
             h.evidence >= LEAST_EVIDENCE
@@ -228,8 +232,8 @@ impl FaultDetector<'_> {
                 && h.of_strongest >= OF_STRONGEST_LINE
                 && h.modulation() >= h.least_modulation()
         };
-        // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one resonance, which it
-        // does not show.
+        // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one
+        // resonance, which it does not show.
         let of_group = |first: bool| hypotheses.iter().filter(move |h| (h.band == 0) == first);
         // Side bands of a strong carrier, taken for a family of their own, are weaker than the carrier.
         let is_beside_stronger = |h: &Hypothesis, first: bool| {
@@ -297,8 +301,8 @@ impl FaultDetector<'_> {
         let level_db = growth_db.unwrap_or_else(|| 10.0 * ratios.iter().copied().fold(1.0, f64::max).log10());
         let over = if growth_db.is_some() { "the baseline" } else { "its surroundings" };
         let sentence = format!(
-            "{}{} of {bearing}: the whitened envelope of {:.0} to {:.0} Hz at {column} has its line at {:.1} Hz, {order:.3} per turn ({:+.1} % from pure \
-             rolling), {level_db:.0} dB above {over}, with {} of its next {} multiples; they modulate the envelope by {:.0} %. Odds \
+            "{}{} of {bearing}: the whitened envelope of {:.0} to {:.0} Hz at {column} has its line at {:.1} Hz, {order:.3} per \
+             turn ({:+.1} % from pure rolling), {level_db:.0} dB above {over}, with {} of its next {} multiples; they modulate the envelope by {:.0} %. Odds \
              against any other cause {:.0}.{}",
             if confidence < 0.6 { "Possibly: " } else { "" },
             best.pattern.name,
@@ -359,12 +363,14 @@ impl FaultDetector<'_> {
         }
         Some(if speeds.is_confirmed {
             format!(
-                "Shaft speed from the vibration: {:.1} rpm ({least:.1} to {greatest:.1}); the scene states {scene:.1} rpm.",
+                "Shaft speed from the vibration: {:.1} rpm ({least:.1} to {greatest:.1}); the scene states \
+                 {scene:.1} rpm.",
                 60.0 * speeds.likeliest_hz
             )
         } else {
             format!(
-                "Shaft speed not determined: no multiples of it stand out; the {scene:.1} rpm of the scene are taken as true to 1 %."
+                "Shaft speed not determined: no multiples of it stand out; the {scene:.1} rpm of the scene are taken as \
+                 true to 1 %."
             )
         })
     }

@@ -1,17 +1,19 @@
 //! Squared envelope of a pre-whitened vibration signal, and its spectrum.
 //!
-//! A damaged race causes impacts at its ball-pass frequency, and each impact excites resonances of the structure that are not known
-//! beforehand. Cepstrum pre-whitening sets the magnitude of every bin of the signal's transform to 1 and keeps its phase (the real cepstrum
-//! is zero but for its first value): resonances and discrete lines of shaft, gears and supply weigh as much as any other
-//! frequency, and what remains is the timing of the impacts over the full band. The mean square of the envelope is 1, so that an amplitude of its
-//! spectrum is a modulation, which can be compared between machines: 1 is a modulation from zero to twice the mean.
+//! A damaged race causes impacts at its ball-pass frequency, and each impact excites resonances of the structure that
+//! are not known beforehand. Cepstrum pre-whitening sets the magnitude of every bin of the signal's transform to 1 and
+//! keeps its phase (the real cepstrum is zero but for its first value): resonances and discrete lines of shaft, gears
+//! and supply weigh as much as any other frequency, and what remains is the timing of the impacts over the full band.
+//! The mean square of the envelope is 1, so that an amplitude of its spectrum is a modulation, which can be compared
+//! between machines: 1 is a modulation from zero to twice the mean.
 //!
-//! Where the shaft speed varies, the squared envelope is resampled at equal steps of the shaft angle (order tracking), and the
-//! frequencies of its spectrum are orders times the mean speed.
+//! Where the shaft speed varies, the squared envelope is resampled at equal steps of the shaft angle (order tracking),
+//! and the frequencies of its spectrum are orders times the mean speed.
 //!
-//! Sources: Borghesani, Pennacchi, Randall, Sawalhi and Ricci 2013, Application of cepstrum pre-whitening for the diagnosis of bearing
-//! faults under variable speed conditions, Mechanical Systems and Signal Processing 36; Smith and Randall 2015, Rolling element bearing
-//! diagnostics using the Case Western Reserve University data: a benchmark study, ibid. 64-65.
+//! Sources: Borghesani, Pennacchi, Randall, Sawalhi and Ricci 2013, Application of cepstrum pre-whitening for the
+//! diagnosis of bearing faults under variable speed conditions, Mechanical Systems and Signal Processing 36; Smith and
+//! Randall 2015, Rolling element bearing diagnostics using the Case Western Reserve University data: a benchmark
+//! study, ibid. 64-65.
 
 use super::shaft::Revolutions;
 use super::spectrum::{Spectrum, is_of_mains};
@@ -20,8 +22,8 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::collections::HashMap;
 
-/// Revolutions of one block of the envelope: lines a hundredth of an order apart are resolved, and a cage slips less within it than in a
-/// long recording.
+/// Revolutions of one block of the envelope: lines a hundredth of an order apart are resolved, and a cage slips less
+/// within it than in a long recording.
 const BLOCK_TURNS: f64 = 128.0;
 /// Revolutions of one block of the signal itself, whose lines turn with the shaft exactly.
 const RAW_TURNS: f64 = 512.0;
@@ -77,7 +79,8 @@ pub struct Rotation<'a> {
 }
 
 impl SensorSpectra {
-    /// Computes the spectra of a signal, with the bands that are at least `least_width` (Hz) wide; none of a constant or too short signal.
+    /// Computes the spectra of a signal, with the bands that are at least `least_width` (Hz) wide; none of a constant
+    /// or too short signal.
     pub fn new(
         signal: &[f64],
         rate: f64,
@@ -116,8 +119,8 @@ impl SensorSpectra {
         self.bands.first().map_or(&self.raw, |band| &band.spectrum)
     }
 
-    /// Adds the spectra of a further signal of the same length and rotation to the average. Powers are averaged, so the signals need
-    /// no common time.
+    /// Adds the spectra of a further signal of the same length and rotation to the average. Powers are averaged, so
+    /// the signals need no common time.
     pub fn average(averaged: &mut Option<Self>, further: &Self) {
         let Some(mean) = averaged else {
             *averaged = Some(further.clone());

@@ -10,7 +10,8 @@ const SIDE_BAND: f64 = 0.3;
 /// What an absent harmonic and an absent side band cost.
 const ABSENT: f64 = 0.5;
 const ABSENT_SIDE_BAND: f64 = 0.15;
-/// Logarithm of the ratio by which a side band may exceed its carrier: a modulation of 100 % has side bands as strong as the carrier.
+/// Logarithm of the ratio by which a side band may exceed its carrier: a modulation of 100 % has side bands as strong
+/// as the carrier.
 const ABOVE_CARRIER: f64 = 0.7;
 /// Distance from a multiple of the shaft speed within which a line may be the shaft's, bins.
 const SHAFT_BINS: f64 = 1.6;
@@ -29,9 +30,9 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Returns the evidence for harmonics of `carrier_hz` with side bands at distances of `side_bands` orders, at a shaft speed of `turn_hz`: a
-    /// sum of logarithms of line over noise, less what lines anywhere find by chance. Lines at multiples of the shaft speed are
-    /// neither for nor against.
+    /// Returns the evidence for harmonics of `carrier_hz` with side bands at distances of `side_bands` orders, at a
+    /// shaft speed of `turn_hz`: a sum of logarithms of line over noise, less what lines anywhere find by chance.
+    /// Lines at multiples of the shaft speed are neither for nor against.
     pub fn evidence(&self, carrier_hz: f64, side_bands: &[f64], turn_hz: f64) -> f64 {
         let chance = self.field.mean;
         let shaft = (SHAFT_BINS * self.bin_hz / turn_hz).min(SHAFT_ORDERS);

@@ -1,5 +1,6 @@
-//! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by families of lines in envelope
-//! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the diagnoses of both are joined.
+//! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by families of
+//! lines in envelope spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the
+//! diagnoses of both are joined.
 
 mod component;
 mod condition;

@@ -5,8 +5,8 @@ use super::suspect::Suspect;
 use ballrace_outcome::{EnvelopeSpectrum, MarkedLine};
 use ballrace_scene::Sensor;
 
-/// Returns the spectrum of one sensor up to `highest` (Hz); `suspects` are the bearings that it measures, `found` is the number of the
-/// band of the diagnosis.
+/// Returns the spectrum of one sensor up to `highest` (Hz); `suspects` are the bearings that it measures, `found` is
+/// the number of the band of the diagnosis.
 pub(super) fn envelope(
     sensor: &Sensor,
     suspects: &[&Suspect],

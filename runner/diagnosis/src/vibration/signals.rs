@@ -69,7 +69,8 @@ impl Signals {
         Self::of_block(recording, rate, 0, MAX_READINGS)
     }
 
-    /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all sensors together.
+    /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all
+    /// sensors together.
     pub fn of_block(recording: &Recording, rate: f64, first_index: u64, most_readings: u64) -> Option<Self> {
         let count = recording.sensors.len() as u64;
         let most_samples = most_readings.checked_div(count)?;

@@ -1,8 +1,9 @@
 //! Snapshots: short recordings of the sensors at one speed, with an unknown time between them.
 //!
-//! The squared envelope of each snapshot has its own spectrum, in segments that never extend over two files. Power spectra of
-//! segments at equal speed have the same expectation, so they are averaged; signals are not joined, because the phase between two
-//! files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16 revolutions.
+//! The squared envelope of each snapshot has its own spectrum, in segments that never extend over two files. Power
+//! spectra of segments at equal speed have the same expectation, so they are averaged; signals are not joined, because
+//! the phase between two files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16
+//! revolutions.
 
 use super::detector::FaultDetector;
 use super::envelope::{Rotation, SensorSpectra, Transforms};

@@ -45,8 +45,8 @@ impl Spectrum {
         medians
     }
 
-    /// Returns the maxima whose power is at least `least_ratio` times the mean of the noise around them. A bin counts where it exceeds
-    /// two neighbours on either side: the flank of a strong line is no line.
+    /// Returns the maxima whose power is at least `least_ratio` times the mean of the noise around them. A bin counts
+    /// where it exceeds two neighbours on either side: the flank of a strong line is no line.
     pub fn peaks(&self, least_ratio: f64) -> Vec<Peak> {
         let background = self.background();
         let peak = |(i, near): (usize, &[f64])| {
@@ -89,7 +89,8 @@ pub(crate) fn is_of_mains(hz: f64, bin_hz: f64) -> bool {
     MAINS.iter().any(|mains| (hz - (hz / mains).round() * mains).abs() < MAINS_BINS * bin_hz)
 }
 
-/// Strength of the lines over frequency: the logarithm of the ratio of a line to the noise, spread over the error of its frequency.
+/// Strength of the lines over frequency: the logarithm of the ratio of a line to the noise, spread over the error of
+/// its frequency.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LineField {
     step_hz: f64,

@@ -1,20 +1,22 @@
 //! Shaft speed from the vibration, where it is not measured.
 //!
-//! The speed of a scene is that of a name plate. Each speed within 10 % of it is compared by the multiples of the shaft speed in the signal and in
-//! its envelope, and by the family of lines that fits best at this speed, whatever its order: its side bands are at
-//! distances of the shaft speed, and lines at multiples of the shaft speed belong to no family. The geometry of the bearings does
-//! not enter, so a wrong bearing cannot move the speed to where it fits.
+//! The speed of a scene is that of a name plate. Each speed within 10 % of it is compared by the multiples of the
+//! shaft speed in the signal and in its envelope, and by the family of lines that fits best at this speed, whatever
+//! its order: its side bands are at distances of the shaft speed, and lines at multiples of the shaft speed belong to
+//! no family. The geometry of the bearings does not enter, so a wrong bearing cannot move the speed to where it fits.
 
 use super::envelope::SensorSpectra;
 use super::family::Lines;
 use super::spectrum::{LineField, Spectrum, is_of_mains};
 
-/// Range of the search about the speed of the scene, and its step. Name plates are 6 % off, and asynchronous motors slip.
+/// Range of the search about the speed of the scene, and its step. Name plates are 6 % off, and asynchronous motors
+/// slip.
 const RANGE: f64 = 0.10;
 const STEP: f64 = 0.000_25;
 /// Multiples of the shaft speed that are looked for.
 const MULTIPLES: usize = 10;
-/// Ratio to the noise from which a line counts: of the signal one in 10^5 bins of noise, of the averaged envelope as rare.
+/// Ratio to the noise from which a line counts: of the signal one in 10^5 bins of noise, of the averaged envelope as
+/// rare.
 const LEAST_RATIO: f64 = 12.0;
 const LEAST_ENVELOPE_RATIO: f64 = 6.0;
 /// Greatest logarithm of a line, and what an absent multiple costs.
@@ -24,14 +26,16 @@ const ABSENT: f64 = 0.5;
 const OF_LOWEST: f64 = 3.0;
 /// Error of the frequency of a line, bins.
 const ERROR_BINS: f64 = 0.35;
-/// Weight of the multiples in the signal and in the envelope. Multiples of one shaft come together, so they are not independent.
+/// Weight of the multiples in the signal and in the envelope. Multiples of one shaft come together, so they are not
+/// independent.
 const OF_SIGNAL: f64 = 0.5;
 const OF_ENVELOPE: f64 = 0.25;
-/// Standard deviation of the speed about that of the scene, and the least logarithm of its probability: speeds that are 4 to 6 % off occur.
+/// Standard deviation of the speed about that of the scene, and the least logarithm of its probability: speeds that
+/// are 4 to 6 % off occur.
 const SCENE_DEVIATION: f64 = 0.01;
 const LEAST_PRIOR: f64 = -3.0;
-/// Logarithm of the likelihood that a speed may be below the likeliest: 95 % of a normal distribution are within 2; the multiples of coarse
-/// spectra need more.
+/// Logarithm of the likelihood that a speed may be below the likeliest: 95 % of a normal distribution are within 2;
+/// the multiples of coarse spectra need more.
 const WITHIN: f64 = 3.0;
 /// Speeds farther below the likeliest without a family have none with it.
 const HOPELESS: f64 = 25.0;

@@ -31,8 +31,8 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
 type Modulation = (f64, f64);
 const STEADY: Modulation = (0.0, 1.0);
 
-/// Returns impacts `order` times a revolution with a resonance at `ring` (Hz) in noise, modulated with the shaft (damaged
-/// inner race) or with the cage (damaged element).
+/// Returns impacts `order` times a revolution with a resonance at `ring` (Hz) in noise, modulated with the shaft
+/// (damaged inner race) or with the cage (damaged element).
 fn blows(order: f64, ring: f64, (modulated, by): Modulation, loud: f64, seed: u64) -> Vec<f64> {
     let mut noise = noise(seed);
     let mut signal: Vec<f64> = (0..SAMPLES).map(|_| 0.3 * noise()).collect();
@@ -115,8 +115,8 @@ fn with_lines(mut signal: Vec<f64>, hz: f64, amplitudes: &[f64]) -> Vec<f64> {
     signal
 }
 
-/// The lines of another bearing, or a wrong geometry: impacts 4 % beside the orders of the components, with and without the lines of the
-/// shaft.
+/// The lines of another bearing, or a wrong geometry: impacts 4 % beside the orders of the components, with and
+/// without the lines of the shaft.
 #[test]
 fn families_of_other_orders_are_no_damage() {
     let Orders { outer_race, inner_race, .. } = suspect().orders;

@@ -1,4 +1,5 @@
-//! Damage of a rolling element: it strikes both races in one revolution of the element, strong while it is in the load zone.
+//! Damage of a rolling element: it strikes both races in one revolution of the element, strong while it is in the load
+//! zone.
 
 use super::{FaultKind, Pattern, Suspect};
 

@@ -2,8 +2,9 @@
 
 use super::{FaultKind, Pattern, Suspect};
 
-/// Returns the pattern. Unbalance turns the load with the shaft, and elements of unequal size repeat with the cage: both may modulate. A
-/// lightly loaded cage lags, by 2.5 % at most, and a contact angle under axial load makes it faster.
+/// Returns the pattern. Unbalance turns the load with the shaft, and elements of unequal size repeat with the cage:
+/// both may modulate. A lightly loaded cage lags, by 2.5 % at most, and a contact angle under axial load makes it
+/// faster.
 pub(super) fn pattern(suspect: &Suspect) -> Pattern {
     let cage = suspect.orders.cage;
     Pattern {
