@@ -97,8 +97,14 @@ const GROWTH: f64 = 1.25;
 pub struct BaselineSensor {
     /// Column.
     pub name: String,
-    /// Modulation of the best band, for outer race, inner race, element and cage of each bearing.
+    /// Modulation of the envelope, for outer race, inner race, element and cage of each bearing.
     pub modulations: Vec<f64>,
+    /// Root mean square about the mean, in the unit of the sensor; 0 in older files.
+    #[serde(default)]
+    pub rms: f64,
+    /// Amplitude at the first multiples of the shaft speed, in the unit of the sensor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shaft_lines: Vec<f64>,
 }
 
 /// Baseline of one probe.

@@ -269,6 +269,7 @@ impl Pipeline<'_> {
             return Ok(self.vibration.as_mut().map(RunningVibration::conclusion).unwrap_or_default());
         };
         let mut found = signals.evaluate(scene, self.baseline.as_ref())?;
+        found.notes.extend(found.speed.take().into_iter().chain(found.rotor.take()));
         found.notes.extend(found.not_judged.as_ref().map(|reason| format!("Sensors: no verdict: {reason}.")));
         Ok(found)
     }

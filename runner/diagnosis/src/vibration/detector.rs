@@ -1,7 +1,22 @@
-//! Diagnosis from envelope spectra: the component of the bearing to which the lines belong.
+//! Diagnosis from envelope spectra: one joint hypothesis for the machine.
+//!
+//! The machine has no damaged bearing, or one component of one bearing is damaged. Each hypothesis has its whole
+//! pattern: harmonics of one carrier with one slip, and side bands. A line is evidence for one hypothesis only, since
+//! one is named. A hypothesis is named where
+//!
+//! 1. its evidence exceeds what noise and foreign lines reach by chance over all slips and speeds that are tried,
+//! 2. no family of lines at another order, whatever its origin, explains clearly more: lines of another bearing or of
+//!    a gear are then the cause, or the geometry is wrong,
+//! 3. the envelope is modulated by more than the races of a good bearing do,
+//! 4. it has grown against the baseline, where there is one.
 
-use super::envelope::{BandEnvelope, Line, Rotation, Transforms, envelopes};
+use super::component::{KINDS, Pattern, patterns};
+use super::envelope::{HIGHEST_ORDER, Rotation, SensorSpectra, Transforms};
+use super::family::{HARMONIC_COUNT, Lines};
 use super::picture;
+use super::rotor;
+use super::spectrum::{LineField, Spectrum};
+use super::speed::{Candidate, Speeds, strongest_family};
 use super::suspect::Suspect;
 use ballrace_outcome::baseline::{Baseline, BaselineSensor};
 use ballrace_outcome::{
@@ -9,52 +24,56 @@ use ballrace_outcome::{
 };
 use ballrace_scene::Sensor;
 
-/// Largest slip against pure rolling in either direction, and number of steps of its search.
-const SLIP: f64 = 0.015;
-const SLIP_STEPS: i32 = 6;
-/// Number of harmonics of a line that are evaluated.
+/// Number of harmonics that must lie below half the rate with room for the impacts.
 const HARMONICS: usize = 3;
-/// Smallest level of a line, and of all its harmonics together, dB.
-const MIN_DB: f64 = 12.0;
-const MIN_TOGETHER_DB: f64 = 28.0;
-/// Level to which each harmonic is limited in the sum, dB.
-const MAX_DB: f64 = 30.0;
-/// Smallest modulation of a band.
-const MIN_MODULATION: f64 = 0.25;
-/// Smallest growth of a line against the baseline, dB.
+/// Step of the search for the slip: the fifth harmonic moves by less than its error.
+const SLIP_STEP: f64 = 4e-4;
+/// Standard deviation of the slip.
+const SLIP_DEVIATION: f64 = 0.01;
+/// Ratio to the noise from which a maximum of the envelope counts: noise exceeds it in 5 % of the bins.
+const LEAST_RATIO: f64 = 3.0;
+/// Greatest logarithm of a line over this ratio.
+const GREATEST: f64 = 9.0;
+/// Steps of the field in a revolution.
+const STEPS_PER_ORDER: f64 = 1000.0;
+/// Error of the frequency of a line: bins, and a share by the jitter of a slipping cage.
+const ERROR_BINS: f64 = 0.4;
+const ERROR_SHARE: f64 = 3e-4;
+/// Least evidence. The cells of slip and speed of all components are some thousands, `ln` of which is 8; less a line
+/// that noise always has somewhere. Good bearings reach 5.
+const LEAST_EVIDENCE: f64 = 6.0;
+/// Share of the evidence of the best family of any order that a hypothesis must have.
+const OF_BEST_FAMILY: f64 = 0.75;
+/// Logarithm of the number of bands: what the best of several reaches by chance. The full band, in which impacts
+/// usually show, has none.
+const OF_SEVERAL_BANDS: f64 = 2.7;
+/// Amplitude over that of the strongest line that a carrier has at least: side bands are weaker.
+const OF_STRONGEST_LINE: f64 = 0.5;
+/// Least order of a ball pass, and bins of a line under the Hann window.
+const LOWEST_PASS: f64 = 1.5;
+const LOBE_BINS: f64 = 2.0;
+/// Least modulation of the whitened envelope by the harmonics of the carrier together. Its mean is 1 in every machine;
+/// good bearings modulate it by up to 0.13, damaged ones by 0.3 to 2.6.
+const LEAST_MODULATION: f64 = 0.2;
+/// Least modulation of a levelled envelope. In a part of the range the bins of noise are fewer: lines of the same
+/// significance are stronger by the root of the number of parts. Good bearings reach 0.17 of it, impacts at one
+/// resonance 0.9.
+const LEAST_OF_BAND: f64 = 0.25;
+/// First bin in which a line has a level.
+const FIRST_BIN: f64 = 2.0;
+/// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
+const MOST_UNSEEN: f64 = 12.0;
+/// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation
+/// are as strong as the carrier.
+const STRONGER: f64 = 1.5;
+/// Smallest growth of the modulation against the baseline, dB.
 const MIN_GROWTH_DB: f64 = 6.0;
-/// Lower limit of the bands over the highest line: below it the lines are motion and not impacts.
-const LOWEST: f64 = 3.0;
-/// Smallest score of a family over that of the strongest.
-const MIN_OF_STRONGEST: f64 = 0.7;
-
-/// Components whose lines are looked for.
-const KINDS: [FaultKind; 4] = [FaultKind::OuterRace, FaultKind::InnerRace, FaultKind::Element, FaultKind::Cage];
-
-/// One part of one bearing.
-#[derive(Clone, Copy)]
-struct Family {
-    kind: FaultKind,
-    bearing: usize,
-    order: f64,
-}
-
-/// A family's best band.
-#[derive(Clone)]
-struct Found {
-    family: Family,
-    lines: [Line; HARMONICS],
-    band: [f64; 2],
-    score: f64,
-}
-
-impl Found {
-    /// Returns the frequency of the line, Hz, from its highest significant harmonic, which resolves it best.
-    fn frequency(&self) -> f64 {
-        let mut significant = self.lines.iter().enumerate().filter(|(_, l)| l.level_db > MIN_DB);
-        significant.next_back().map_or(self.lines[0].frequency, |(k, l)| l.frequency / (k + 1) as f64)
-    }
-}
+/// Bins about a harmonic in which its amplitude is taken.
+const AMPLITUDE_BINS: usize = 2;
+/// Largest share of the power at multiples of the supply frequency, where no line turns with the shaft.
+const MOST_MAINS: f64 = 0.5;
+/// Ratio to its surroundings from which a harmonic is counted in the sentence.
+const VISIBLE_RATIO: f64 = 10.0;
 
 /// Detector of bearing faults in the envelope spectra of sensors.
 pub(crate) struct FaultDetector<'a> {
@@ -66,178 +85,255 @@ pub(crate) struct FaultDetector<'a> {
     pub rate: f64,
     /// Baseline of the machine in good order, where it is known.
     pub baseline: Option<&'a Baseline>,
+    /// The speed is measured, not that of the scene.
+    pub is_speed_measured: bool,
 }
 
-impl FaultDetector<'_> {
-    /// Returns the diagnoses of all sensors, strongest first, and the baseline and the figure of each sensor.
-    pub fn all<'s>(
-        &self,
-        signals: impl Iterator<Item = (&'s Sensor, &'s [f64])>,
-    ) -> (Vec<Diagnosis>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
-        let mut transforms = Transforms::default();
-        self.of_bands(signals.map(|(sensor, signal)| (sensor, self.bands(signal, &mut transforms))))
+/// Result of the detector.
+#[derive(Debug, Default)]
+pub(crate) struct Judgement {
+    /// The fault, where one is named.
+    pub diagnoses: Vec<Diagnosis>,
+    /// Baseline of the sensors.
+    pub learned: Vec<BaselineSensor>,
+    /// One envelope spectrum a sensor.
+    pub envelopes: Vec<EnvelopeSpectrum>,
+    /// Statement of a speed that is not measured.
+    pub speed: Option<String>,
+    /// Lines of the shaft that have grown against the baseline.
+    pub rotor: Option<String>,
+    /// Reason why nothing is judged.
+    pub not_judged: Option<String>,
+    /// Shaft speed, rev/s.
+    pub turn_hz: Option<f64>,
+}
+
+/// A component of a bearing as the cause, at the slip and the speed that fit best.
+struct Hypothesis {
+    pattern: Pattern,
+    /// Number of the bearing.
+    bearing: usize,
+    /// Number of the band, and the number of bands of its width.
+    band: usize,
+    parts: u32,
+    evidence: f64,
+    /// Its share of the evidence of the strongest family of any order at the same speed.
+    share: f64,
+    /// Amplitude of its strongest harmonic over that of the strongest line of any origin but the shaft.
+    of_strongest: f64,
+    carrier_hz: f64,
+    turn_hz: f64,
+    /// Modulation by the harmonics of the carrier together, for each sensor; 0 for one that does not measure the
+    /// bearing.
+    modulations: Vec<f64>,
+    sensors: usize,
+}
+
+impl Hypothesis {
+    /// Returns the least modulation by damage.
+    fn least_modulation(&self) -> f64 {
+        if self.band == 0 { LEAST_MODULATION } else { LEAST_OF_BAND * f64::from(self.parts).sqrt() }
     }
 
-    /// Returns the diagnoses from the envelopes of all bands of each sensor, as [`all`](Self::all).
-    pub(crate) fn of_bands<'s>(
-        &self,
-        sensors: impl Iterator<Item = (&'s Sensor, Vec<BandEnvelope>)>,
-    ) -> (Vec<Diagnosis>, Vec<BaselineSensor>, Vec<EnvelopeSpectrum>) {
-        let (mut diagnoses, mut learned, mut drawn): (Vec<(f64, Diagnosis)>, _, _) = (vec![], vec![], vec![]);
-        for (i, (sensor, bands)) in sensors.enumerate() {
-            let found = self.sensor(sensor, &bands);
-            let modulations = found.iter().map(|f| f.as_ref().map_or(0.0, |f| f.lines[0].modulation)).collect();
-            learned.push(BaselineSensor { name: sensor.column.clone(), modulations });
-            let evaluated = |(k, f): (usize, &Option<Found>)| {
-                let found = f.as_ref()?;
-                self.diagnosis(found, sensor, (i, k)).map(|(score, diagnosis)| (score, diagnosis, found.band))
-            };
-            let judged: Vec<(f64, Diagnosis, [f64; 2])> = found.iter().enumerate().filter_map(evaluated).collect();
-            let strongest = judged.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, _, band)| *band);
-            let measured: Vec<&Suspect> = self.measured_by(sensor).collect();
-            drawn.extend(picture::envelope(
-                sensor,
-                &measured,
-                [self.rotation.turn_hz, self.range()],
-                &bands,
-                strongest,
-            ));
-            diagnoses.extend(judged.into_iter().map(|(score, diagnosis, _)| (score, diagnosis)));
+    /// Returns the mean modulation of the sensors that measure the bearing.
+    fn modulation(&self) -> f64 {
+        self.modulations.iter().sum::<f64>() / self.sensors.max(1) as f64
+    }
+}
+
+/// Sensors with their spectra; none where a sensor has no usable signal.
+type Sensors<'s> = [(&'s Sensor, Option<SensorSpectra>)];
+
+impl FaultDetector<'_> {
+    /// Returns the spectra of a signal.
+    pub fn spectra(&self, signal: &[f64], transforms: &mut Transforms) -> Option<SensorSpectra> {
+        let least_width = self.highest_line() * self.rotation.fastest_hz;
+        SensorSpectra::new(signal, self.rate, self.rotation, least_width, transforms)
+    }
+
+    /// Judges the machine from the spectra of its sensors.
+    pub fn judge(&self, sensors: &Sensors<'_>) -> Judgement {
+        let all: Vec<&SensorSpectra> = sensors.iter().filter_map(|(_, spectra)| spectra.as_ref()).collect();
+        if all.is_empty() {
+            return Judgement::default();
         }
-        diagnoses.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let strongest = diagnoses.first().map_or(0.0, |f| f.0);
-        diagnoses.retain(|(score, _)| *score >= MIN_OF_STRONGEST * strongest);
-        let mut distinct: Vec<Diagnosis> = vec![];
-        for (_, diagnosis) in diagnoses {
-            if !distinct.iter().any(|f| f.kind == diagnosis.kind && f.bearing == diagnosis.bearing) {
-                distinct.push(diagnosis);
+        let machine = self.lines(&all, 0);
+        let speeds = Speeds::new(&all, &machine, self.rotation.turn_hz, self.is_speed_measured);
+        let bands = all.iter().map(|spectra| spectra.bands.len()).min().unwrap_or(0);
+        let mut hypotheses = vec![];
+        for band in 0..bands {
+            let machine = self.lines(&all, band);
+            for (bearing, suspect) in self.suspects.iter().enumerate() {
+                let is_own =
+                    |i: &usize| sensors.get(*i).is_some_and(|(sensor, s)| s.is_some() && measures(sensor, suspect));
+                let own: Vec<usize> = (0..sensors.len()).filter(is_own).collect();
+                let spectra: Vec<&SensorSpectra> = own.iter().filter_map(|&i| sensors.get(i)?.1.as_ref()).collect();
+                let lines = if own.len() == all.len() { machine.clone() } else { self.lines(&spectra, band) };
+                for pattern in patterns(suspect) {
+                    hypotheses.push(fit(pattern, (bearing, band), &lines, &speeds.candidates, (sensors, &own)));
+                }
             }
         }
-        (distinct, learned, drawn)
-    }
-
-    fn families(&self) -> Vec<Family> {
-        let of = |(bearing, s): (usize, &Suspect)| KINDS.map(|kind| Family { kind, bearing, order: s.order(kind) });
-        self.suspects.iter().enumerate().flat_map(of).collect()
-    }
-
-    /// Returns the envelopes of all bands that are high and wide enough.
-    pub fn bands(&self, signal: &[f64], transforms: &mut Transforms) -> Vec<BandEnvelope> {
-        let fastest = self.rotation.fastest_hz;
-        let (lowest, highest) = (LOWEST * self.highest_order(), self.highest_line());
-        envelopes(signal, self.rate, self.rotation, [lowest * fastest, highest * fastest], transforms)
-    }
-
-    /// Returns the level of each line that the sensor measures, in the band where that is the greatest.
-    pub fn levels(&self, sensor: &Sensor, bands: &[BandEnvelope]) -> Vec<LineLevel> {
-        let level = |found: Found| LineLevel {
-            bearing: self.suspects[found.family.bearing].name.clone(),
-            component: found.family.kind,
-            level_db: found.score / HARMONICS as f64,
+        let mains = all.iter().map(|s| s.mains).sum::<f64>() / all.len() as f64;
+        let turn_hz = speeds.likeliest_hz;
+        let mut judgement = Judgement {
+            learned: self.learned(sensors, &hypotheses, turn_hz),
+            speed: self.speed_note(&speeds),
+            turn_hz: Some(turn_hz),
+            ..Judgement::default()
         };
-        self.sensor(sensor, bands).into_iter().flatten().map(level).collect()
-    }
-
-    /// Returns the highest frequency at which lines are searched, Hz.
-    #[must_use]
-    pub fn range(&self) -> f64 {
-        self.highest_line() * self.rotation.turn_hz
-    }
-
-    /// Returns the highest order of a line that is looked for, harmonics included.
-    #[must_use]
-    pub fn highest_line(&self) -> f64 {
-        (HARMONICS as f64 + 0.5) * self.highest_order()
-    }
-
-    fn highest_order(&self) -> f64 {
-        self.families().iter().map(|f| f.order).fold(0.0, f64::max)
-    }
-
-    /// Returns the smallest sampling rate that has a band with lines, Hz.
-    #[must_use]
-    pub(crate) fn least_rate(&self) -> f64 {
-        // The upper half of the range up to Nyquist is the band that needs the least rate.
-        4.0 * self.highest_line() * self.rotation.fastest_hz
-    }
-
-    /// Returns the bearings that a sensor measures.
-    pub(crate) fn measured_by(&self, sensor: &Sensor) -> impl Iterator<Item = &Suspect> {
-        self.suspects.iter().filter(|s| sensor.bearing.as_ref().is_none_or(|name| *name == s.name))
-    }
-
-    /// Returns the lines of each family in the band with the highest score; `None` for a family that the sensor does not measure
-    /// or that no band contains.
-    fn sensor(&self, sensor: &Sensor, all: &[BandEnvelope]) -> Vec<Option<Found>> {
-        let families = self.families();
-        let own = |f: &Family| sensor.bearing.as_ref().is_none_or(|name| *name == self.suspects[f.bearing].name);
-        families.iter().map(|family| if own(family) { self.best(all, *family) } else { None }).collect()
-    }
-
-    fn best(&self, all: &[BandEnvelope], family: Family) -> Option<Found> {
-        let found = all.iter().flat_map(|envelope| {
-            (-SLIP_STEPS..=SLIP_STEPS).filter_map(move |i| {
-                let slip = SLIP * f64::from(i) / f64::from(SLIP_STEPS);
-                let frequency = family.order * self.rotation.turn_hz * (1.0 + slip);
-                let mut lines = [Line::default(); HARMONICS];
-                for (k, line) in lines.iter_mut().enumerate() {
-                    *line = envelope.line((k + 1) as f64 * frequency)?;
-                }
-                let score = lines.iter().map(|l| l.level_db.clamp(0.0, MAX_DB)).sum();
-                Some(Found { family, lines, band: envelope.band, score })
-            })
-        });
-        found.max_by(|a, b| a.score.total_cmp(&b.score))
-    }
-
-    fn diagnosis(&self, found: &Found, sensor: &Sensor, (i, k): (usize, usize)) -> Option<(f64, Diagnosis)> {
-        let line = found.lines[0];
-        let usual = self.baseline.map(|b| b.modulation(i, k).max(1e-6));
-        let growth = usual.map(|usual| 20.0 * (line.modulation / usual).log10());
-        let stands_out = line.level_db >= MIN_DB && found.score >= MIN_TOGETHER_DB && line.modulation >= MIN_MODULATION;
-        if !stands_out || growth.is_some_and(|g| g < MIN_GROWTH_DB) {
-            return None;
+        if !speeds.is_confirmed && mains > MOST_MAINS {
+            judgement.not_judged = Some(format!(
+                "{:.0} % of the power of the sensors is at multiples of the supply frequency, and no line turns with the \
+                 shaft: the machine stands still, or the sensors measure the supply",
+                100.0 * mains
+            ));
+            return judgement;
         }
-        let order = found.frequency() / self.rotation.turn_hz;
-        let bearing = self.suspects[found.family.bearing].name.clone();
-        let is_not_excluded = |s: &&Suspect| {
-            let is_same_line = (order / s.order(found.family.kind) - 1.0).abs() <= SLIP;
-            sensor.bearing.is_none() && s.name != bearing && is_same_line
+        judgement.not_judged = rotor::standstill(&judgement.learned, self.baseline);
+        if judgement.not_judged.is_some() {
+            return judgement;
+        }
+        judgement.rotor = rotor::growth(sensors, &judgement.learned, self.baseline);
+        let named = self.named(&hypotheses, sensors, strongest_family(&machine, turn_hz));
+        let shown = named.as_ref().map(|(_, band)| *band);
+        judgement.diagnoses.extend(named.map(|(diagnosis, _)| diagnosis));
+        for (sensor, spectra) in sensors {
+            let Some(spectra) = spectra else { continue };
+            let measured: Vec<&Suspect> = self.suspects.iter().filter(|suspect| measures(sensor, suspect)).collect();
+            let range = [turn_hz, self.highest_line() * turn_hz];
+            judgement.envelopes.extend(picture::envelope(sensor, &measured, range, spectra, shown));
+        }
+        judgement
+    }
+
+    /// Returns the lines of the envelopes of sensors together.
+    fn lines(&self, spectra: &[&SensorSpectra], band: usize) -> Lines {
+        let turn_hz = self.rotation.turn_hz;
+        let spectra: Vec<&Spectrum> = spectra.iter().filter_map(|s| Some(&s.bands.get(band)?.spectrum)).collect();
+        let bin_hz = spectra.first().map_or(1.0, |s| s.bin_hz);
+        let mut field = LineField::new(turn_hz / STEPS_PER_ORDER, HIGHEST_ORDER * turn_hz);
+        for one in &spectra {
+            let strength = |ratio: f64| (ratio / LEAST_RATIO).ln().min(GREATEST);
+            let error = |hz: f64| (ERROR_BINS * bin_hz).hypot(ERROR_SHARE * hz);
+            let peaks = one.peaks(LEAST_RATIO);
+            field.add(peaks.iter().map(|peak| (peak.hz, strength(peak.ratio), error(peak.hz))));
+        }
+        field.close(spectra.len());
+        Lines { field, bin_hz }
+    }
+
+    /// Returns the diagnosis of the best hypothesis, where it is one, and the number of its band. `strongest` is the
+    /// evidence of the strongest family of any order in the whitened envelope.
+    fn named(&self, hypotheses: &[Hypothesis], sensors: &Sensors<'_>, strongest: f64) -> Option<(Diagnosis, usize)> {
+        let is_significant = |h: &&Hypothesis| {
+            h.evidence >= LEAST_EVIDENCE
+                && h.share >= OF_BEST_FAMILY
+                && h.of_strongest >= OF_STRONGEST_LINE
+                && h.modulation() >= h.least_modulation()
         };
-        let others: Vec<String> = self.suspects.iter().filter(is_not_excluded).map(|s| s.name.clone()).collect();
-        let level_db = growth.unwrap_or(line.level_db);
-        let over = if growth.is_some() { "the baseline" } else { "its surroundings" };
+        // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one
+        // resonance, which it does not show.
+        let of_group = |first: bool| hypotheses.iter().filter(move |h| (h.band == 0) == first);
+        // Side bands of a strong carrier, taken for a family of their own, are weaker than the carrier.
+        let is_beside_stronger = |h: &Hypothesis, first: bool| {
+            let others = of_group(first).filter(is_significant).filter(|other| other.pattern.kind != h.pattern.kind);
+            others.map(Hypothesis::modulation).any(|modulation| modulation > STRONGER * h.modulation())
+        };
+        let strongest_of = |first: bool| {
+            let own = of_group(first).filter(is_significant).filter(|h| !is_beside_stronger(h, first));
+            own.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+        };
+        let best = strongest_of(true).or_else(|| strongest_of(false).filter(|_| strongest < MOST_UNSEEN))?;
+        let usual = self.baseline.map(|baseline| {
+            let k = hypotheses.iter().take_while(|h| !std::ptr::eq(*h, best)).count();
+            let modulations = (0..sensors.len()).map(|i| baseline.modulation(i, k));
+            modulations.sum::<f64>() / best.sensors.max(1) as f64
+        });
+        let growth_db = usual.map(|usual| 20.0 * (best.modulation() / usual.max(1e-6)).log10());
+        // Another component, or nothing of these, as likely as the least evidence.
+        let against = |kind: FaultKind| {
+            let others = of_group(best.band == 0).filter(|h| h.pattern.kind == kind && kind != best.pattern.kind);
+            let equal = others.filter(|h| STRONGER * h.modulation() >= best.modulation());
+            equal.map(|h| (h.evidence - best.evidence).exp()).fold(0.0, f64::max)
+        };
+        let weights = KINDS.map(against).iter().sum::<f64>();
+        let confidence = 1.0 / (1.0 + weights + (LEAST_EVIDENCE - best.evidence).exp());
+        let has_grown = growth_db.is_none_or(|growth| growth >= MIN_GROWTH_DB);
+        // More likely than all others together.
+        let is_named = has_grown && confidence > 0.5;
+        is_named.then(|| (self.diagnosis(best, sensors, growth_db, confidence), best.band))
+    }
+
+    fn diagnosis(
+        &self,
+        best: &Hypothesis,
+        sensors: &Sensors<'_>,
+        growth_db: Option<f64>,
+        confidence: f64,
+    ) -> Diagnosis {
+        let strongest = (0..sensors.len()).max_by(|a, b| {
+            best.modulations.get(*a).unwrap_or(&0.0).total_cmp(best.modulations.get(*b).unwrap_or(&0.0))
+        });
+        let shown = strongest.and_then(|i| Some((sensors.get(i)?.0, sensors.get(i)?.1.as_ref()?)));
+        let (mut band, mut column, mut ratios) = ([0.0, 0.5 * self.rate], String::new(), vec![]);
+        if let Some((sensor, envelope)) =
+            shown.and_then(|(sensor, spectra)| Some((sensor, spectra.bands.get(best.band)?)))
+        {
+            let background = envelope.spectrum.background();
+            let of =
+                |k: usize| envelope.spectrum.line((k + 1) as f64 * best.carrier_hz, AMPLITUDE_BINS, &background)[1];
+            ratios = (0..HARMONIC_COUNT).map(of).collect();
+            (band, column) = (envelope.band, sensor.column.clone());
+        }
+        let bearing = self.suspects.get(best.bearing).map(|s| s.name.clone()).unwrap_or_default();
+        let order = best.carrier_hz / best.turn_hz;
+        let has_same_line = |s: &&Suspect| {
+            let orders = patterns(s);
+            let same = orders.iter().find(|p| p.kind == best.pattern.kind);
+            let [least, greatest] = best.pattern.slip;
+            s.name != bearing && same.is_some_and(|p| (least..=greatest).contains(&(order / p.order - 1.0)))
+        };
+        let is_measured_too =
+            |s: &&Suspect| sensors.iter().any(|(sensor, _)| sensor.column == column && measures(sensor, s));
+        let others: Vec<String> =
+            self.suspects.iter().filter(has_same_line).filter(is_measured_too).map(|s| s.name.clone()).collect();
+        let level_db = growth_db.unwrap_or_else(|| 10.0 * ratios.iter().copied().fold(1.0, f64::max).log10());
+        let over = if growth_db.is_some() { "the baseline" } else { "its surroundings" };
         let sentence = format!(
-            "{} of {bearing}: the envelope of {:.0} to {:.0} Hz at {} has its line at {:.1} Hz, {order:.2} per turn, \
-             {level_db:.0} dB above {over}, with {} of its multiples; the level in the band is modulated by {:.0} %.{}",
-            component_name(found.family.kind),
-            found.band[0],
-            found.band[1],
-            sensor.column,
-            found.frequency(),
-            found.lines[1..].iter().filter(|l| l.level_db > 6.0).count(),
-            100.0 * line.modulation,
+            "{}{} of {bearing}: the whitened envelope of {:.0} to {:.0} Hz at {column} has its line at {:.1} Hz, {order:.3} per \
+             turn ({:+.1} % from pure rolling), {level_db:.0} dB above {over}, with {} of its next {} multiples; they modulate the envelope by {:.0} %. Odds \
+             against any other cause {:.0}.{}",
+            if confidence < 0.6 { "Possibly: " } else { "" },
+            best.pattern.name,
+            band[0],
+            band[1],
+            best.carrier_hz,
+            100.0 * (order / best.pattern.order - 1.0),
+            ratios.iter().skip(1).filter(|ratio| **ratio > VISIBLE_RATIO).count(),
+            HARMONIC_COUNT - 1,
+            100.0 * best.modulation(),
+            (confidence / (1.0 - confidence)).min(1e9),
             if others.is_empty() {
                 String::new()
             } else {
                 format!(" The sensors do not exclude {}.", others.join(" or "))
             }
         );
-        let confidence = (found.score / (HARMONICS as f64 * MAX_DB)).min(1.0).sqrt();
-        let diagnosis = Diagnosis {
-            kind: found.family.kind,
+        Diagnosis {
+            kind: best.pattern.kind,
             bearing: Some(bearing),
-            line_hz: found.frequency(),
+            line_hz: best.carrier_hz,
             order,
             level_db,
             confidence,
             evidence: vec![EvidenceSource::Vibration],
             vibration: Some(VibrationLine {
-                sensor: sensor.column.clone(),
-                band_hz: found.band,
-                line_hz: found.frequency(),
+                sensor: column,
+                band_hz: band,
+                line_hz: best.carrier_hz,
                 order,
-                modulation: line.modulation,
+                modulation: best.modulation(),
                 level_db,
                 not_excluded: others,
             }),
@@ -245,16 +341,150 @@ impl FaultDetector<'_> {
             parameters: FaultParameters::default(),
             lines: vec![],
             figures: FaultFigures::default(),
+        }
+    }
+
+    fn learned(&self, sensors: &Sensors<'_>, hypotheses: &[Hypothesis], turn_hz: f64) -> Vec<BaselineSensor> {
+        let of = |(i, (sensor, spectra)): (usize, &(&Sensor, Option<SensorSpectra>))| BaselineSensor {
+            name: sensor.column.clone(),
+            modulations: hypotheses.iter().map(|h| h.modulations.get(i).copied().unwrap_or(0.0)).collect(),
+            rms: spectra.as_ref().map_or(0.0, |spectra| spectra.rms),
+            shaft_lines: spectra.as_ref().map(|spectra| rotor::amplitudes(spectra, turn_hz)).unwrap_or_default(),
         };
-        Some((found.score, diagnosis))
+        sensors.iter().enumerate().map(of).collect()
+    }
+
+    /// States a speed that is not measured.
+    fn speed_note(&self, speeds: &Speeds) -> Option<String> {
+        let scene = 60.0 * self.rotation.turn_hz;
+        let [least, greatest] = speeds.interval().map(|hz| 60.0 * hz);
+        if self.is_speed_measured {
+            return None;
+        }
+        Some(if speeds.is_confirmed {
+            format!(
+                "Shaft speed from the vibration: {:.1} rpm ({least:.1} to {greatest:.1}); the scene states \
+                 {scene:.1} rpm.",
+                60.0 * speeds.likeliest_hz
+            )
+        } else {
+            format!(
+                "Shaft speed not determined: no multiples of it stand out; the {scene:.1} rpm of the scene are taken as \
+                 true to 1 %."
+            )
+        })
+    }
+
+    /// Returns the level of each line that the sensor measures.
+    pub fn levels(&self, sensor: &Sensor, spectra: &SensorSpectra) -> Vec<LineLevel> {
+        let backgrounds: Vec<Vec<f64>> = spectra.bands.iter().map(|band| band.spectrum.background()).collect();
+        let level = |suspect: &Suspect, pattern: &Pattern| {
+            let at = |slip: f64, spectrum: &Spectrum, background: &[f64]| {
+                let carrier = pattern.order * (1.0 + slip) * self.rotation.turn_hz;
+                let ratio = |k: usize| spectrum.line(k as f64 * carrier, 1, background)[1];
+                (1..=HARMONICS).map(|k| 10.0 * ratio(k).max(1.0).log10()).sum::<f64>() / HARMONICS as f64
+            };
+            let bands = || spectra.bands.iter().zip(&backgrounds);
+            let levels =
+                slips(pattern).flat_map(|slip| bands().map(move |(band, median)| at(slip, &band.spectrum, median)));
+            LineLevel { bearing: suspect.name.clone(), component: pattern.kind, level_db: levels.fold(0.0, f64::max) }
+        };
+        let own = self.suspects.iter().filter(|suspect| measures(sensor, suspect));
+        let all = own.flat_map(|suspect| patterns(suspect).map(|pattern| (suspect, pattern)));
+        // The first bins hold the mean.
+        let resolved = all.filter(|(_, p)| p.order * self.rotation.turn_hz >= FIRST_BIN * spectra.envelope().bin_hz);
+        resolved.map(|(suspect, pattern)| level(suspect, &pattern)).collect()
+    }
+
+    /// Returns the highest order of a line that is looked for, harmonics included.
+    #[must_use]
+    pub fn highest_line(&self) -> f64 {
+        let orders = self.suspects.iter().flat_map(|suspect| patterns(suspect).map(|pattern| pattern.order));
+        (HARMONICS as f64 + 0.5) * orders.fold(0.0, f64::max)
+    }
+
+    /// Returns the smallest sampling rate at which the impacts are resolved, Hz.
+    #[must_use]
+    pub(crate) fn least_rate(&self) -> f64 {
+        4.0 * self.highest_line() * self.rotation.fastest_hz
     }
 }
 
-fn component_name(kind: FaultKind) -> &'static str {
-    match kind {
-        FaultKind::OuterRace => "Outer race",
-        FaultKind::InnerRace => "Inner race",
-        FaultKind::Element => "A rolling element",
-        _ => "Cage",
+/// Returns the greatest power above the background at orders of ball passes that are no multiples of the shaft speed.
+fn strongest_line(spectrum: &Spectrum, background: &[f64], turn_hz: f64) -> f64 {
+    let first = (LOWEST_PASS * turn_hz / spectrum.bin_hz) as usize;
+    let of = |(i, (power, background)): (usize, (&f64, &f64))| {
+        let order = i as f64 * spectrum.bin_hz / turn_hz;
+        let is_of_shaft = (order - order.round()).abs() * turn_hz < LOBE_BINS * spectrum.bin_hz;
+        if is_of_shaft { 0.0 } else { power - background }
+    };
+    spectrum.power.iter().zip(background).enumerate().skip(first).map(of).fold(0.0, f64::max)
+}
+
+fn measures(sensor: &Sensor, suspect: &Suspect) -> bool {
+    sensor.bearing.as_ref().is_none_or(|name| *name == suspect.name)
+}
+
+fn slips(pattern: &Pattern) -> impl Iterator<Item = f64> + use<> {
+    let [least, greatest] = pattern.slip;
+    let steps = ((greatest - least) / SLIP_STEP).round() as i32;
+    (0..=steps).map(move |i| least + SLIP_STEP * f64::from(i))
+}
+
+/// Fits slip and speed of a pattern to the lines of a band.
+fn fit(
+    pattern: Pattern,
+    (bearing, band): (usize, usize),
+    lines: &Lines,
+    speeds: &[Candidate],
+    (sensors, own): (&Sensors<'_>, &[usize]),
+) -> Hypothesis {
+    let mut best = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
+    for speed in speeds {
+        for slip in slips(&pattern) {
+            let carrier = pattern.order * (1.0 + slip) * speed.turn_hz;
+            let unlikely = 0.5 * (slip / SLIP_DEVIATION).powi(2);
+            let evidence = lines.evidence(carrier, &pattern.side_bands, speed.turn_hz) - unlikely;
+            if evidence > best.0 {
+                best = (evidence, carrier, speed.turn_hz, unlikely);
+            }
+        }
+    }
+    let (evidence, carrier_hz, turn_hz, unlikely) = best;
+    let handicap = if band == 0 { 0.0 } else { OF_SEVERAL_BANDS };
+    let evidence = evidence - handicap;
+    let mut modulations = vec![0.0; sensors.len()];
+    let (mut parts, mut of_strongest) = (1, 0.0);
+    for &i in own {
+        let envelope = sensors.get(i).and_then(|(_, spectra)| spectra.as_ref()?.bands.get(band));
+        let Some((envelope, modulation)) = envelope.zip(modulations.get_mut(i)) else { continue };
+        parts = envelope.parts;
+        let background = envelope.spectrum.background();
+        let power = |k: usize| envelope.spectrum.line(k as f64 * carrier_hz, AMPLITUDE_BINS, &background)[0];
+        let powers: Vec<f64> = (1..=HARMONIC_COUNT).map(power).collect();
+        *modulation = powers.iter().sum::<f64>().sqrt();
+        let greatest = powers.iter().copied().fold(0.0, f64::max);
+        let strongest = strongest_line(&envelope.spectrum, &background, turn_hz).max(f64::MIN_POSITIVE);
+        of_strongest += (greatest / strongest).sqrt() / own.len() as f64;
+    }
+    // A family of any order has no slip. Most hypotheses need no comparison.
+    let share = if evidence >= LEAST_EVIDENCE {
+        (evidence + handicap + unlikely) / strongest_family(lines, turn_hz).max(f64::MIN_POSITIVE)
+    } else {
+        0.0
+    };
+    let sensors = own.len();
+    Hypothesis {
+        pattern,
+        bearing,
+        band,
+        parts,
+        evidence,
+        share,
+        of_strongest,
+        carrier_hz,
+        turn_hz,
+        modulations,
+        sensors,
     }
 }

@@ -1,45 +1,61 @@
-//! Envelope spectra: amplitude modulation of the frequency bands of a vibration signal.
+//! Squared envelope of a pre-whitened vibration signal, and its spectrum.
 //!
-//! A damaged race causes impacts at its ball-pass frequency, and each impact excites a resonance of the structure. The resonance
-//! is not known beforehand, so all bands are evaluated: the range up to Nyquist is divided into halves and thirds repeatedly.
-//! The spectrum is that of the squared envelope, `|x_a|^2` of the band's analytic signal over its mean, averaged over blocks
-//! (Welch). An amplitude of 1 is a modulation from zero to twice the mean.
+//! A damaged race causes impacts at its ball-pass frequency, and each impact excites resonances of the structure that
+//! are not known beforehand. Cepstrum pre-whitening sets the magnitude of every bin of the signal's transform to 1 and
+//! keeps its phase (the real cepstrum is zero but for its first value): resonances and discrete lines of shaft, gears
+//! and supply weigh as much as any other frequency, and what remains is the timing of the impacts over the full band.
+//! The mean square of the envelope is 1, so that an amplitude of its spectrum is a modulation, which can be compared
+//! between machines: 1 is a modulation from zero to twice the mean.
 //!
-//! Where the shaft speed varies, the squared envelope is resampled at equal steps of the shaft angle (order tracking), and the
-//! frequencies of its spectrum are orders times the mean speed. The bands stay those of the structure, in Hz.
+//! Where the shaft speed varies, the squared envelope is resampled at equal steps of the shaft angle (order tracking),
+//! and the frequencies of its spectrum are orders times the mean speed.
 //!
-//! The kernel's `Envelope` follows one known band sample by sample; this search needs the whole recording, from which it finds
-//! the band that the kernel's constructor takes.
-//!
-//! Sources: Randall and Antoni 2011, Rolling element bearing diagnostics - a tutorial, Mechanical Systems and Signal
-//! Processing 25; the tree of bands: Antoni 2007, Fast computation of the kurtogram, ibid. 21.
+//! Sources: Borghesani, Pennacchi, Randall, Sawalhi and Ricci 2013, Application of cepstrum pre-whitening for the
+//! diagnosis of bearing faults under variable speed conditions, Mechanical Systems and Signal Processing 36; Smith and
+//! Randall 2015, Rolling element bearing diagnostics using the Case Western Reserve University data: a benchmark
+//! study, ibid. 64-65.
 
 use super::shaft::Revolutions;
+use super::spectrum::{Spectrum, is_of_mains};
 use ballrace_plant::spectrum::WindowedTransform;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::collections::HashMap;
 
-/// Number of bands at each level.
-const PARTS: [usize; 9] = [2, 3, 4, 6, 8, 12, 16, 24, 32];
-/// Revolutions of one block: lines a sixteenth of an order apart are resolved.
-const BLOCK_TURNS: f64 = 16.0;
-/// Range of the background on either side of a line, orders.
-const BACKGROUND_TURNS: f64 = 1.0;
-/// Smallest range of the background, bins: a line under the Hann window has four bins, which must not be part of its background.
-const MIN_BACKGROUND: usize = 8;
+/// Revolutions of one block of the envelope: lines a hundredth of an order apart are resolved, and a cage slips less
+/// within it than in a long recording.
+const BLOCK_TURNS: f64 = 128.0;
+/// Revolutions of one block of the signal itself, whose lines turn with the shaft exactly.
+const RAW_TURNS: f64 = 512.0;
+/// Highest order of the envelope spectrum, and of the spectrum of the signal.
+pub(crate) const HIGHEST_ORDER: f64 = 30.0;
+const HIGHEST_RAW_ORDER: f64 = 17.0;
+/// Half the range of the background of a line, orders.
+const BACKGROUND_ORDERS: f64 = 0.75;
+/// Smallest such range, bins: a line under the Hann window has four bins, which must not dominate its background.
+const MIN_BACKGROUND: usize = 12;
 
-/// The envelope spectrum of one band.
-#[derive(Clone)]
+/// Spectrum of the squared envelope of one band of the whitened signal.
+#[derive(Debug, Clone)]
 pub(crate) struct BandEnvelope {
-    /// Lower and upper limit of the band, Hz.
+    /// Limits, Hz.
     pub band: [f64; 2],
-    /// Squared amplitudes, averaged over the blocks.
-    power: Vec<f64>,
-    /// Bin width, Hz.
-    bin: f64,
-    /// Mean speed, rev/s.
-    turn_hz: f64,
+    /// Number of bands of this width.
+    pub parts: u32,
+    pub spectrum: Spectrum,
+}
+
+/// Spectra of one sensor.
+#[derive(Debug, Clone)]
+pub(crate) struct SensorSpectra {
+    /// Envelopes, that of the full band first.
+    pub bands: Vec<BandEnvelope>,
+    /// Of the signal.
+    pub raw: Spectrum,
+    /// Root mean square of the signal about its mean.
+    pub rms: f64,
+    /// Share of the power of the signal that is at multiples of the supply frequency.
+    pub mains: f64,
     /// Signals in the average.
     signals: f64,
 }
@@ -49,17 +65,6 @@ pub(crate) struct BandEnvelope {
 pub(crate) struct Transforms {
     planner: Option<FftPlanner<f64>>,
     windowed: HashMap<usize, WindowedTransform>,
-}
-
-/// A line of an envelope spectrum.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Line {
-    /// Level over the median around the line, dB.
-    pub level_db: f64,
-    /// Amplitude over the mean square of the band.
-    pub modulation: f64,
-    /// Frequency of the peak, Hz.
-    pub frequency: f64,
 }
 
 /// Rotation of the shaft during a signal.
@@ -73,84 +78,174 @@ pub struct Rotation<'a> {
     pub revolutions: Option<&'a Revolutions>,
 }
 
-/// Returns the spectra of all bands of `signal` that begin above `lowest` (Hz) and are wide enough for lines up to `highest` (Hz).
-#[must_use]
-pub fn envelopes(
-    signal: &[f64],
-    rate: f64,
-    rotation: Rotation<'_>,
-    [lowest, highest]: [f64; 2],
-    transforms: &mut Transforms,
-) -> Vec<BandEnvelope> {
-    let n = signal.len();
-    let Transforms { planner, windowed } = transforms;
-    let planner = planner.get_or_insert_with(FftPlanner::new);
-    let mean = signal.iter().sum::<f64>() / n.max(1) as f64;
-    let mut spectrum: Vec<Complex<f64>> = signal.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
-    planner.plan_fft_forward(n).process(&mut spectrum);
-    let mut all = Vec::new();
-    for parts in PARTS {
-        let width = 0.5 * rate / parts as f64;
-        for i in 0..parts {
-            let band = [i as f64 * width, (i + 1) as f64 * width];
-            if width >= highest && band[0] >= lowest {
-                all.extend(envelope(&spectrum, rate, rotation, band, (&mut *planner, &mut *windowed)));
+impl SensorSpectra {
+    /// Computes the spectra of a signal, with the bands that are at least `least_width` (Hz) wide; none of a constant
+    /// or too short signal.
+    pub fn new(
+        signal: &[f64],
+        rate: f64,
+        rotation: Rotation<'_>,
+        least_width: f64,
+        transforms: &mut Transforms,
+    ) -> Option<Self> {
+        let bins = transformed(signal, transforms)?;
+        let turn_hz = rotation.turn_hz;
+        let flat = whitened(&bins);
+        // Over twice the orders of the lines, so that those of regular impacts stay.
+        let smooth = levelled(&bins, (2.0 * least_width / rate * signal.len() as f64) as usize);
+        let mut bands = vec![];
+        for (whitened, parts) in [(&flat, 1), (&smooth, 1), (&smooth, 2), (&smooth, 4), (&smooth, 8)] {
+            let width = 0.5 * rate / f64::from(parts);
+            if parts > 1 && width < least_width {
+                break;
+            }
+            let count = whitened.len() / parts as usize;
+            for (i, inside) in whitened.chunks_exact(count.max(1)).take(parts as usize).enumerate() {
+                let (squares, own_rate) = squared_envelope(inside, (signal.len(), rate), rotation, transforms)?;
+                let spectrum = averaged(&squares, own_rate, (turn_hz, BLOCK_TURNS, HIGHEST_ORDER), transforms)?;
+                bands.push(BandEnvelope { band: [i as f64 * width, (i + 1) as f64 * width], parts, spectrum });
             }
         }
+        let tracked = rotation.revolutions.map(|turned| order_tracked(signal, signal.len(), turned, turn_hz / rate));
+        let (raw, mains) = raw_spectrum(tracked.as_deref().unwrap_or(signal), rate, turn_hz, transforms)?;
+        let count = signal.len() as f64;
+        let mean = signal.iter().sum::<f64>() / count;
+        let rms = (signal.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt();
+        Some(Self { bands, raw, rms, mains, signals: 1.0 })
     }
-    all
+
+    /// Returns the spectrum of the envelope of the full band.
+    pub fn envelope(&self) -> &Spectrum {
+        self.bands.first().map_or(&self.raw, |band| &band.spectrum)
+    }
+
+    /// Adds the spectra of a further signal of the same length and rotation to the average. Powers are averaged, so
+    /// the signals need no common time.
+    pub fn average(averaged: &mut Option<Self>, further: &Self) {
+        let Some(mean) = averaged else {
+            *averaged = Some(further.clone());
+            return;
+        };
+        mean.signals += 1.0;
+        for (mean_band, band) in mean.bands.iter_mut().zip(&further.bands) {
+            mean_band.spectrum.average(&band.spectrum, mean.signals);
+        }
+        mean.raw.average(&further.raw, mean.signals);
+        mean.mains += (further.mains - mean.mains) / mean.signals;
+        mean.rms = (mean.rms.powi(2) + (further.rms.powi(2) - mean.rms.powi(2)) / mean.signals).sqrt();
+    }
 }
 
-fn envelope(
-    spectrum: &[Complex<f64>],
-    rate: f64,
+/// Returns the bins of a signal up to half the rate; none of a constant signal.
+fn transformed(signal: &[f64], transforms: &mut Transforms) -> Option<Vec<Complex<f64>>> {
+    let planner = transforms.planner.get_or_insert_with(FftPlanner::new);
+    let mean = signal.iter().sum::<f64>() / signal.len().max(1) as f64;
+    let mut bins: Vec<Complex<f64>> = signal.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
+    planner.plan_fft_forward(bins.len()).process(&mut bins);
+    bins.truncate(signal.len() / 2);
+    *bins.first_mut()? = Complex::new(0.0, 0.0);
+    bins.iter().any(|bin| bin.norm_sqr() > 0.0).then_some(bins)
+}
+
+/// Returns bins with magnitude 1.
+fn whitened(bins: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    bins.iter().map(|bin| bin / bin.norm().max(f64::MIN_POSITIVE)).collect()
+}
+
+/// Returns bins over the root mean square of those within `reach` of them.
+fn levelled(bins: &[Complex<f64>], reach: usize) -> Vec<Complex<f64>> {
+    let mut sums = vec![0.0];
+    let mut sum = 0.0;
+    for bin in bins {
+        sum += bin.norm_sqr();
+        sums.push(sum);
+    }
+    let level = |i: usize| {
+        let (first, end) = (i.saturating_sub(reach), (i + reach + 1).min(bins.len()));
+        let power = sums.get(end).unwrap_or(&0.0) - sums.get(first).unwrap_or(&0.0);
+        (power / (end - first) as f64).sqrt().max(f64::MIN_POSITIVE)
+    };
+    bins.iter().enumerate().map(|(i, bin)| bin / level(i)).collect()
+}
+
+/// Returns the squared envelope of a band of a signal of `samples` samples over its mean, less 1, and its rate.
+fn squared_envelope(
+    inside: &[Complex<f64>],
+    (samples, rate): (usize, f64),
     rotation: Rotation<'_>,
-    band: [f64; 2],
-    (planner, windowed): (&mut FftPlanner<f64>, &mut HashMap<usize, WindowedTransform>),
-) -> Option<BandEnvelope> {
-    let n = spectrum.len();
-    let bin_of = |f: f64| (f * n as f64 / rate).ceil() as usize;
-    let inside = spectrum.get(bin_of(band[0])..bin_of(band[1]).min(n / 2))?;
+    transforms: &mut Transforms,
+) -> Option<(Vec<f64>, f64)> {
     // The band is shifted to 0 Hz: the envelope stays the same and needs fewer samples.
     // Interpolation of the envelope between its samples needs a further factor of 2.
     let oversampling = if rotation.revolutions.is_some() { 4 } else { 2 };
     let count = (oversampling * inside.len()).next_power_of_two();
     let mut analytic = vec![Complex::new(0.0, 0.0); count];
-    for (to, from) in analytic.iter_mut().zip(inside) {
-        *to = *from;
-    }
-    planner.plan_fft_inverse(count).process(&mut analytic);
+    analytic.iter_mut().zip(inside).for_each(|(to, from)| *to = *from);
+    transforms.planner.get_or_insert_with(FftPlanner::new).plan_fft_inverse(count).process(&mut analytic);
     let mut squares: Vec<f64> = analytic.iter().map(Complex::norm_sqr).collect();
-    let (turn_hz, own_rate) = (rotation.turn_hz, count as f64 / n as f64 * rate);
+    let own_rate = count as f64 / samples as f64 * rate;
     if let Some(revolutions) = rotation.revolutions {
-        squares = order_tracked(&squares, n, revolutions, turn_hz / own_rate);
+        squares = order_tracked(&squares, samples, revolutions, rotation.turn_hz / own_rate);
     }
-    let count = squares.len();
-    let mean = squares.iter().sum::<f64>() / count.max(1) as f64;
-    let length = ((BLOCK_TURNS / turn_hz * own_rate) as usize).min(count);
-    if mean <= 0.0 || length < 64 {
+    let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+    squares.iter_mut().for_each(|square| *square = *square / mean - 1.0);
+    (mean > 0.0).then_some((squares, own_rate))
+}
+
+/// Returns the spectrum of `signal`, averaged over half-overlapping blocks (Welch), up to a highest order.
+fn averaged(
+    signal: &[f64],
+    rate: f64,
+    (turn_hz, turns, highest_order): (f64, f64, f64),
+    transforms: &mut Transforms,
+) -> Option<Spectrum> {
+    let length = ((turns / turn_hz * rate) as usize).min(signal.len());
+    if length < 64 {
         return None;
     }
-    let transform = windowed.entry(length).or_insert_with(|| WindowedTransform::new(length));
-    let mut power = vec![0.0; length / 2];
+    let transform = transforms.windowed.entry(length).or_insert_with(|| WindowedTransform::new(length));
+    let bin_hz = rate / length as f64;
+    let count = ((highest_order * turn_hz / bin_hz) as usize + 1).min(length / 2);
+    let mut power = vec![0.0; count];
     let mut blocks = 0.0;
-    for block in (0..=count - length).step_by((length / 2).max(1)).filter_map(|s| squares.get(s..s + length)) {
+    for block in (0..=signal.len() - length).step_by((length / 2).max(1)).filter_map(|s| signal.get(s..s + length)) {
         for (sum, bin) in power.iter_mut().zip(transform.bins(block)) {
-            *sum += bin.norm_sqr();
+            *sum += 4.0 * bin.norm_sqr();
         }
         blocks += 1.0;
     }
-    let weight = 4.0 / (blocks * mean * mean);
-    power.iter_mut().for_each(|p| *p *= weight);
-    Some(BandEnvelope { band, power, bin: own_rate / length as f64, turn_hz, signals: 1.0 })
+    power.iter_mut().for_each(|p| *p /= blocks);
+    let reach = ((BACKGROUND_ORDERS * turn_hz / bin_hz) as usize).max(MIN_BACKGROUND);
+    Some(Spectrum { power, bin_hz, reach })
 }
 
-/// Returns a squared envelope at steps of `step` revolutions; it spans a signal of `samples` samples.
-fn order_tracked(squares: &[f64], samples: usize, revolutions: &Revolutions, step: f64) -> Vec<f64> {
-    let per_sample = squares.len() as f64 / samples as f64;
+/// Returns the spectrum of the signal itself, and the share of its power at multiples of the supply frequency.
+fn raw_spectrum(signal: &[f64], rate: f64, turn_hz: f64, transforms: &mut Transforms) -> Option<(Spectrum, f64)> {
+    let mut spectrum = averaged(signal, rate, (turn_hz, RAW_TURNS, 0.5 * rate / turn_hz), transforms)?;
+    // A line under the Hann window has bins on either side.
+    let is_mains =
+        |i: usize| [-1.0, 0.0, 1.0].iter().any(|j| is_of_mains((i as f64 + j) * spectrum.bin_hz, spectrum.bin_hz));
+    let (mut total, mut of_mains, mut bins_of_mains) = (f64::MIN_POSITIVE, 0.0, 0.0);
+    for (i, power) in spectrum.power.iter().enumerate().skip(2) {
+        total += power;
+        if is_mains(i) {
+            of_mains += power;
+            bins_of_mains += 1.0;
+        }
+    }
+    // Noise has its share of these bins.
+    let chance = bins_of_mains / spectrum.power.len().max(1) as f64;
+    let mains = ((of_mains / total - chance) / (1.0 - chance).max(f64::MIN_POSITIVE)).max(0.0);
+    spectrum.power.truncate((HIGHEST_RAW_ORDER * turn_hz / spectrum.bin_hz) as usize + 1);
+    Some((spectrum, mains))
+}
+
+/// Returns values at steps of `step` revolutions; they span a signal of `samples` samples.
+fn order_tracked(values: &[f64], samples: usize, revolutions: &Revolutions, step: f64) -> Vec<f64> {
+    let per_sample = values.len() as f64 / samples as f64;
     revolutions
         .positions(step, (samples - 1) as f64)
-        .map(|position| interpolated(squares, position * per_sample))
+        .map(|position| interpolated(values, position * per_sample))
         .collect()
 }
 
@@ -161,98 +256,4 @@ fn interpolated(values: &[f64], at: f64) -> f64 {
     let t = at - first as f64;
     let [t1, t2, t3] = [t - 1.0, t - 2.0, t - 3.0];
     -a * t1 * t2 * t3 / 6.0 + b * t * t2 * t3 / 2.0 - c * t * t1 * t3 / 2.0 + d * t * t1 * t2 / 6.0
-}
-
-/// Averages the spectra of a further signal of the same length and rotation into `averaged`, band by band. Powers are averaged, so the
-/// signals need no common time.
-pub fn average(averaged: &mut Vec<BandEnvelope>, further: &[BandEnvelope]) {
-    if averaged.is_empty() {
-        averaged.extend_from_slice(further);
-        return;
-    }
-    for one in further {
-        let same = |mean: &&mut BandEnvelope| mean.band == one.band && mean.power.len() == one.power.len();
-        let Some(mean) = averaged.iter_mut().find(same) else { continue };
-        mean.signals += 1.0;
-        for (mean_power, power) in mean.power.iter_mut().zip(&one.power) {
-            *mean_power += (power - *mean_power) / mean.signals;
-        }
-    }
-}
-
-impl BandEnvelope {
-    /// Returns the variance of the squared envelope over the square of its mean: 1 for noise.
-    #[must_use]
-    pub(crate) fn total_modulation(&self) -> f64 {
-        // The Hann window spreads each line over 1.5 bins.
-        self.power.iter().sum::<f64>() / 3.0
-    }
-
-    /// Returns the bin width (Hz) and the amplitudes up to `highest` (Hz).
-    #[must_use]
-    pub fn spectrum(&self, highest: f64) -> (f64, Vec<f64>) {
-        let count = (highest / self.bin).ceil() as usize + 1;
-        (self.bin, self.power.iter().take(count).map(|p| p.sqrt()).collect())
-    }
-
-    /// Returns the line at `frequency` (Hz), the largest of three bins; a zero line at a multiple of the shaft frequency.
-    #[must_use]
-    pub fn line(&self, frequency: f64) -> Option<Line> {
-        let at = (frequency / self.bin).round() as usize;
-        let first = at.checked_sub(1).filter(|&i| i > 0)?;
-        let near = self.power.get(first..at + 2)?;
-        let (place, peak) = near.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(i, p)| (first + i, *p))?;
-        // Multiples of the shaft frequency belong to the shaft, not to a bearing.
-        let order = place as f64 * self.bin / self.turn_hz;
-        if (order - order.round()).abs() < 0.6 * self.bin / self.turn_hz {
-            return Some(Line::default());
-        }
-        let reach = ((BACKGROUND_TURNS * self.turn_hz / self.bin) as usize).max(MIN_BACKGROUND);
-        let mut around =
-            self.power.get(at.saturating_sub(reach).max(2)..(at + reach + 1).min(self.power.len()))?.to_vec();
-        around.sort_by(f64::total_cmp);
-        let median = around.get(around.len() / 2).copied().filter(|m| *m > 0.0)?;
-        Some(Line {
-            level_db: 10.0 * (peak / median).log10(),
-            modulation: peak.sqrt(),
-            frequency: place as f64 * self.bin,
-        })
-    }
-}
-
-#[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod tests {
-    use super::*;
-    use std::f64::consts::TAU;
-
-    /// A tone with amplitude modulation at 20 Hz: the line has the same amplitude in every band that holds the tone, as the squared
-    /// envelope `(1 + m cos)^2` has the line `2m/(1 + m^2/2)`.
-    #[test]
-    fn a_modulated_tone() {
-        let (rate, m) = (8000.0, 0.25);
-        let wave = |i: usize| {
-            let t = i as f64 / rate;
-            (1.0 + m * (TAU * 20.0 * t).cos()) * (TAU * 1337.0 * t).sin()
-        };
-        let signal: Vec<f64> = (0..40_000).map(wave).collect();
-        let rotation = Rotation { turn_hz: 4.7, fastest_hz: 4.7, revolutions: None };
-        let all = envelopes(&signal, rate, rotation, [100.0, 100.0], &mut Transforms::default());
-        let holding: Vec<&BandEnvelope> = all.iter().filter(|e| e.band[0] < 1300.0 && e.band[1] > 1374.0).collect();
-        assert!(holding.len() >= 4);
-        for envelope in holding {
-            let line = envelope.line(20.0).unwrap();
-            assert!((line.modulation - 2.0 * m / (1.0 + 0.5 * m * m)).abs() < 0.01, "{line:?} {:?}", envelope.band);
-            assert!(line.level_db > 40.0);
-            assert!(envelope.line(31.0).unwrap().modulation < 0.01);
-            // Two lines: (2m cos + m^2/2 cos 2)/(1 + m^2/2), half the sum of their squares.
-            let lines = [2.0 * m, 0.5 * m * m].map(|a| a / (1.0 + 0.5 * m * m));
-            let variance = 0.5 * lines.iter().map(|a| a * a).sum::<f64>();
-            assert!(
-                (envelope.total_modulation() / variance - 1.0).abs() < 0.02,
-                "{} {variance}",
-                envelope.total_modulation()
-            );
-        }
-    }
 }

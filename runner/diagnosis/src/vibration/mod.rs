@@ -1,14 +1,21 @@
-//! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by the lines of envelope
-//! spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the diagnoses of both are joined.
+//! Diagnosis from vibration sensors (housing acceleration, velocity or force): damage is identified by families of
+//! lines in envelope spectra. A recording of sensors alone needs no rotor and no twin; beside displacement probes, the
+//! diagnoses of both are joined.
 
+mod component;
+mod condition;
 mod detector;
 mod envelope;
+mod family;
 pub mod join;
 mod onset;
 mod picture;
+mod rotor;
 mod shaft;
 pub mod signals;
 mod snapshots;
+mod spectrum;
+mod speed;
 mod suspect;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
@@ -24,7 +31,7 @@ use ballrace_plant::error::{Result, VibrationError};
 use ballrace_recording::flaws::FlawSummary;
 use ballrace_recording::rotation::{RotationError, Tracker};
 use ballrace_recording::{Reader, Row};
-use ballrace_scene::{Recording, RotationSource, Scene, Sensor, Sequence};
+use ballrace_scene::{Recording, Scene, Sensor, Sequence};
 use signals::{MIN_TURNS, Signals};
 use std::time::Instant;
 use suspect::Suspect;
@@ -32,9 +39,9 @@ use suspect::Suspect;
 /// Number of rows between two calls of the progress function.
 const PROGRESS_ROWS: u64 = 4096;
 
-/// Restriction of a diagnosis without a measured speed.
-const UNMEASURED: &str =
-    "The shaft speed is that of the scene, not measured: at another speed the line belongs to another component.";
+/// Verdict on a machine whose envelopes show no damage.
+pub(crate) const SOUND: &str =
+    "No damage of a bearing: no family of lines of its components stands out of the envelope.";
 
 /// Checks that every sensor measures a bearing of the scene.
 ///
@@ -105,14 +112,12 @@ pub fn replay(
     let verdict = match (implausible.is_empty(), &found.not_judged) {
         (false, _) => verdict(&[], (&ComparedTwin::default(), &[]), &implausible, &[], None, 0),
         (true, Some(reason)) => format!("No verdict: {reason}."),
-        (true, None) => diagnoses.first().map_or_else(
-            || "No line of a bearing stands out of the envelope of any band.".to_owned(),
-            |f| match recording.rotation {
-                // Every line is at a multiple of the speed: a wrong speed makes a diagnosis of a wrong component.
-                RotationSource::Scene => format!("{} {UNMEASURED}", f.sentence),
-                _ => f.sentence.clone(),
-            },
-        ),
+        (true, None) => {
+            let sentence = diagnoses.first().map_or(SOUND, |diagnosis| &diagnosis.sentence);
+            // Every line is at a multiple of the speed.
+            let further = [&found.speed, &found.rotor].into_iter().flatten();
+            further.fold(sentence.to_owned(), |verdict, sentence| format!("{verdict} {sentence}"))
+        }
     };
     let [least, mean, greatest] = found.speeds_hz.map(|hz| hz * 60.0);
     let record = Record {
@@ -133,6 +138,7 @@ pub fn replay(
     ];
     notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
     notes.extend(found.notes);
+    notes.extend(found.speed.into_iter().chain(found.rotor));
     notes.extend(reader.notes());
     let mut timing = Timing { samples: rows, ..Timing::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();

@@ -22,9 +22,9 @@ pub const fn tenth(count: usize) -> usize {
 
 /// Returns the growth of an indicator, one of `indicators` that are tested together; none without a value.
 ///
-/// The last L values all exceed the n values of the first tenth. Where nothing changes, all orders of the n + L values are equally
-/// probable, whatever their distribution, so that the probability of this order is `n! L!/(n + L)!`. The onset is the first of the L
-/// values where that probability times `indicators` is below 1/1000 (Bonferroni).
+/// The last L values all exceed the n values of the first tenth. Where nothing changes, all orders of the n + L values
+/// are equally probable, whatever their distribution, so that the probability of this order is `n! L!/(n + L)!`. The
+/// onset is the first of the L values where that probability times `indicators` is below 1/1000 (Bonferroni).
 pub fn growth(values: &[f64], indicators: usize) -> Option<Growth> {
     let count = tenth(values.len());
     let (first, last) = (values.get(..count)?, values.get(values.len() - count..)?);

@@ -1,37 +1,30 @@
-//! Envelope spectrum of a sensor for the report: the band of the strongest diagnosis, or the band with the largest modulation.
+//! Envelope spectrum of a sensor for the report.
 
-use super::envelope::BandEnvelope;
+use super::envelope::SensorSpectra;
 use super::suspect::Suspect;
 use ballrace_outcome::{EnvelopeSpectrum, MarkedLine};
 use ballrace_scene::Sensor;
 
-/// Returns the spectrum of one sensor from `bands`, up to `highest` (Hz); `suspects` are the bearings that it measures, `found`
-/// is the band of the strongest diagnosis.
-pub fn envelope(
+/// Returns the spectrum of one sensor up to `highest` (Hz); `suspects` are the bearings that it measures, `found` is
+/// the number of the band of the diagnosis.
+pub(super) fn envelope(
     sensor: &Sensor,
     suspects: &[&Suspect],
     [turn_hz, highest]: [f64; 2],
-    bands: &[BandEnvelope],
-    found: Option<[f64; 2]>,
+    spectra: &SensorSpectra,
+    found: Option<usize>,
 ) -> Option<EnvelopeSpectrum> {
-    let most = || bands.iter().max_by(|a, b| a.total_modulation().total_cmp(&b.total_modulation()));
-    let envelope = match found {
-        Some(band) => bands.iter().find(|e| e.band == band),
-        None => most(),
-    }?;
-    let (bin_hz, modulation) = envelope.spectrum(highest);
+    let envelope = spectra.bands.get(found.unwrap_or(0))?;
+    let count = (highest / envelope.spectrum.bin_hz).ceil() as usize + 1;
     let mut lines = vec![MarkedLine { label: "1X".to_owned(), order: 1.0, hz: turn_hz }];
     lines.extend(suspects.iter().flat_map(|suspect| marked(suspect, turn_hz)));
-    let reason = match found {
-        Some(_) => "the band of the diagnosis",
-        None => "the most impulsive band; no line of a bearing stands out of any",
-    };
+    let reason = if found.is_some() { "with the lines of the diagnosis" } else { "no family of a bearing stands out" };
     Some(EnvelopeSpectrum {
         name: sensor.column.clone(),
         band_hz: envelope.band,
-        reason: reason.to_owned(),
-        bin_hz,
-        modulation,
+        reason: format!("pre-whitened, {reason}"),
+        bin_hz: envelope.spectrum.bin_hz,
+        modulation: envelope.spectrum.power.iter().take(count).map(|p| p.sqrt()).collect(),
         side_bands_hz: suspects.iter().flat_map(|suspect| side_bands(suspect, turn_hz)).collect(),
         lines,
     })

@@ -31,7 +31,8 @@ pub(crate) struct ShaftAngle {
 }
 
 impl ShaftAngle {
-    /// Adds a sample with its angle, the mean of `average` samples of the recording; positions count from sample `first_index`.
+    /// Adds a sample with its angle, the mean of `average` samples of the recording; positions count from sample
+    /// `first_index`.
     pub fn add(&mut self, sample: &Sample, average: u32, first_index: u64) {
         if sample.status.has(SampleStatus::ANGLE_NOT_MEASURED) {
             return;
@@ -102,8 +103,8 @@ impl Stretch {
         if samples > 0.0 { self.revolutions() / samples } else { 0.0 }
     }
 
-    /// Returns the least and the greatest speed over one revolution, revolutions per sample: a wrong reading of a speed column is
-    /// shorter.
+    /// Returns the least and the greatest speed over one revolution, revolutions per sample: a wrong reading of a
+    /// speed column is shorter.
     pub(crate) fn extreme_speeds(&self) -> [f64; 2] {
         let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
         let mut starts = self.knots.iter().peekable();
@@ -120,8 +121,8 @@ impl Stretch {
         if greatest > 0.0 { [least, greatest] } else { [self.mean(); 2] }
     }
 
-    /// Returns the revolutions from the first sample of [`samples`](Self::samples), for signals with lines up to `highest_order`;
-    /// none where the speed is constant.
+    /// Returns the revolutions from the first sample of [`samples`](Self::samples), for signals with lines up to
+    /// `highest_order`; none where the speed is constant.
     pub fn varying(&self, highest_order: f64) -> Option<Revolutions> {
         let ([first, _], mean) = (self.ends()?, self.mean());
         let sign = if self.knots.last()?.revolutions < first.revolutions { -1.0 } else { 1.0 };
@@ -144,7 +145,8 @@ pub struct Revolutions {
 }
 
 impl Revolutions {
-    /// Returns the positions at which the shaft has turned by multiples of `step` revolutions, up to the position `end`.
+    /// Returns the positions at which the shaft has turned by multiples of `step` revolutions, up to the position
+    /// `end`.
     pub fn positions(&self, step: f64, end: f64) -> impl Iterator<Item = f64> {
         let start = self.knots.first().map_or(0.0, |knot| knot.1);
         let mut pieces = self.knots.windows(2);

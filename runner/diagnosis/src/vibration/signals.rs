@@ -1,7 +1,8 @@
 //! Signals of the vibration sensors of a recording, with the shaft angle, and their evaluation.
 
+use super::condition::{clipped, unusable};
 use super::detector::FaultDetector;
-use super::envelope::Rotation;
+use super::envelope::{Rotation, Transforms};
 use super::shaft::ShaftAngle;
 use super::suspects;
 use ballrace::Exact;
@@ -10,16 +11,15 @@ use ballrace_outcome::baseline::{Baseline, BaselineSensor};
 use ballrace_outcome::{Diagnosis, EnvelopeSpectrum};
 use ballrace_plant::error::Result;
 use ballrace_recording::{Row, Sample};
-use ballrace_scene::{Recording, Scene, Sensor};
+use ballrace_scene::{Recording, RotationSource, Scene, Sensor};
 use std::f64::consts::TAU;
 
 /// Smallest number of revolutions for a verdict.
 pub const MIN_TURNS: f64 = 16.0;
 /// Largest number of readings of all sensors together, which need half a gigabyte of memory.
 const MAX_READINGS: u64 = 1 << 26;
-/// Largest ratio of the fastest to the slowest shaft speed for a verdict: amplitudes of impacts rise with the speed, and the bands
-/// are those of the fastest.
-const MAX_SPEED_RATIO: f64 = 1.5;
+/// Largest ratio of the fastest to the slowest shaft speed for a verdict: amplitudes of impacts rise with the speed.
+const MAX_SPEED_RATIO: f64 = 3.0;
 
 /// Signals of all sensors of a recording.
 pub struct Signals {
@@ -34,6 +34,8 @@ pub struct Signals {
     /// Largest number of samples of one sensor.
     most_samples: u64,
     is_complete: bool,
+    /// A keyphasor or a speed column measures the speed.
+    is_speed_measured: bool,
 }
 
 /// Evaluation of the signals.
@@ -47,6 +49,10 @@ pub struct Evaluation {
     pub envelopes: Vec<EnvelopeSpectrum>,
     /// Statistics and restrictions.
     pub notes: Vec<String>,
+    /// Statement of a speed that is not measured.
+    pub speed: Option<String>,
+    /// Lines of the shaft that have grown against the baseline.
+    pub rotor: Option<String>,
     /// Reason why the sensors have no verdict.
     pub not_judged: Option<String>,
     /// Samples that were evaluated.
@@ -63,13 +69,15 @@ impl Signals {
         Self::of_block(recording, rate, 0, MAX_READINGS)
     }
 
-    /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all sensors together.
+    /// Creates the signals of a block that begins at sample `first_index` and holds at most `most_readings` of all
+    /// sensors together.
     pub fn of_block(recording: &Recording, rate: f64, first_index: u64, most_readings: u64) -> Option<Self> {
         let count = recording.sensors.len() as u64;
         let most_samples = most_readings.checked_div(count)?;
         let sensors = recording.sensors.iter().map(|sensor| (sensor.clone(), vec![])).collect();
         let (angle, average) = (ShaftAngle::default(), recording.average);
-        Some(Self { sensors, angle, average, rate, first_index, most_samples, is_complete: true })
+        let is_speed_measured = recording.rotation != RotationSource::Scene;
+        Some(Self { sensors, angle, average, rate, first_index, most_samples, is_complete: true, is_speed_measured })
     }
 
     /// Adds the readings of a row; returns false where the memory for signals is full.
@@ -149,6 +157,7 @@ impl Signals {
             rotation: Rotation { turn_hz: mean, fastest_hz: fastest.max(mean), revolutions: None },
             rate: self.rate,
             baseline: baseline.filter(|baseline| !baseline.sensors.is_empty()),
+            is_speed_measured: self.is_speed_measured,
         };
         let least_rate = detector.least_rate();
         if self.rate < least_rate {
@@ -176,9 +185,31 @@ impl Signals {
             ));
         }
         let part = |signal: &'_ Vec<f64>| samples.start.min(signal.len())..samples.end.min(signal.len());
-        let signals =
-            self.sensors.iter().map(|(sensor, signal)| (sensor, signal.get(part(signal)).unwrap_or_default()));
-        (evaluation.diagnoses, evaluation.learned, evaluation.envelopes) = detector.all(signals);
+        let (mut transforms, mut spectra, mut unusable_sensors) = (Transforms::default(), vec![], vec![]);
+        for (sensor, signal) in &self.sensors {
+            let signal = signal.get(part(signal)).unwrap_or_default();
+            let reason = unusable(signal).map(|reason| format!("{} {reason}", sensor.column));
+            spectra.push((sensor, if reason.is_none() { detector.spectra(signal, &mut transforms) } else { None }));
+            evaluation
+                .notes
+                .extend(clipped(signal).filter(|_| reason.is_none()).map(|text| format!("{} {text}.", sensor.column)));
+            unusable_sensors.extend(reason);
+        }
+        if unusable_sensors.len() == self.sensors.len() {
+            evaluation.not_judged = Some(unusable_sensors.join("; "));
+            return Ok(evaluation);
+        }
+        evaluation.notes.extend(unusable_sensors.iter().map(|reason| format!("Not evaluated: {reason}.")));
+        let judgement = detector.judge(&spectra);
+        if let Some(turn_hz) = judgement.turn_hz {
+            let scale = turn_hz / mean;
+            evaluation.speeds_hz = evaluation.speeds_hz.map(|speed| speed * scale);
+            evaluation.turns *= scale;
+        }
+        (evaluation.speed, evaluation.rotor) = (judgement.speed, judgement.rotor);
+        evaluation.not_judged = judgement.not_judged;
+        (evaluation.diagnoses, evaluation.learned, evaluation.envelopes) =
+            (judgement.diagnoses, judgement.learned, judgement.envelopes);
         Ok(evaluation)
     }
 }

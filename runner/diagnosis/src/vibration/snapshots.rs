@@ -1,15 +1,16 @@
 //! Snapshots: short recordings of the sensors at one speed, with an unknown time between them.
 //!
-//! The squared envelope of each snapshot has its own spectrum, in segments that never extend over two files. Power spectra of
-//! segments at equal speed have the same expectation, so they are averaged; signals are not joined, because the phase between two
-//! files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16 revolutions.
+//! The squared envelope of each snapshot has its own spectrum, in segments that never extend over two files. Power
+//! spectra of segments at equal speed have the same expectation, so they are averaged; signals are not joined, because
+//! the phase between two files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16
+//! revolutions.
 
 use super::detector::FaultDetector;
-use super::envelope::{BandEnvelope, Rotation, Transforms, average};
+use super::envelope::{Rotation, SensorSpectra, Transforms};
 use super::onset::{growth, tenth};
 use super::signals::{MIN_TURNS, Signals, statistics};
 use super::suspect::Suspect;
-use super::suspects;
+use super::{SOUND, suspects};
 use ballrace_outcome::baseline::Baseline;
 use ballrace_outcome::options::Options;
 use ballrace_outcome::{
@@ -49,7 +50,7 @@ pub fn replay(
     let baseline = options.baseline.map(|path| Baseline::read_sensors(path, &recording.sensors)).transpose()?;
     let rotation = Rotation { turn_hz, fastest_hz: turn_hz, revolutions: None };
     let baseline = baseline.as_ref().filter(|baseline| !baseline.sensors.is_empty());
-    let detector = FaultDetector { suspects: &suspects, rotation, rate, baseline };
+    let detector = FaultDetector { suspects: &suspects, rotation, rate, baseline, is_speed_measured: false };
     let mut evaluation = Evaluation::new(&detector, recording, first.files().paths.len());
     // Files of another layout may be the last of the folder: the tenths are those of the readable files.
     let mut readable = vec![];
@@ -96,18 +97,18 @@ struct Evaluation<'a> {
     flaws: Option<(String, String, usize)>,
     /// Snapshots of the open group.
     group: usize,
-    group_envelopes: Vec<Vec<BandEnvelope>>,
+    group_spectra: Vec<Option<SensorSpectra>>,
     /// First snapshot and levels of each complete group, by sensor.
     groups: Vec<(usize, Vec<Vec<LineLevel>>)>,
     /// Snapshots of the verdict.
     judged: usize,
-    judged_envelopes: Vec<Vec<BandEnvelope>>,
+    judged_spectra: Vec<Option<SensorSpectra>>,
     transforms: Transforms,
 }
 
 impl<'a> Evaluation<'a> {
     fn new(detector: &'a FaultDetector<'a>, recording: &'a Recording, files: usize) -> Self {
-        let empty = || recording.sensors.iter().map(|_| vec![]).collect();
+        let empty = || recording.sensors.iter().map(|_| None).collect();
         Self {
             detector,
             recording,
@@ -118,10 +119,10 @@ impl<'a> Evaluation<'a> {
             left_out: vec![],
             flaws: None,
             group: 0,
-            group_envelopes: empty(),
+            group_spectra: empty(),
             groups: vec![],
             judged: 0,
-            judged_envelopes: empty(),
+            judged_spectra: empty(),
             transforms: Transforms::default(),
         }
     }
@@ -165,10 +166,10 @@ impl<'a> Evaluation<'a> {
         }
         let is_judged = position + tenth(self.readable).max(self.group_size()) >= self.readable;
         for (k, signal) in parts.into_iter().enumerate() {
-            let envelopes = self.detector.bands(signal, &mut self.transforms);
-            average(&mut self.group_envelopes[k], &envelopes);
+            let Some(spectra) = self.detector.spectra(signal, &mut self.transforms) else { continue };
+            SensorSpectra::average(&mut self.group_spectra[k], &spectra);
             if is_judged {
-                average(&mut self.judged_envelopes[k], &envelopes);
+                SensorSpectra::average(&mut self.judged_spectra[k], &spectra);
             }
         }
         self.judged += usize::from(is_judged);
@@ -203,8 +204,10 @@ impl<'a> Evaluation<'a> {
     /// Computes the levels of the lines from the snapshots of the group.
     fn close_group(&mut self) {
         let first = self.snapshots.len() - self.group;
-        let of = |(sensor, envelopes): (&Sensor, &Vec<BandEnvelope>)| self.detector.levels(sensor, envelopes);
-        let levels: Vec<Vec<LineLevel>> = self.recording.sensors.iter().zip(&self.group_envelopes).map(of).collect();
+        let of = |(sensor, spectra): (&Sensor, &Option<SensorSpectra>)| {
+            spectra.as_ref().map(|spectra| self.detector.levels(sensor, spectra)).unwrap_or_default()
+        };
+        let levels: Vec<Vec<LineLevel>> = self.recording.sensors.iter().zip(&self.group_spectra).map(of).collect();
         for snapshot in self.snapshots.iter_mut().skip(first) {
             for (figures, lines) in snapshot.sensors.iter_mut().zip(&levels) {
                 figures.lines.clone_from(lines);
@@ -212,7 +215,7 @@ impl<'a> Evaluation<'a> {
         }
         self.groups.push((first, levels));
         self.group = 0;
-        self.group_envelopes.iter_mut().for_each(Vec::clear);
+        self.group_spectra.iter_mut().for_each(|spectra| *spectra = None);
     }
 
     /// Returns the trends of all indicators.
@@ -285,11 +288,14 @@ impl<'a> Evaluation<'a> {
         } else {
             None
         };
-        let sensors = self.recording.sensors.iter().zip(self.judged_envelopes);
-        let (mut diagnoses, learned, envelopes) = self.detector.of_bands(sensors);
+        let sensors: Vec<_> = self.recording.sensors.iter().zip(self.judged_spectra).collect();
+        let judgement = self.detector.judge(&sensors);
+        let (mut diagnoses, learned, envelopes) = (judgement.diagnoses, judgement.learned, judgement.envelopes);
+        let not_judged = not_judged.or(judgement.not_judged);
         if not_judged.is_some() {
             diagnoses.clear();
         }
+        notes.extend(judgement.speed.into_iter().chain(judgement.rotor));
         for diagnosis in &mut diagnoses {
             let sentence = growth_sentence(diagnosis, &trends, &self.snapshots);
             diagnosis.sentence += &sentence;
@@ -297,9 +303,7 @@ impl<'a> Evaluation<'a> {
         let verdict = match (&not_judged, diagnoses.first()) {
             (Some(reason), _) => format!("No verdict: {reason}."),
             (None, Some(diagnosis)) => diagnosis.sentence.clone(),
-            (None, None) => {
-                "No line of a bearing stands out of the envelope of any band in the last snapshots.".to_owned()
-            }
+            (None, None) => SOUND.to_owned(),
         };
         notes.extend(trends.iter().filter_map(|trend| note_of_trend(trend, &self.snapshots)));
         let rows = (self.samples.unwrap_or(0) * self.snapshots.len()) as u64;

@@ -1,0 +1,54 @@
+//! Lines of the shaft in the vibration: what a bad rotor shows while its bearings are good.
+
+use super::envelope::SensorSpectra;
+use ballrace_outcome::baseline::{Baseline, BaselineSensor};
+use ballrace_scene::Sensor;
+
+/// Multiples of the shaft speed that are compared.
+const MULTIPLES: usize = 3;
+/// Growth from which a line has changed, dB: 2.5 is the ratio of two balance grades (ISO 21940-11).
+const GROWTH_DB: f64 = 8.0;
+
+/// Level below the baseline from which a machine stands still, dB.
+const STANDSTILL_DB: f64 = 40.0;
+
+/// Returns the reason why a machine whose level is far below its baseline at every sensor is not judged.
+pub(crate) fn standstill(now: &[BaselineSensor], baseline: Option<&Baseline>) -> Option<String> {
+    let below = |(now, before): (&BaselineSensor, &BaselineSensor)| {
+        20.0 * (before.rms / now.rms.max(f64::MIN_POSITIVE)).log10()
+    };
+    let least_db = now.iter().zip(&baseline?.sensors).map(below).fold(f64::INFINITY, f64::min);
+    (least_db.is_finite() && least_db >= STANDSTILL_DB).then(|| {
+        format!("the level of every sensor is {least_db:.0} dB or more below the baseline: the machine stands still")
+    })
+}
+
+/// Returns the amplitudes at the first multiples of the shaft speed, in the unit of the sensor.
+pub(crate) fn amplitudes(spectra: &SensorSpectra, turn_hz: f64) -> Vec<f64> {
+    let background = spectra.raw.background();
+    (1..=MULTIPLES).map(|k| spectra.raw.line(k as f64 * turn_hz, 1, &background)[0].sqrt()).collect()
+}
+
+/// States which multiples of the shaft speed have grown against the baseline.
+pub(crate) fn growth(
+    sensors: &[(&Sensor, Option<SensorSpectra>)],
+    now: &[BaselineSensor],
+    baseline: Option<&Baseline>,
+) -> Option<String> {
+    let mut grown = vec![];
+    for (((sensor, _), now), before) in sensors.iter().zip(now).zip(&baseline?.sensors) {
+        for (k, (now, before)) in now.shaft_lines.iter().zip(&before.shaft_lines).enumerate() {
+            let growth_db = 20.0 * (now / before.max(f64::MIN_POSITIVE)).log10();
+            if growth_db >= GROWTH_DB && growth_db.is_finite() {
+                grown.push(format!("{}X at {} by {growth_db:.0} dB to {now:.4} {}", k + 1, sensor.column, sensor.unit));
+            }
+        }
+    }
+    (!grown.is_empty()).then(|| {
+        format!(
+            "Grown against the baseline: {}. These lines turn with the shaft: unbalance, misalignment, a bent shaft or looseness is \
+             the cause, not a bearing.",
+            grown.join(", ")
+        )
+    })
+}
