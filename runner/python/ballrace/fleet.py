@@ -40,6 +40,9 @@ Machines = Union[str, "os.PathLike[str]", Mapping[str, Sequence[Any]], Any]
 #: Seconds between looks at the workers of a cluster, and without a worker after which a machine is given up.
 _LOOK_S, _WITHOUT_WORKER_S = 5, 60
 
+#: A local cluster gives a worker up for good that happens to start again 15 s after it ended for the first time.
+_KEEP_WORKERS = {"distributed.deploy.lost-worker-timeout": "1h"}
+
 #: Largest number of machines that one task evaluates: a task that is lost with its worker is evaluated again.
 _MOST_PER_TASK = 8
 
@@ -252,12 +255,14 @@ def _evaluated(
             yield _native.evaluate(machine, reports, error)
     else:
         try:
+            import dask
             from distributed import Client, LocalCluster
         except ImportError as cause:
             message = "fleet: the package distributed is missing: pip install 'ballrace[fleet]', or workers=0"
             raise InputError(message) from cause
         count = workers or os.cpu_count() or 1
         with (
+            dask.config.set(_KEEP_WORKERS),
             LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster,
             Client(cluster) as own,
         ):

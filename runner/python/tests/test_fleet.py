@@ -11,6 +11,7 @@ import threading
 import time
 from pathlib import Path
 
+import dask
 import numpy as np
 import pandas
 import pyarrow
@@ -131,6 +132,7 @@ def test_a_machine_that_ends_its_workers_is_an_error(
     few = pandas.read_csv(machines)[:5]
     # One worker holds the next machine ready while "pump 2" runs, so each of its ends strikes both.
     with (
+        dask.config.set(ballrace.fleet._KEEP_WORKERS),
         LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         Client(cluster) as client,
     ):
