@@ -515,6 +515,7 @@ impl<'a> Evidence<'a> {
     /// is subtracted from every residual: the same fault has another force where the bearing is stiffer.
     pub(crate) fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
+        let left = self.left_by_baseline();
         let slope = |u: &Unknown| self.slope(spectra, machine, *u);
         let mut slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
         for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
@@ -524,7 +525,7 @@ impl<'a> Evidence<'a> {
         let change = |column: usize| {
             let mut sum = vec![0.0; slopes.first().map_or(0, Vec::len)];
             for (slope, weight) in slopes.iter().zip(root.column(column).iter()) {
-                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight * x);
+                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += left * weight * x);
             }
             sum
         };

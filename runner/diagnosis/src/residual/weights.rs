@@ -71,6 +71,11 @@ impl Evidence<'_> {
         self.uncertain.clone_from(&other.uncertain);
     }
 
+    /// Returns the share of the deviations of the uncertain parameters that a baseline leaves.
+    pub(super) fn left_by_baseline(&self) -> f64 {
+        if self.site.as_ref().is_some_and(|site| site.waves.is_empty()) { LEFT_BY_BASELINE } else { 1.0 }
+    }
+
     /// Finds the directions of the residual along which the uncertain parameters move it.
     ///
     /// With `U = S L` the changes by one deviation of each independent parameter (S the slopes, `L L^T` the covariance) the
@@ -88,7 +93,7 @@ impl Evidence<'_> {
             return Ok(());
         }
         // The elasticity is independent of the rest, its slope that of one deviation.
-        let left = if self.site.as_ref().is_some_and(|site| site.waves.is_empty()) { LEFT_BY_BASELINE } else { 1.0 };
+        let left = self.left_by_baseline();
         let root =
             DMatrix::from_fn(n, n, |i, j| known.get((i, j)).map_or(if i == j { 1.0 } else { 0.0 }, |x| left * x));
         let root = &root;
