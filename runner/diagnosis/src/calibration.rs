@@ -56,6 +56,8 @@ pub struct Calibrated {
     pub rounds: usize,
     /// Reason why the search does not converge; none where it does.
     pub not_converged: Option<String>,
+    /// True where it ended after a few rounds that led to nothing.
+    pub(crate) ended_early: bool,
     /// True where the readings have the errors of a site.
     pub(crate) shows_errors: bool,
 }
@@ -315,7 +317,7 @@ pub(super) fn calibrate(
     let prior = prior.times(dependent);
     let loose = prior.times(loose);
     let mut has_modulus = false;
-    let (mut rounds, mut still_falls) = (0, None);
+    let (mut rounds, mut still_falls, mut ended_early) = (0, None, false);
     while rounds < MAX_ROUNDS && !is_over() {
         rounds += 1;
         (plan.begin)(rounds);
@@ -331,6 +333,7 @@ pub(super) fn calibrate(
         let fall = (before - now.chi_square) / dependent;
         if !to_end && rounds == HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values {
             still_falls = Some(fall / before);
+            ended_early = true;
             break;
         }
         if has_modulus && fall < DONE * excess {
@@ -382,5 +385,5 @@ pub(super) fn calibrate(
     };
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
     let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
-    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, shows_errors })
+    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })
 }

@@ -284,13 +284,17 @@ pub fn calibrate(
     if exact.as_ref().is_none_or(|calibrated| calibrated.learning(of.scene).taken) {
         return Ok(exact);
     }
-    let exact_to_end = || in_world(World::Exact, true);
+    // Computed anew only where it has ended early.
+    let exact_to_end = |exact: Option<Calibrated>| match &exact {
+        Some(calibrated) if calibrated.ended_early => in_world(World::Exact, true),
+        _ => Ok(exact),
+    };
     let site = in_world(World::Site, true)?;
     let is_site = |calibrated: &Calibrated| calibrated.shows_errors && calibrated.learning(of.scene).taken;
     if !site.as_ref().is_some_and(is_site) {
-        return exact_to_end();
+        return exact_to_end(exact);
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
     let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
-    if with_fault.is_some_and(|result| result.explains()) { exact_to_end() } else { Ok(site) }
+    if with_fault.is_some_and(|result| result.explains()) { exact_to_end(exact) } else { Ok(site) }
 }
