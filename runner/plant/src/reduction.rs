@@ -104,7 +104,8 @@ impl Plant {
             return Ok(self.layout.clone());
         };
         let free = free(scene, drawn, &self.bearings)?;
-        let body = Body::Flexible(reduced(scene, free, &self.bearings, (elastic, &[]))?);
+        let axial = self.layout.flexible().map_or(&[][..], |rotor| &rotor.axial_forces);
+        let body = Body::Flexible(reduced(scene, free, &self.bearings, (elastic, axial))?);
         Ok(Layout::new(body, &scene.bearings, &self.bearings))
     }
 

@@ -293,14 +293,11 @@ class Motion(Table):
         Names of the columns: ``t`` (s), coordinates (m, rad), their rates, forces of each bearing (N, N m).
     values : numpy.ndarray
         Array of shape (samples, columns).
-    held_steps : int
-        0: a motion that overflows is an error.
     """
 
-    def __init__(self, names: list[str], values: Floats, held_steps: int) -> None:
+    def __init__(self, names: list[str], values: Floats) -> None:
         self.names = names
         self.values = values
-        self.held_steps = held_steps
 
     def __getitem__(self, name: str) -> Floats:
         if name not in self.names:
@@ -349,7 +346,7 @@ class Sweep(Table, Page):
                 for name in ("peak_to_peak", "mean")
                 for i, along in enumerate("xyz")
             }
-            scalars = {name: figures[name] for name in ("speed_rpm", "held", "overflow", "period", "lyapunov")}
+            scalars = {name: figures[name] for name in ("speed_rpm", "overflow", "period", "lyapunov")}
             rows.append({"direction": row["direction"], **values, **scalars, **vectors})
         return _columns_of(rows)
 

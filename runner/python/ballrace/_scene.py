@@ -168,7 +168,7 @@ class Scene:
         (256,)
         """
         names, values = self._native.simulate(duration, rate, settle)
-        return Motion(names, values, 0)
+        return Motion(names, values)
 
     def sweep(
         self,

@@ -59,8 +59,6 @@ struct Summary {
     samples: u64,
     rate_hz: f64,
     steps_per_sample: u32,
-    /// 0: a motion that overflows is an error.
-    held_samples: u64,
     peak_to_peak_um: [f64; 3],
     mean_um: [f64; 3],
     computing_seconds: f64,
@@ -211,7 +209,6 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
         samples: span.samples,
         rate_hz: span.rate,
         steps_per_sample,
-        held_samples: 0,
         peak_to_peak_um: std::array::from_fn(|i| (high[i] - low[i]) * 1e6),
         mean_um: sum.map(|s| s / span.samples as f64 * 1e6),
         computing_seconds: seconds,
@@ -308,12 +305,12 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
         Format::Csv => {
             writeln!(
                 out,
-                "samples,rate_hz,steps_per_sample,held_samples,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean"
+                "samples,rate_hz,steps_per_sample,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean"
             )?;
-            let Summary { samples, rate_hz, steps_per_sample, held_samples, .. } = summary;
+            let Summary { samples, rate_hz, steps_per_sample, .. } = summary;
             writeln!(
                 out,
-                "{samples},{rate_hz},{steps_per_sample},{held_samples},{x},{y},{z},{mean_x},{mean_y},{mean_z}"
+                "{samples},{rate_hz},{steps_per_sample},{x},{y},{z},{mean_x},{mean_y},{mean_z}"
             )?;
         }
         Format::Text => {

@@ -141,6 +141,8 @@ pub struct ReducedRotor {
     pub axial_shapes: DMatrix<f64>,
     /// Stiffness of each elastic coordinate along the axis, N/m.
     pub axial_stiffness: Vec<f64>,
+    /// Stations of axial forces that have residual shapes.
+    pub axial_forces: Vec<f64>,
 }
 
 impl ReducedRotor {
@@ -199,6 +201,7 @@ impl ReducedRotor {
             polar,
             axial_shapes,
             axial_stiffness,
+            axial_forces,
             free,
         })
     }

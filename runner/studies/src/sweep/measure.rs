@@ -43,8 +43,6 @@ pub struct Measure {
 pub struct Figures {
     /// Shaft speed, rpm.
     pub speed_rpm: f64,
-    /// 0: a motion that overflows has no measures.
-    pub held: u64,
     /// Error of a motion that overflows.
     #[serde(default)]
     pub overflow: Option<String>,
@@ -174,7 +172,6 @@ pub fn measure(scene: &Scene, options: &Measure, start: Option<&State>) -> Resul
     let shaft = scene.shaft.speed.nominal() / TAU;
     let figures = Figures {
         speed_rpm,
-        held: 0,
         overflow: None,
         peak_to_peak: path.along.each_ref().map(|x| spread(x)),
         mean: path.along.each_ref().map(|x| x.iter().sum::<f64>() / x.len().max(1) as f64),
@@ -193,7 +190,6 @@ impl Figures {
     fn overflowed(speed_rpm: f64, overflow: &MotionOverflow, effects: Vec<EffectChange>) -> Self {
         Self {
             speed_rpm,
-            held: 0,
             overflow: Some(overflow.to_string()),
             peak_to_peak: [f64::NAN; 3],
             mean: [f64::NAN; 3],

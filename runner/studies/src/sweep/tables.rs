@@ -23,7 +23,6 @@ fn columns(axes: &[Axis], rows: &[&Row]) -> Vec<Column> {
         all.push(values.with_unit(&axis.unit));
     }
     all.push(number("speed_rpm", &|r| Some(r.figures.speed_rpm)));
-    all.push(count("held_steps", &|r| i64::try_from(r.figures.held).ok()));
     for (i, along) in ["u", "v", "w"].into_iter().enumerate() {
         all.push(number(&format!("{along}_peak_to_peak_um"), &|r| Some(r.figures.peak_to_peak[i])));
         all.push(number(&format!("{along}_mean_um"), &|r| Some(r.figures.mean[i])));
