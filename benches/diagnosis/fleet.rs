@@ -71,6 +71,11 @@ pub struct Recording {
     fault: Fault,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     faults: Vec<Fault>,
+    /// What the fault changes at a probe, um: rms, and of the mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effect_rms_um: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effect_mean_um: Option<f64>,
 }
 
 impl Recording {
@@ -82,7 +87,20 @@ impl Recording {
             [fault] => (fault.clone(), vec![]),
             several => (of_kind(SEVERAL), several.to_vec()),
         };
-        Self { rig: rig.to_owned(), recording: recording.to_owned(), group: group.to_owned(), fault, faults }
+        Self {
+            rig: rig.to_owned(),
+            recording: recording.to_owned(),
+            group: group.to_owned(),
+            fault,
+            faults,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the entry with what its fault changes at a probe: rms, and of the mean.
+    pub fn with_effect(self, effect_um: Option<[f64; 2]>) -> Self {
+        let [effect_rms_um, effect_mean_um] = [0, 1].map(|i| effect_um.map(|effect| effect[i]));
+        Self { effect_rms_um, effect_mean_um, ..self }
     }
 
     /// Returns the faults of the machine; empty where it is in good order.

@@ -7,6 +7,7 @@
 use crate::fleet::{Fault, Fleet, HEALTHY, Recording};
 use crate::program::Program;
 use crate::random::Random;
+use crate::site::{self, Disturbance, Site};
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -25,7 +26,7 @@ const BEARINGS: [(usize, f64, f64); 8] = [
     (12, 9.0, 62.0),
 ];
 const NAMES: [&str; 2] = ["DE", "NDE"];
-const COLUMNS: [&str; 6] = ["DE_X", "DE_Y", "NDE_X", "NDE_Y", "axial", "keyphasor"];
+pub const COLUMNS: [&str; 6] = ["DE_X", "DE_Y", "NDE_X", "NDE_Y", "axial", "keyphasor"];
 const DURATION: f64 = 1.5;
 /// Transient that is not recorded, s.
 const SETTLE: f64 = 0.6;
@@ -53,8 +54,9 @@ struct Bearing {
     /// Share by which the cage is slower than pure rolling, and its angle at the start.
     slip: f64,
     first_element: f64,
-    /// Line of the fault in the generating scene.
-    fault: String,
+    /// Entries of `waviness` and `defect` in the generating scene.
+    waves: Vec<String>,
+    damage: Vec<String>,
 }
 
 impl Bearing {
@@ -106,7 +108,8 @@ impl Machine {
                 youngs_modulus: 206e9,
                 slip: 0.0,
                 first_element: 0.0,
-                fault: String::new(),
+                waves: vec![],
+                damage: vec![],
             }
         };
         let first = bearing(random, stations[0]);
@@ -180,11 +183,13 @@ impl Machine {
                 bearing.clearance, bearing.youngs_modulus
             );
             if is_generating {
-                let Bearing { first_element, fault, .. } = bearing;
+                let Bearing { first_element, waves, damage, .. } = bearing;
                 _ = writeln!(
                     text,
-                    "cage_ratio = {}\nfirst_element_azimuth = {first_element:e}\n{fault}",
-                    bearing.cage_ratio()
+                    "cage_ratio = {}\nfirst_element_azimuth = {first_element:e}\nwaviness = [{}]\ndefect = [{}]",
+                    bearing.cage_ratio(),
+                    waves.join(", "),
+                    damage.join(", ")
                 );
             }
         }
@@ -243,10 +248,10 @@ impl Machine {
             Cause::Spall(surface) => {
                 let half_width = random.between(0.02, 0.06) * if surface == Surface::Ball { 3.0 } else { 1.0 };
                 let (azimuth, depth) = (random.angle(), 1e-6 * random.between(1.5, 5.0));
-                mounted.fault = format!(
-                    "defect = [{{ surface = \"{}\", azimuth = {azimuth:e}, half_width = {half_width:e}, depth = {depth:e}, shape = \"half-sine\" }}]",
+                mounted.damage.push(format!(
+                    "{{ surface = \"{}\", azimuth = {azimuth:e}, half_width = {half_width:e}, depth = {depth:e}, shape = \"half-sine\" }}",
                     surface.name()
-                );
+                ));
                 let azimuth = (surface != Surface::Ball).then_some(azimuth);
                 Fault { azimuth, half_width: Some(half_width), depth: Some(depth), ..of_kind(surface.kind()) }
             }
@@ -259,11 +264,11 @@ impl Machine {
                     multiple + random.choice(&[-1.0, 0.0, 1.0])
                 };
                 let amplitude = 1e-6 * random.between(0.15, 0.6);
-                mounted.fault = format!(
-                    "waviness = [{{ surface = \"{}\", order = {order}, amplitude = {amplitude:e}, phase = {:e} }}]",
+                mounted.waves.push(format!(
+                    "{{ surface = \"{}\", order = {order}, amplitude = {amplitude:e}, phase = {:e} }}",
                     surface.name(),
                     random.angle()
-                );
+                ));
                 // A scene has the radial amplitude, a diagnosis that normal to the race.
                 let normal = if surface == Surface::Ball { amplitude } else { amplitude * mounted.contact_cosine() };
                 Fault { order: Some(order), amplitude: Some(normal), ..of_kind(surface.kind()) }
@@ -324,12 +329,11 @@ const RECORDINGS: [(&str, &[(Cause, usize)]); 12] = [
 ];
 
 /// Readings of the probes in um, one column a probe, then the keyphasor.
-type Readings = Vec<[f64; COLUMNS.len()]>;
+pub type Readings = Vec<[f64; COLUMNS.len()]>;
 
-/// Reads the motion that the program computed, at the probes.
-fn readings(machine: &Machine, file: &Path) -> Result<Readings, Box<dyn Error>> {
+/// Reads the motion that the program computed, at the probes; in place of the keyphasor the turns of the shaft.
+fn motion(machine: &Machine, file: &Path) -> Result<Readings, Box<dyn Error>> {
     let text = fs::read_to_string(file)?;
-    let mut revolutions = -1.0;
     let mut rows = vec![];
     for line in text.lines().skip(1) {
         let cells: Result<Vec<f64>, _> = line.split(',').take(6).map(str::parse).collect();
@@ -340,30 +344,37 @@ fn readings(machine: &Machine, file: &Path) -> Result<Readings, Box<dyn Error>> 
             *reading = 1e6 * ((u + station * thv) * cos + (v - station * thu) * sin);
         }
         row[4] = 1e6 * w;
-        // A pulse in the sample in which the shaft passes angle 0; rounding of the time does not delay it.
-        let whole = (t * machine.rpm / 60.0 + 1e-6).floor();
-        row[5] = f64::from(u8::from(whole > revolutions));
-        revolutions = whole;
+        row[5] = t * machine.rpm / 60.0;
         rows.push(row);
-    }
-    // The shaft need not be at angle 0 in the first sample.
-    if let Some(first) = rows.first_mut() {
-        first[5] = f64::from(u8::from((SETTLE * machine.rpm / 60.0).fract() < 1e-6));
     }
     Ok(rows)
 }
 
-/// Returns the largest change of a probe's alternating or mean reading, rms, um.
-fn effect(healthy: &Readings, faulty: &Readings) -> f64 {
-    let probe = |p: usize| {
-        let sum: f64 = healthy.iter().zip(faulty).map(|(a, b)| (a[p] - b[p]).powi(2)).sum();
-        (sum / healthy.len() as f64).sqrt()
-    };
-    (0..COLUMNS.len() - 1).map(probe).fold(0.0, f64::max)
+/// Returns the readings of a motion without anything of a site.
+fn with_pulses(mut readings: Readings) -> Readings {
+    let mut revolutions = -1.0;
+    for row in &mut readings {
+        // A pulse in the sample in which the shaft passes angle 0; rounding of the time does not delay it.
+        let whole = (row[5] + 1e-6).floor();
+        // The shaft need not be at angle 0 in the first sample.
+        let is_first = revolutions < 0.0;
+        row[5] = f64::from(u8::from(if is_first { row[5].fract() < 1e-6 } else { whole > revolutions }));
+        revolutions = whole;
+    }
+    readings
 }
 
-/// The readings with noise, in the NPY format.
-fn npy(readings: &Readings, noise: f64, random: &mut Random) -> Vec<u8> {
+/// Returns the largest change of a probe's reading about its mean (rms), and that of a mean, um.
+fn effect(healthy: &Readings, faulty: &Readings) -> [f64; 2] {
+    let n = healthy.len() as f64;
+    let mean =
+        |p: usize, power: i32| healthy.iter().zip(faulty).map(|(a, b)| (b[p] - a[p]).powi(power)).sum::<f64>() / n;
+    let largest = |of: &dyn Fn(usize) -> f64| (0..COLUMNS.len() - 1).map(of).fold(0.0, f64::max);
+    [largest(&|p| (mean(p, 2) - mean(p, 1).powi(2)).max(0.0).sqrt()), largest(&|p| mean(p, 1).abs())]
+}
+
+/// The readings with noise, in steps of the converter, in the NPY format.
+fn npy(readings: &Readings, (noise, step): (f64, f64), random: &mut Random) -> Vec<u8> {
     let fields: Vec<String> = COLUMNS.iter().map(|column| format!("('{column}', '<f4')")).collect();
     let mut header =
         format!("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", fields.join(", "), readings.len());
@@ -376,7 +387,10 @@ fn npy(readings: &Readings, noise: f64, random: &mut Random) -> Vec<u8> {
     bytes.extend(header.as_bytes());
     for row in readings {
         let [probes @ .., key] = row;
-        let noisy = probes.iter().map(|reading| (reading + noise * random.normal()) as f32);
+        let noisy = probes.iter().map(|reading| {
+            let noisy = reading + noise * random.normal();
+            (if step > 0.0 { (noisy / step).round() * step } else { noisy }) as f32
+        });
         for value in noisy.chain([*key as f32]) {
             bytes.extend(value.to_le_bytes());
         }
@@ -384,21 +398,69 @@ fn npy(readings: &Readings, noise: f64, random: &mut Random) -> Vec<u8> {
     bytes
 }
 
+/// Folder and scratch files of a fleet that is generated.
+struct Workshop<'a> {
+    program: &'a Program,
+    folder: &'a Path,
+    scratch: tempfile::TempDir,
+}
+
+impl<'a> Workshop<'a> {
+    /// Takes a folder that does not exist yet or is empty.
+    fn new(program: &'a Program, folder: &'a Path) -> Result<Self, Box<dyn Error>> {
+        if folder.is_dir() && fs::read_dir(folder)?.next().is_some() {
+            return Err(format!("{}: the folder is not empty", folder.display()).into());
+        }
+        Ok(Self { program, folder, scratch: tempfile::tempdir()? })
+    }
+
+    fn fleet(&self) -> Fleet {
+        Fleet { folder: self.folder.to_owned(), recordings: vec![], no_slow_roll: false }
+    }
+
+    fn simulate(&self, machine: &Machine) -> Result<Readings, Box<dyn Error>> {
+        let [scene, file] = ["scene.toml", "motion.csv"].map(|name| self.scratch.path().join(name));
+        fs::write(&scene, machine.scene(true))?;
+        self.program.simulate(&scene, DURATION, SETTLE, machine.rate, &file)?;
+        motion(machine, &file)
+    }
+
+    /// Adds faults that move a probe by more than `least` (rms, um); returns them with the machine that has them and its motion.
+    fn add(
+        &self,
+        (machine, healthy): (&Machine, &Readings),
+        (causes, bearing): (&[(Cause, usize)], usize),
+        least: f64,
+        random: &mut Random,
+    ) -> Result<(Vec<Fault>, Readings), Box<dyn Error>> {
+        let (mut faults, mut faulty, mut readings) = (vec![], machine.clone(), healthy.clone());
+        for &(cause, other) in causes {
+            let drawn = (0..DRAWS).find_map(|draw| {
+                let mut candidate = faulty.clone();
+                let fault = candidate.add(cause, bearing ^ other, random);
+                let after = self.simulate(&candidate);
+                let is_last = draw + 1 == DRAWS;
+                let is_kept = |after: &Readings| {
+                    let [moved, mean] = effect(&readings, after);
+                    is_last || moved.hypot(mean) > least
+                };
+                after.as_ref().map_or(true, is_kept).then_some((fault, candidate, after))
+            });
+            if let Some((fault, candidate, after)) = drawn {
+                (faulty, readings) = (candidate, after?);
+                faults.push(fault);
+            }
+        }
+        Ok((faults, readings))
+    }
+}
+
 /// Generates `rotors` rotors into a folder that does not exist yet or is empty.
 pub fn generate(program: &Program, folder: &Path, rotors: usize, seed: u64) -> Result<Fleet, Box<dyn Error>> {
-    if folder.is_dir() && fs::read_dir(folder)?.next().is_some() {
-        return Err(format!("{}: the folder is not empty", folder.display()).into());
-    }
-    let mut fleet = Fleet { folder: folder.to_owned(), recordings: vec![], no_slow_roll: false };
-    let scratch = tempfile::tempdir()?;
-    let (scene, motion) = (scratch.path().join("scene.toml"), scratch.path().join("motion.csv"));
-    let simulate = |machine: &Machine| -> Result<Readings, Box<dyn Error>> {
-        fs::write(&scene, machine.scene(true))?;
-        program.simulate(&scene, DURATION, SETTLE, machine.rate, &motion)?;
-        readings(machine, &motion)
-    };
+    let workshop = Workshop::new(program, folder)?;
+    let mut fleet = workshop.fleet();
     for number in 0..rotors {
-        let mut random = Random(seed.wrapping_mul(1 << 20).wrapping_add(number as u64));
+        let mut random = Random::of_rotor(seed, number);
         let rig = format!("rig{number:02}");
         let noisy_rig = format!("{rig}-noisy");
         let machine = Machine::random(&mut random, format!("rig {number}"));
@@ -413,33 +475,78 @@ pub fn generate(program: &Program, folder: &Path, rotors: usize, seed: u64) -> R
         }
         let machine = machine.with_cages(&mut random);
         let faulty_bearing = random.choice(&[0, 1]);
-        let healthy = simulate(&machine)?;
+        let healthy = workshop.simulate(&machine)?;
         let mut entries = vec![];
         for (name, causes) in RECORDINGS {
-            let (mut faults, mut faulty, mut readings) = (vec![], machine.clone(), healthy.clone());
-            for &(cause, other) in causes {
-                let drawn = (0..DRAWS).find_map(|draw| {
-                    let mut candidate = faulty.clone();
-                    let fault = candidate.add(cause, faulty_bearing ^ other, &mut random);
-                    let after = simulate(&candidate);
-                    let is_last = draw + 1 == DRAWS;
-                    let is_kept =
-                        |after: &Readings| is_last || effect(&readings, after) > SMALLEST_EFFECT * machine.noise;
-                    after.as_ref().map_or(true, is_kept).then_some((fault, candidate, after))
-                });
-                if let Some((fault, candidate, after)) = drawn {
-                    (faulty, readings) = (candidate, after?);
-                    faults.push(fault);
-                }
-            }
-            fs::write(fleet.file(&rig, name), npy(&readings, machine.noise, &mut random))?;
+            let least = SMALLEST_EFFECT * machine.noise;
+            let (faults, motion) = workshop.add((&machine, &healthy), (causes, faulty_bearing), least, &mut random)?;
+            let readings = with_pulses(motion);
+            fs::write(fleet.file(&rig, name), npy(&readings, (machine.noise, 0.0), &mut random))?;
             fleet.recordings.push(Recording::new(&rig, name, "", &faults));
             if faults.len() < 2 {
-                fs::write(fleet.file(&noisy_rig, name), npy(&readings, MUCH_NOISE, &mut random))?;
+                fs::write(fleet.file(&noisy_rig, name), npy(&readings, (MUCH_NOISE, 0.0), &mut random))?;
                 entries.push(Recording::new(&noisy_rig, name, MUCH_NOISE_GROUP, &faults));
             }
         }
         fleet.recordings.append(&mut entries);
+        eprintln!("rotor {} of {rotors}", number + 1);
+    }
+    fleet.write()?;
+    Ok(fleet)
+}
+
+/// The recordings of a rotor at a site, beside those of single faults.
+const AT_SITE: [(&str, Disturbance); 5] = [
+    ("healthy-again", Disturbance::None),
+    ("healthy-third", Disturbance::None),
+    ("hum", Disturbance::Hum),
+    ("drift", Disturbance::Drift),
+    ("scratched", Disturbance::Scratch),
+];
+/// Recording at slow roll.
+const SLOW_ROLL: &str = "slow-roll";
+
+/// Generates `rotors` rotors at a site: imperfect bearings and measurement, the scene that an owner knows, a recording at slow roll.
+pub fn generate_site(program: &Program, folder: &Path, rotors: usize, seed: u64) -> Result<Fleet, Box<dyn Error>> {
+    let workshop = Workshop::new(program, folder)?;
+    let mut fleet = workshop.fleet();
+    for number in 0..rotors {
+        let mut random = Random::of_rotor(seed, number);
+        let rig = format!("rig{number:02}");
+        let mut machine = Machine { noise: 0.1, ..Machine::random(&mut random, format!("rig {number}")) };
+        let rough = machine.rough(&mut random);
+        fs::create_dir_all(folder.join(&rig))?;
+        let owned = machine.scene_to_diagnose();
+        fs::write(fleet.scene(&rig, false), owned)?;
+        let slow_roll = format!("run_out = \"{SLOW_ROLL}.npy\"\n");
+        fs::write(fleet.scene(&rig, true), rough.scene_to_diagnose() + &slow_roll)?;
+        for bearing in &mut machine.bearings {
+            (bearing.waves, bearing.damage) = site::imperfections(bearing.elements, &mut random);
+        }
+        let site = Site::random(&mut random);
+        let faulty_bearing = random.choice(&[0, 1]);
+        let mut write = |name: &str, causes: &[(Cause, usize)], disturbance, random: &mut Random| {
+            let mut run = machine.with_cages(random);
+            run.rpm *= 1.0 + site::SPEED_ERROR * random.normal();
+            let healthy = workshop.simulate(&run)?;
+            let (faults, motion) = workshop.add((&run, &healthy), (causes, faulty_bearing), site::VISIBLE, random)?;
+            let measured = site.read(&motion, (run.rpm, run.probe_angle, run.rate), disturbance, random);
+            fs::write(fleet.file(&rig, name), npy(&measured, (machine.noise, site::STEP), random))?;
+            let moved = (!faults.is_empty()).then(|| effect(&healthy, &motion));
+            fleet.recordings.push(Recording::new(&rig, name, "", &faults).with_effect(moved));
+            Ok::<Readings, Box<dyn Error>>(healthy)
+        };
+        let healthy = write(HEALTHY, &[], Disturbance::None, &mut random)?;
+        for (name, disturbance) in AT_SITE {
+            write(name, &[], disturbance, &mut random)?;
+        }
+        for (name, causes) in RECORDINGS.iter().filter(|(_, causes)| causes.len() == 1) {
+            write(name, causes, Disturbance::None, &mut random)?;
+        }
+        let mean =
+            std::array::from_fn(|probe| healthy.iter().map(|row| row[probe]).sum::<f64>() / healthy.len() as f64);
+        let rolled = site.slow_roll(mean, machine.probe_angle, machine.rate);
+        fs::write(fleet.file(&rig, SLOW_ROLL), npy(&rolled, (machine.noise, site::STEP), &mut random))?;
         eprintln!("rotor {} of {rotors}", number + 1);
     }
     fleet.write()?;

@@ -4,7 +4,7 @@
 //! FOLDER has `truth.json` and one folder a rotor with `scene.toml`, `scene-rough.toml` and the recordings (see `fleet`).
 //! `--rough` diagnoses with the rough scene, calibrated with the recording `healthy`; `--no-slow-roll` leaves the recording at slow
 //! roll out that a scene of a site names. `--recordings N` takes the first N.
-//! `--generate N --seed S` first simulates N random rotors into FOLDER. `--program FILE` measures another binary than the
+//! `--generate N --seed S` first simulates N random rotors into FOLDER; with `--site` as a site measures them. `--program FILE` measures another binary than the
 //! release binary. With `BALLRACE_WRITE=1` the tables are written to `benches/README.md`.
 
 mod envelope;
@@ -15,6 +15,7 @@ mod marks;
 mod program;
 mod random;
 mod score;
+mod site;
 mod tables;
 
 use envelope::Signature;
@@ -30,7 +31,7 @@ use std::{env, fs, thread};
 use tables::Judged;
 
 const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench diagnosis -- FOLDER [--rough] [--no-slow-roll] \
-                     [--recordings N] [--generate N] [--seed S] [--program FILE]";
+                     [--recordings N] [--generate N [--site]] [--seed S] [--program FILE]";
 /// Replays at a time.
 const PROCESSES: usize = 2;
 
@@ -41,6 +42,7 @@ struct Arguments {
     no_slow_roll: bool,
     recordings: Option<usize>,
     generate: Option<usize>,
+    site: bool,
     seed: u64,
     program: Option<PathBuf>,
 }
@@ -57,6 +59,7 @@ impl Arguments {
                 "--no-slow-roll" => arguments.no_slow_roll = true,
                 "--recordings" => arguments.recordings = Some(value()?.parse()?),
                 "--generate" => arguments.generate = Some(value()?.parse()?),
+                "--site" => arguments.site = true,
                 "--seed" => arguments.seed = value()?.parse()?,
                 "--program" => arguments.program = Some(value()?.into()),
                 option if option.starts_with('-') => return Err(format!("unknown option {option}\n{USAGE}").into()),
@@ -70,8 +73,9 @@ impl Arguments {
     /// The section of `benches/README.md`.
     fn section(&self) -> String {
         let generated = if self.generate.is_some() { "-generated" } else { "" };
+        let site = if self.site { "-site" } else { "" };
         let rough = if self.rough { "-rough" } else { "" };
-        format!("diagnosis{generated}{rough}")
+        format!("diagnosis{generated}{site}{rough}")
     }
 }
 
@@ -83,7 +87,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse(env::args().skip(1))?;
     let program = Program::find(arguments.program.clone())?;
     let mut fleet = match arguments.generate {
-        Some(rotors) => generate::generate(&program, &arguments.folder, rotors, arguments.seed)?,
+        Some(rotors) => {
+            let generate = if arguments.site { generate::generate_site } else { generate::generate };
+            generate(&program, &arguments.folder, rotors, arguments.seed)?
+        }
         None => Fleet::read(&arguments.folder)?,
     };
     fleet.recordings.truncate(arguments.recordings.unwrap_or(usize::MAX));

@@ -6,6 +6,11 @@ use std::f64::consts::TAU;
 pub struct Random(pub u64);
 
 impl Random {
+    /// The numbers of one rotor of a fleet.
+    pub fn of_rotor(seed: u64, number: usize) -> Self {
+        Self(seed.wrapping_mul(1 << 20).wrapping_add(number as u64))
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

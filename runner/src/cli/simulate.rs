@@ -303,15 +303,9 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(summary)?)?,
         Format::Csv => {
-            writeln!(
-                out,
-                "samples,rate_hz,steps_per_sample,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean"
-            )?;
+            writeln!(out, "samples,rate_hz,steps_per_sample,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean")?;
             let Summary { samples, rate_hz, steps_per_sample, .. } = summary;
-            writeln!(
-                out,
-                "{samples},{rate_hz},{steps_per_sample},{x},{y},{z},{mean_x},{mean_y},{mean_z}"
-            )?;
+            writeln!(out, "{samples},{rate_hz},{steps_per_sample},{x},{y},{z},{mean_x},{mean_y},{mean_z}")?;
         }
         Format::Text => {
             writeln!(
