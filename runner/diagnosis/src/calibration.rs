@@ -380,7 +380,7 @@ pub(super) fn calibrate(
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
     let readings = match &of.site {
-        Some(site) => site.learned(of.evidence.lines_of_sound_machine(&now.spectra)),
+        Some(site) => site.readings(of.evidence.lines_of_sound_machine(&now.spectra)),
         None => vec![],
     };
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };

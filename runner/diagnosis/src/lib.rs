@@ -83,6 +83,8 @@ pub struct DiagnosisInput<'a> {
     pub period: f64,
     /// Calibration from which the scene has its parameters.
     pub calibration: Option<&'a Calibration>,
+    /// The readings are without the errors that the calibration has of them.
+    pub is_corrected: bool,
 }
 
 /// Prepared recording, with the healthy machine fitted to it.

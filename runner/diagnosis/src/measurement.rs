@@ -94,6 +94,12 @@ pub const fn harmonic(order: usize, part: usize) -> usize {
     RUN_OUT + 2 * (order - 1) + part
 }
 
+/// Returns the frequency (Hz) of each multiple of the mains with the index of its cosine; the sine follows.
+pub fn mains() -> impl Iterator<Item = (f64, usize)> {
+    let of = |i: usize| (MAINS[i / MULTIPLES] * (i % MULTIPLES + 1) as f64, HUM + 2 * i);
+    (0..MAINS.len() * MULTIPLES).map(of)
+}
+
 /// Functions of time that the errors of readings consist of, for a record.
 pub struct ReadingBasis {
     /// Spectra of each function under the window.

@@ -8,11 +8,12 @@ use super::fit::{Fitted, fit};
 use super::hypothesis::{IdentifiedFault, MIN_GAIN};
 use super::parameter::{CAGE_PHASE, CAGE_SLIP, union};
 use super::residual::Evidence;
+use super::site::SiteRecording;
 use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
 use ballrace_outcome::{
     CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultKind, FaultParameters,
-    UnexplainedLine,
+    ProbeReadings, UnexplainedLine,
 };
 use std::f64::consts::TAU;
 
@@ -42,6 +43,8 @@ pub struct DiagnosisResult {
     pub cages: Vec<CageEstimate>,
     /// Chi-squared before and after, and the cages.
     pub outcome: DiagnosisOutcome,
+    /// Errors of the readings with those of the baseline; nothing where the readings are the motion of the shaft alone.
+    pub readings: Vec<ProbeReadings>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -133,12 +136,18 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         diagnoses.push(estimates.unexplained(after));
     }
     let motion = &e.motion;
+    // A fault that moves the shaft was in the errors of the readings.
+    let mut site = of.site.clone();
+    if let Some(site) = site.as_mut().filter(|_| faults.iter().any(|one| one.fault.moves_shaft())) {
+        site.evidence(&last.machine)?;
+    }
     let outcome = DiagnosisOutcome {
         samples: motion.len(),
         revolutions: (motion.turns[motion.len() - 1] - motion.turns[0]).abs(),
         chi_square_before: before,
         chi_square_after: after,
         cages: estimates.cages(&of.observable),
+        readings: site.as_ref().map(SiteRecording::outcomes).unwrap_or_default(),
     };
     let mut notes = vec![];
     let unseen: Vec<&str> = outcome.cages.iter().filter(|c| !c.observable).map(|c| c.bearing.as_str()).collect();
@@ -155,7 +164,8 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         ));
     }
     let cages = cages(e, &last, &of.observable);
-    Ok(DiagnosisResult { diagnoses, cages, outcome, notes })
+    let readings = site.map(|site| site.readings(vec![vec![]; input.probes.len()])).unwrap_or_default();
+    Ok(DiagnosisResult { diagnoses, cages, outcome, readings, notes })
 }
 
 impl IdentifiedFault {

@@ -1,13 +1,16 @@
 //! The recording of a site: the motion of the shaft without the errors of the readings that a machine does not explain.
 
 use super::machine::Machine;
-use super::measurement::{self, COEFFICIENTS, DRIFT, GAP, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic};
+use super::measurement::{
+    self, COEFFICIENTS, DRIFT, GAP, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic, mains,
+};
 use super::motion::Motion;
 use super::residual::site::{SiteKnowledge, divided};
 use super::residual::{Evidence, Weighting};
 use super::{DiagnosisInput, Result};
-use ballrace_outcome::ProbeReadings;
+use ballrace_outcome::{ProbeReadings, ReadingOutcome};
 use ballrace_plant::probes;
+use ballrace_scene::Probe;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -56,7 +59,8 @@ impl<'a> SiteRecording<'a> {
         };
         let count = input.probes.len();
         let mut centre = vec![[0.0; COEFFICIENTS]; count];
-        for (centre, learned) in centre.iter_mut().zip(learned) {
+        let known = if input.is_corrected { &[] } else { learned };
+        for (centre, learned) in centre.iter_mut().zip(known) {
             centre[GAP] = learned.gap;
             for (order, parts) in (1..=HARMONICS).zip(&learned.run_out) {
                 for (part, x) in parts.iter().enumerate() {
@@ -151,8 +155,8 @@ impl<'a> SiteRecording<'a> {
         })
     }
 
-    /// Returns what is learned of the readings from a sound machine; `lines` are those that its model leaves.
-    pub fn learned(&self, lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
+    /// Returns the errors of the readings with those of the baseline; `lines` are those that the model of a sound machine leaves.
+    pub fn readings(&self, lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
         let probe = |(p, lines): (usize, Vec<[f64; 2]>)| {
             let sum = |j: usize| self.centre[p][j] + self.errors[p][j];
             ProbeReadings {
@@ -163,6 +167,25 @@ impl<'a> SiteRecording<'a> {
             }
         };
         lines.into_iter().enumerate().map(probe).collect()
+    }
+
+    /// Returns the errors of the readings beyond those of the baseline, probe by probe.
+    pub fn outcomes(&self) -> Vec<ReadingOutcome> {
+        let probe = |(probe, error): (&Probe, &ReadingError)| {
+            let amplitude = |j: usize| 1e6 * error[j].hypot(error[j + 1]);
+            let hums = mains().map(|(frequency, j)| (frequency, amplitude(j)));
+            let (hum_hz, hum_um) = hums.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+            let square: f64 = (1..=HARMONICS).map(|order| amplitude(harmonic(order, 0)).powi(2)).sum();
+            ReadingOutcome {
+                probe: probe.column.clone(),
+                gap_um: 1e6 * error[GAP],
+                drift_um: 1e6 * error[DRIFT],
+                run_out_um: (0.5 * square).sqrt(),
+                hum_um,
+                hum_hz,
+            }
+        };
+        self.input.probes.iter().zip(&self.errors).map(probe).collect()
     }
 }
 

@@ -751,6 +751,27 @@ pub struct DiagnosisOutcome {
     pub chi_square_after: f64,
     /// Cages in the order of the bearings.
     pub cages: Vec<CageOutcome>,
+    /// Errors of the readings of a site beyond those of its baseline, in the order of the probes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<ReadingOutcome>,
+}
+
+/// What the readings of a probe have besides the motion of the shaft, as far as the recording shows it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReadingOutcome {
+    /// Column of the probe.
+    pub probe: String,
+    /// Constant part.
+    pub gap_um: f64,
+    /// Drift over the samples used.
+    pub drift_um: f64,
+    /// Multiples of the shaft angle, root of the mean square.
+    pub run_out_um: f64,
+    /// Largest amplitude at a multiple of the frequency of the mains.
+    pub hum_um: f64,
+    /// Its frequency.
+    pub hum_hz: f64,
 }
 
 /// Estimate of one cage.

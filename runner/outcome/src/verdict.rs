@@ -1,6 +1,9 @@
 //! The verdict as a sentence.
 
-use crate::{ComparedTwin, Diagnosis, EvidenceSource, Implausibility, ProbeOutcome, Standing};
+use crate::{
+    ComparedTwin, Diagnosis, DiagnosisOutcome, EvidenceSource, Implausibility, Outcome, ProbeOutcome, ReadingOutcome,
+    Standing,
+};
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {
@@ -19,15 +22,48 @@ pub fn follows(twin: &ComparedTwin, probes: &[ProbeOutcome]) -> bool {
     at_noise || probes.iter().all(|p| p.baselines.worst() != Standing::Worse)
 }
 
+/// Returns true where the twin follows, or the diagnosis of a site explains what it does not: by errors of the readings and what is expected
+/// of a sound machine.
+#[must_use]
+pub fn is_explained(outcome: &Outcome) -> bool {
+    let is_of_site = |diagnosis: &DiagnosisOutcome| !diagnosis.readings.is_empty();
+    outcome.diagnosis.as_ref().is_some_and(is_of_site) || follows(&outcome.twin, &outcome.probes)
+}
+
+/// Change of a gap, drift in the record and amplitude of a hum that the verdict names, um: more than is usual between two recordings of one
+/// installation.
+const NAMED_GAP: f64 = 2.0;
+const NAMED_DRIFT: f64 = 1.0;
+const NAMED_HUM: f64 = 0.2;
+
+/// Returns the errors of the readings that are larger than usual; nothing without one.
+fn named_errors(readings: &[ReadingOutcome]) -> Vec<String> {
+    let of = |one: &ReadingOutcome| {
+        let ReadingOutcome { probe, gap_um, drift_um, hum_um, hum_hz, .. } = one;
+        let mut named = vec![];
+        if gap_um.abs() > NAMED_GAP {
+            named.push(format!("the gap of {probe} is {gap_um:+.1} um other than expected"));
+        }
+        if drift_um.abs() > NAMED_DRIFT {
+            named.push(format!("{probe} drifts by {drift_um:+.1} um"));
+        }
+        if *hum_um > NAMED_HUM {
+            named.push(format!("{probe} has {hum_um:.2} um of hum at {hum_hz:.0} Hz"));
+        }
+        named
+    };
+    readings.iter().flat_map(of).collect()
+}
+
 /// Returns the verdict as a sentence: why there is none, else the strongest diagnosis, else whether the twin follows. `undiagnosed` is
-/// the reason why the shaft motion was not diagnosed.
+/// the reason why the shaft motion was not diagnosed, `readings` the errors of the readings that the diagnosis of a site found.
 #[must_use]
 pub fn verdict(
     diagnoses: &[Diagnosis],
     (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
     implausible: &[Implausibility],
     not_judged: &[String],
-    undiagnosed: Option<&str>,
+    (undiagnosed, readings): (Option<&str>, &[ReadingOutcome]),
     out_of_range: u64,
 ) -> String {
     if !implausible.is_empty() {
@@ -48,7 +84,7 @@ pub fn verdict(
         1 => " 1 sample with a reading out of range is omitted.".to_owned(),
         count => format!(" {count} samples with a reading out of range are omitted."),
     };
-    let verdict = judged(diagnoses, (twin, probes), undiagnosed);
+    let verdict = judged(diagnoses, (twin, probes), undiagnosed, readings);
     format!("{verdict}{left_out}")
 }
 
@@ -61,12 +97,25 @@ fn judged(
     diagnoses: &[Diagnosis],
     (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
     undiagnosed: Option<&str>,
+    readings: &[ReadingOutcome],
 ) -> String {
     if let Some(worst) = diagnoses.first() {
         if is_of_vibration_alone(worst) {
             return format!("The vibration shows a fault. {}", worst.sentence);
         }
         return format!("The machine departs from its twin. {}", worst.sentence);
+    }
+    let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
+    if !readings.is_empty() {
+        let named = named_errors(readings);
+        let errors = match named.is_empty() {
+            true => String::new(),
+            false => format!(" Errors of the measurement, no fault of the machine: {}.", named.join("; ")),
+        };
+        return format!(
+            "No fault is found: the motion of the shaft is that of the machine in good order, with the gaps and run-out of its probes and what \
+             sound bearings do.{errors} Residual of the twin {residual:.3} um rms."
+        );
     }
     let faults = undiagnosed.map_or_else(
         || "no fault is found".to_owned(),
@@ -78,7 +127,7 @@ fn judged(
              synchronised with the readings: the comparison has no meaning; {faults}."
         );
     }
-    let (residual, noise) = (rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0), rms(probes, |p| p.noise_um));
+    let noise = rms(probes, |p| p.noise_um);
     let against = noise.map_or(String::new(), |noise| format!(", {:.2} times the probe noise", residual / noise));
     let count = |standing| probes.iter().filter(|p| p.baselines.worst() == standing).count();
     let (better, worse) = (count(Standing::Better), count(Standing::Worse));
@@ -113,15 +162,15 @@ mod tests {
         let probes = [ProbeOutcome { residual_rms_um: 3.0, noise_um: Some(0.03), ..ProbeOutcome::default() }];
         let spread = TwinSpread { probe: "DE".to_owned(), difference_um: 3.1, time_s: 4.0 };
         let free = ComparedTwin { synchronised: false, spread: Some(spread.clone()) };
-        let sentence = verdict(&[], (&free, &probes), &[], &[], None, 0);
+        let sentence = verdict(&[], (&free, &probes), &[], &[], (None, &[]), 0);
         assert!(sentence.ends_with("the comparison has no meaning; no fault is found."), "{sentence}");
         assert!(follows(&free, &probes));
         let synchronised = ComparedTwin { synchronised: true, spread: Some(spread) };
-        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], None, 0);
+        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], (None, &[]), 0);
         assert!(
             sentence.starts_with("The motion of this machine does not repeat. The synchronised twin"),
             "{sentence}"
         );
-        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], None, 0).starts_with("The twin "));
+        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], (None, &[]), 0).starts_with("The twin "));
     }
 }

@@ -140,10 +140,18 @@ impl RunOut {
         let speed_rpm = turns.done.iter().map(|turn| turn.speed.abs()).sum::<f64>() / found as f64 * to_rpm;
         let probe = |(i, probe): (usize, &ballrace_scene::Probe)| ProbeRunOut {
             column: probe.column.clone(),
+            gap: 0.0,
             harmonics: turns.repeated(i),
         };
-        let probes = recording.probes.iter().enumerate().map(probe).collect();
-        Ok(Self { file, revolutions: found, speed_rpm, probes })
+        let probes: Vec<ProbeRunOut> = recording.probes.iter().enumerate().map(probe).collect();
+        let each: Vec<String> =
+            probes.iter().map(|probe| format!("{} {:.3} um", probe.column, probe.rms() * 1e6)).collect();
+        let note = format!(
+            "The run-out in {}, {found} revolutions at {speed_rpm:.1} rpm, is subtracted from the readings; rms: {}.",
+            file.display(),
+            each.join(", ")
+        );
+        Ok(Self { probes, notes: vec![note] })
     }
 }
 

@@ -139,7 +139,7 @@ impl Ahead {
         calibration: Option<&'a Calibration>,
     ) -> DiagnosisInput<'a> {
         let (probes, samples) = (&recording.probes, &self.samples);
-        DiagnosisInput { scene, plant, probes, samples, period: self.period, calibration }
+        DiagnosisInput { scene, plant, probes, samples, period: self.period, calibration, is_corrected: false }
     }
 }
 

@@ -114,6 +114,7 @@ impl Pipeline<'_> {
             samples: &samples,
             period: 1.0 / self.rate,
             calibration: self.calibration.as_ref(),
+            is_corrected: true,
         };
         let mut undiagnosed = diagnosis::not_applicable(scene, &samples);
         let begun = Instant::now();
@@ -225,7 +226,7 @@ impl Pipeline<'_> {
                 (&twin, &probes),
                 &implausible,
                 &not_judged,
-                undiagnosed.as_deref(),
+                (undiagnosed.as_deref(), diagnosed.as_ref().map_or(&[], |of| &of.outcome.readings)),
                 evaluator.counts.out_of_range(),
             ),
             implausible,
@@ -316,7 +317,7 @@ impl Pipeline<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             rotor: self.plant.rotor_outcome(scene),
             pictures: Pictures { rotor: RotorDrawing::new(scene), ..outcome.pictures },
-            verdict: verdict::verdict(&[], (&outcome.twin, &[]), implausible, not_judged, None, 0),
+            verdict: verdict::verdict(&[], (&outcome.twin, &[]), implausible, not_judged, (None, &[]), 0),
             events,
             flaws: facts.flaws,
             notes,

@@ -164,6 +164,11 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     if let Some(diagnosis) = &diagnosed {
         set_cages(&mut scene, &diagnosis.cages, ahead.first_turns());
     }
+    // Of a part of a recording, only the errors of the baseline are those of all of it.
+    let run_out = match diagnosed.as_ref().filter(|_| ahead.is_whole) {
+        Some(diagnosis) => session::with_errors(run_out, &diagnosis.readings, "found by the diagnosis"),
+        None => session::with_baseline(run_out, calibration.as_ref()),
+    };
     let mut replay = Replay::with_run_out(&scene, recording, reader.rate(), options, run_out)?;
     let note = unbalance_note(&given).filter(|_| calibration.is_some());
     replay.set_calibration(calibration, note);

@@ -46,6 +46,7 @@ impl Machine {
             samples,
             period: self.period,
             calibration: self.calibration.as_ref(),
+            is_corrected: true,
         };
         Ok(diagnosis::diagnose(&material, &|_| {})?.map_or(Judged::Undetermined, Judged::Diagnosed))
     }

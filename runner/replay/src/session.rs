@@ -14,8 +14,9 @@ use super::temperature::TemperatureMonitor;
 use ballrace_base::parallel;
 use ballrace_diagnosis::vibration;
 use ballrace_diagnosis::{CageEstimate, DiagnosisResult};
+use ballrace_outcome::baseline::Baseline;
 use ballrace_outcome::options::Options;
-use ballrace_outcome::{Calibration, Diagnosis, Event, Implausibility, Learning, Outcome};
+use ballrace_outcome::{Calibration, Diagnosis, Event, Implausibility, Learning, Outcome, ProbeReadings};
 use ballrace_plant::error::{Error, ReplayError, Result};
 use ballrace_plant::observer::CageTracker;
 use ballrace_recording::Row;
@@ -72,6 +73,25 @@ pub struct Update {
     pub notices: Vec<Notice>,
 }
 
+/// Adds the errors of the readings that a baseline has to those of a recording at slow roll.
+pub(super) fn with_baseline(slow_roll: Option<Arc<RunOut>>, calibration: Option<&Calibration>) -> Option<Arc<RunOut>> {
+    let readings = calibration.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();
+    with_errors(slow_roll, readings, "of the baseline")
+}
+
+/// Adds errors of the readings from a source to those of a recording at slow roll.
+pub(super) fn with_errors(
+    slow_roll: Option<Arc<RunOut>>,
+    readings: &[ProbeReadings],
+    source: &str,
+) -> Option<Arc<RunOut>> {
+    if readings.is_empty() {
+        return slow_roll;
+    }
+    let errors = readings.iter().map(|one| (one.column.as_str(), one.gap, one.run_out.as_slice()));
+    Some(Arc::new(RunOut::with_errors(slow_roll.as_deref(), errors, source)))
+}
+
 impl<'a> Replay<'a> {
     /// Creates a replay of samples at `rate`, Hz.
     ///
@@ -80,7 +100,9 @@ impl<'a> Replay<'a> {
     pub fn try_new(scene: &'a Scene, rate: f64, options: &Options) -> Result<Self> {
         let recording = scene.recording.as_ref();
         let recording = recording.ok_or_else(|| ReplayError::NoRecording { file: scene.path.clone() })?;
-        let run_out = RunOut::of(scene)?;
+        let baseline = options.baseline.map(Baseline::parse).transpose().map_err(Error::setup)?;
+        let calibration = baseline.as_ref().and_then(|baseline| baseline.calibration.as_ref());
+        let run_out = with_baseline(RunOut::of(scene)?, calibration);
         Self::with_run_out(scene, recording, rate, options, run_out)
     }
 
@@ -96,7 +118,7 @@ impl<'a> Replay<'a> {
         let tracker = tracker(scene, recording, rate, options.live).with_run_out(run_out.clone());
         let rate = rate / f64::from(recording.average);
         let (mut pipeline, evaluator) = Pipeline::try_new(scene, recording, rate, options).map_err(Error::setup)?;
-        pipeline.notes.extend(run_out.as_ref().map(|run_out| run_out.note()));
+        pipeline.notes.extend(run_out.iter().flat_map(|run_out| run_out.notes().to_vec()));
         let temperatures = TemperatureMonitor::new(scene);
         let input = Input { scene, tracker, run_out, temperatures, rows: 0, flaws: vec![], has_ended: false };
         Ok(Self { scene, input, pipeline, evaluator })

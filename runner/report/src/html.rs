@@ -71,7 +71,7 @@ fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
         (Level::Amber, "NO VERDICT")
     } else if !outcome.events.is_empty() {
         (Level::Amber, "LIMIT EXCEEDED")
-    } else if compared && !verdict::follows(&outcome.twin, &outcome.probes) {
+    } else if compared && !verdict::is_explained(outcome) {
         (Level::Amber, "TWIN DOES NOT FOLLOW")
     } else if compared && outcome.diagnosis.is_none() {
         (Level::Amber, "NOT DIAGNOSED")

@@ -85,7 +85,7 @@ pub(super) fn no_action(outcome: &Outcome) -> &'static str {
     if !outcome.implausible.is_empty() || !outcome.not_judged.is_empty() {
         return "remove the cause that the verdict states, then replay or measure again.";
     }
-    match (outcome.probes.is_empty(), verdict::follows(&outcome.twin, &outcome.probes)) {
+    match (outcome.probes.is_empty(), verdict::is_explained(outcome)) {
         (true, _) => "none; repeat the measurement as planned.",
         (_, true) => "none; keep this recording as the baseline (--learn) for later ones.",
         (_, false) => "see that the scene is this machine, or fit it (ballrace fit), before you use the comparison.",

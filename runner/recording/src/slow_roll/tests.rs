@@ -78,11 +78,11 @@ fn a_known_run_out_is_removed() {
                 / 1000.0;
             largest = largest.max((readings[0] - mean).abs()).max((readings[1] - 2.0 * mean).abs());
         }
-        println!("noise {deviation}: largest error {largest:.3e} m; {}", run_out.note());
+        println!("noise {deviation}: largest error {largest:.3e} m; {}", run_out.notes()[0]);
         assert!(largest < most, "{largest}");
         let [x, y] = run_out.probes() else { unreachable!("two probes") };
         assert!((y.rms() / x.rms() - 2.0).abs() < 0.01 && (x.rms() - 9e-6).abs() < 1e-6, "{}", x.rms());
-        assert!(run_out.note().contains("39 revolutions at 240.0 rpm"), "{}", run_out.note());
+        assert!(run_out.notes()[0].contains("39 revolutions at 240.0 rpm"), "{}", run_out.notes()[0]);
     }
 }
 

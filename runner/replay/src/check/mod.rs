@@ -218,7 +218,7 @@ fn read(
         speed_is_measured,
         readings,
         centres,
-        run_out: run_out.map(|run_out| run_out.note()),
+        run_out: run_out.and_then(|run_out| run_out.notes().first().cloned()),
         angle_source: tracker.source(),
         flaws: reader.flaws().summary(),
     };

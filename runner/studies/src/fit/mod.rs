@@ -343,7 +343,15 @@ fn cages(of: &FitInput, plant: &Plant) -> Result<Cages> {
         return Ok(found);
     }
     let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
-    let material = diagnosis::DiagnosisInput { scene, plant, probes, samples, period: of.period, calibration: None };
+    let material = diagnosis::DiagnosisInput {
+        scene,
+        plant,
+        probes,
+        samples,
+        period: of.period,
+        calibration: None,
+        is_corrected: false,
+    };
     let Some(estimates) = diagnosis::cages(&material)? else {
         found.notes.push(format!("The cages are not estimated: the probes do not determine the motion. {kept}"));
         return Ok(found);
