@@ -545,7 +545,7 @@ pub fn generate_site(program: &Program, folder: &Path, rotors: usize, seed: u64)
         }
         let mean =
             std::array::from_fn(|probe| healthy.iter().map(|row| row[probe]).sum::<f64>() / healthy.len() as f64);
-        let rolled = site.slow_roll(mean, machine.probe_angle, machine.rate);
+        let rolled = site.slow_roll(mean, (machine.rpm, machine.probe_angle, machine.rate));
         fs::write(fleet.file(&rig, SLOW_ROLL), npy(&rolled, (machine.noise, site::STEP), &mut random))?;
         eprintln!("rotor {} of {rotors}", number + 1);
     }

@@ -26,9 +26,9 @@ pub const STEP: f64 = 0.05;
 /// Frequency of the mains, Hz, and hum in every recording, um.
 const MAINS: f64 = 50.0;
 const HUM: f64 = 0.03;
-/// Speed of the recording at slow roll, rpm, and its duration, s.
-const SLOW_ROLL_RPM: f64 = 240.0;
-const SLOW_ROLL_DURATION: f64 = 4.0;
+/// Speed of the recording at slow roll over that of the machine, and its turns.
+const SLOW_ROLL: f64 = 0.06;
+const SLOW_ROLL_TURNS: f64 = 16.5;
 /// Difference of the speed between recordings (rms), and its largest change within one.
 pub const SPEED_ERROR: f64 = 0.002;
 const SPEED_CHANGE: f64 = 0.002;
@@ -87,8 +87,9 @@ impl Site {
     }
 
     /// The recording at slow roll.
-    pub fn slow_roll(&self, mean: [f64; PROBES], probe_angle: f64, rate: f64) -> Readings {
-        let turn = |i: usize| i as f64 / rate * SLOW_ROLL_RPM / 60.0;
+    pub fn slow_roll(&self, mean: [f64; PROBES], (rpm, probe_angle, rate): (f64, f64, f64)) -> Readings {
+        let per_sample = SLOW_ROLL * rpm / 60.0 / rate;
+        let turn = |i: usize| i as f64 * per_sample;
         let row = |i: usize| {
             let mut row = [0.0; COLUMNS.len()];
             for (probe, reading) in row[..PROBES].iter_mut().enumerate() {
@@ -98,7 +99,7 @@ impl Site {
             row[PROBES] = f64::from(u8::from(i == 0 || turn(i).floor() > turn(i - 1).floor()));
             row
         };
-        (0..(SLOW_ROLL_DURATION * rate) as usize).map(row).collect()
+        (0..(SLOW_ROLL_TURNS / per_sample) as usize).map(row).collect()
     }
 
     /// Readings of the probes of a motion at `rpm`: the motion in um at each probe, with a keyphasor.

@@ -142,8 +142,10 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
         let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(is_new).partition(is_likely);
         let mut tried = scored_all(of, (&now, shifted), likely.into_iter().take(FITTED.0), SEARCHED)?;
+        // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise.
+        let of_shift = if of.site.is_some() { least.max((2.0 * values).sqrt()) } else { least };
         let is_fault = |Scored { identified, .. }: &&Scored| {
-            identified.gain > least
+            identified.gain > if identified.fault.moves_shaft() { of_shift } else { least }
                 && identified.explains_motion
                 && identified.fault.exceeds_tolerance(&of.evidence, &now, &identified.fitted)
         };

@@ -29,7 +29,7 @@ const UNEXPLAINED_AT_SITE: f64 = 1.25;
 const EXPLAINED: f64 = 1.5;
 /// Share of the unexplained motion from which a fault of a site is named without "possibly", and one that moves the shaft.
 const DECIDED: [f64; 2] = [0.6, 0.8];
-/// The same from which a surface is named whose lines no other fault explains, and the largest share of its gain by another one.
+/// The same from which a fault is named that no other one explains, and the largest share of its gain by another one.
 const ALONE: (f64, f64) = (0.4, 0.33);
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
@@ -121,7 +121,10 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             continue;
         }
         let explained = diagnosis.parameters.explained.unwrap_or(0.0);
+        // An interval of the size that contains zero is no fault.
+        let is_sized = diagnosis.parameters.is_significant();
         diagnoses.push(match identified.equally_likely() {
+            _ if !is_sized => possible(diagnosis, false, e, &of.healthy),
             Some(other) => undecided(diagnosis, fault, other, e, &of.healthy),
             None if e.site.is_some() && explained < DECIDED[usize::from(fault.moves_shaft())] => {
                 possible(diagnosis, identified.is_alone(explained), e, &of.healthy)
@@ -174,10 +177,10 @@ impl IdentifiedFault {
         self.next.map(|(_, odds)| odds.min(LARGEST_ODDS.ln()).exp())
     }
 
-    /// Returns true for a fault of a surface whose lines no other fault explains.
+    /// Returns true for a fault that nothing else explains, and for an error of a reading, which accuses nothing.
     fn is_alone(&self, explained: f64) -> bool {
         let (least, rival) = ALONE;
-        self.fault.surface().is_some() && explained > least && self.rival < rival
+        self.fault.is_of_measurement() || explained > least && self.rival < rival
     }
 
     /// Returns the second-best candidate if it is another kind of fault, or on another bearing, and the recording does not decide

@@ -390,8 +390,22 @@ pub struct Diagnosis {
 
 /// Confidence from which a diagnosis recommends to order or to replace a part.
 const SURE: f64 = 0.9;
+/// Confidence below which it is only possible.
+const POSSIBLE: f64 = 0.6;
 
 impl Diagnosis {
+    /// Returns false for an error of a reading, which is no fault of the machine.
+    #[must_use]
+    pub fn is_of_machine(&self) -> bool {
+        self.kind != FaultKind::RunOut
+    }
+
+    /// Returns true for a named fault of the machine that is more likely than not to be there: below, its sentence begins with "Possibly".
+    #[must_use]
+    pub fn is_decided(&self) -> bool {
+        self.is_of_machine() && self.kind != FaultKind::Other && self.confidence >= POSSIBLE
+    }
+
     /// Returns the recommended action: it follows the confidence.
     #[must_use]
     pub const fn action(&self) -> &'static str {

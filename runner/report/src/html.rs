@@ -63,8 +63,12 @@ pub fn html(outcome: &Outcome) -> Result<String> {
 
 /// Returns colour and word of the verdict.
 fn verdict_of(outcome: &Outcome, compared: bool) -> Verdict {
-    let (level, word) = if !outcome.diagnoses.is_empty() {
+    let (level, word) = if outcome.diagnoses.iter().any(Diagnosis::is_decided) {
         (Level::Red, "FAULT FOUND")
+    } else if outcome.diagnoses.iter().any(Diagnosis::is_of_machine) {
+        (Level::Amber, "NOT DECIDED")
+    } else if !outcome.diagnoses.is_empty() {
+        (Level::Amber, "CHECK THE PROBE")
     } else if !outcome.implausible.is_empty() {
         (Level::Amber, "NOT PLAUSIBLE")
     } else if !outcome.not_judged.is_empty() {

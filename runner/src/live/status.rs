@@ -2,6 +2,7 @@
 
 use super::view::{MonitorState, View};
 use ballrace_twin::replay::DiagnosisState;
+use ballrace_twin::replay::outcome::Diagnosis;
 use serde::Serialize;
 
 /// Urgency of a state.
@@ -62,7 +63,8 @@ impl Status {
             since: view.state_since.clone(),
         };
         if let Some(conclusion) = &view.conclusion {
-            let level = if conclusion.diagnoses.is_empty() { Level::Unknown } else { Level::Alarm };
+            let is_faulty = conclusion.diagnoses.iter().any(Diagnosis::is_of_machine);
+            let level = if is_faulty { Level::Alarm } else { Level::Unknown };
             return status("ENDED", level, &conclusion.verdict, "");
         }
         if let Some(status) = Self::of_alarms(view) {

@@ -126,7 +126,7 @@ fn state(outcome: &Outcome) -> State {
         State::Limit
     } else if !outcome.not_judged.is_empty() {
         State::NotJudged
-    } else if !outcome.diagnoses.is_empty() {
+    } else if outcome.diagnoses.iter().any(Diagnosis::is_of_machine) {
         State::Fault
     } else {
         State::Normal
