@@ -8,7 +8,7 @@ use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
-use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName};
+use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings};
 use ballrace_scene::Scene;
 use nalgebra::{DMatrix, DVector};
 use std::time::{Duration, Instant};
@@ -38,7 +38,9 @@ const SHOWN_GAP: f64 = 1.5e-6;
 
 /// Values of a residual of a site that one error of the model changes together: those of all probes at the lines about one motion. A value
 /// is evidence of so much less.
-const DEPENDENT: f64 = 100.0;
+pub(super) const DEPENDENT: f64 = 100.0;
+/// Distance of two lines that are one, in orders of the shaft.
+const SAME_LINE: f64 = 0.02;
 
 /// Share of machines of the scene of which a learned parameter is called unlikely, all parameters together.
 const UNLIKELY: f64 = 1e-3;
@@ -290,6 +292,17 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
     fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, (2 * ITERATIONS, end))
 }
 
+/// Adds the lines of an earlier recording of the sound machine: it may show either.
+fn unite(readings: &mut ProbeReadings, earlier: &ProbeReadings) {
+    for [order, amplitude] in &earlier.lines {
+        match readings.lines.iter_mut().find(|line| (line[0] - order).abs() < SAME_LINE) {
+            Some(line) => line[1] = line[1].max(*amplitude),
+            None => readings.lines.push([*order, *amplitude]),
+        }
+    }
+    readings.lines.sort_by(|a, b| a[0].total_cmp(&b[0]));
+}
+
 /// Fits the parameters of the healthy machine, with a prior from the scene or from an `earlier` calibration; unless `to_end`, only a few rounds
 /// where these lead to nothing.
 pub(super) fn calibrate(
@@ -379,10 +392,12 @@ pub(super) fn calibrate(
         })
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
-    let readings = match &of.site {
+    let mut readings = match &of.site {
         Some(site) => site.readings(of.evidence.lines_of_sound_machine(&now.spectra)),
         None => vec![],
     };
+    let known = earlier.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();
+    readings.iter_mut().zip(known).for_each(|(readings, known)| unite(readings, known));
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
     let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
     Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })

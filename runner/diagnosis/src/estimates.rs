@@ -3,6 +3,7 @@
 use super::Result;
 use super::fit::{Fitted, changed, fit};
 use super::parameter::Unknown;
+use super::residual::site::GAIN_ERROR;
 use super::residual::{Evidence, dot};
 use super::surface::Component;
 use ballrace_outcome::Estimate;
@@ -31,6 +32,12 @@ pub struct Estimates<'a, 'b> {
 }
 
 impl Estimates<'_, '_> {
+    /// Returns the relative standard deviation of a size, by its model and by the gain of the probes of a site; of an angle, rad, by their
+    /// direction.
+    fn scale_error(&self, model_error: f64) -> f64 {
+        if self.e.site.is_some() { model_error.hypot(GAIN_ERROR) } else { model_error }
+    }
+
     pub fn deviation(&self, unknown: Unknown) -> f64 {
         let at = self.last.unknowns.iter().position(|u| *u == unknown);
         let variance = at.map_or(0.0, |i| self.last.covariance.get((i, i)).copied().unwrap_or(0.0));
@@ -95,20 +102,22 @@ impl Estimates<'_, '_> {
     /// Returns an unknown whose size the model changes by a relative standard deviation of `model_error`.
     pub fn estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
         let value = unknown.get(&self.last.machine) / unit;
-        around(value, (self.deviation(unknown) / unit.abs()).hypot(model_error * value))
+        around(value, (self.deviation(unknown) / unit.abs()).hypot(self.scale_error(model_error) * value))
     }
 
     /// Returns an unknown as [`Estimates::estimate`], with the ends of its interval by the profile of chi-squared.
     pub(crate) fn profile_estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
         let value = unknown.get(&self.last.machine) / unit;
         let reach = self.reach(unknown, model_error);
-        let [down, up] = reach.map(|reach| (reach / unit).hypot(WITHIN_95 * model_error * value));
+        let scale_error = self.scale_error(model_error);
+        let [down, up] = reach.map(|reach| (reach / unit).hypot(WITHIN_95 * scale_error * value));
         Estimate { value, low: value - down, high: value + up }
     }
 
     /// Angle on a component; on the inner race it is counted from the keyphasor mark.
     pub fn angle(&self, unknown: Unknown, component: Component) -> Estimate {
-        let angle = self.estimate(unknown, TAU / 360.0, 0.0);
+        let value = unknown.get(&self.last.machine).to_degrees();
+        let angle = around(value, self.deviation(unknown).hypot(self.scale_error(0.0)).to_degrees());
         within_turn(if component == Component::Inner { self.with_pulse_error(angle) } else { angle })
     }
 
@@ -128,9 +137,9 @@ impl Estimates<'_, '_> {
         let size = a.hypot(b).max(1e-30);
         let (along, across) =
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
-        let across = across / size;
+        let across = (across / size).hypot(self.scale_error(0.0));
         [
-            not_negative(around(size / unit, (along / unit).hypot(STIFFNESS_ERROR * size / unit))),
+            not_negative(around(size / unit, (along / unit).hypot(self.scale_error(STIFFNESS_ERROR) * size / unit))),
             within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
         ]
     }

@@ -1,6 +1,7 @@
 //! Reported faults: kind, bearing, position, size, odds and a sentence.
 
 use super::cage::unknowns;
+use super::calibration::DEPENDENT;
 use super::estimates::{Estimates, around, with_uncertain_parameters};
 use super::fault_figures::Contrast;
 use super::faults::AnyFault;
@@ -12,8 +13,8 @@ use super::site::SiteRecording;
 use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
 use ballrace_outcome::{
-    CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultKind, FaultParameters,
-    ProbeReadings, UnexplainedLine,
+    CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultKind,
+    FaultParameters, ProbeReadings, UnexplainedLine,
 };
 use std::f64::consts::TAU;
 
@@ -31,6 +32,8 @@ const EXPLAINED: f64 = 1.5;
 const DECIDED: [f64; 2] = [0.6, 0.8];
 /// The same from which a fault is named that no other one explains, and the largest share of its gain by another one.
 const ALONE: (f64, f64) = (0.4, 0.33);
+/// Share of the square of the unexplained motion at a probe that a fault which moves the shaft of a site explains at least.
+const PROVEN: f64 = 0.5;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 
@@ -108,7 +111,8 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     let after = last.chi_square / last.residual.len().max(1) as f64;
     // The model error may act along the unknowns: each unknown takes its share of the excess of chi-squared.
     let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
-    let inflation = (1.0 + excess / last.unknowns.len().max(1) as f64).sqrt();
+    let dependent = if e.site.is_some() { DEPENDENT } else { 1.0 };
+    let inflation = (1.0 + excess / (dependent * last.unknowns.len().max(1) as f64)).sqrt();
     let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last)? };
     let estimates = Estimates { e, last: &last, inflation };
     let mut diagnoses: Vec<Diagnosis> = vec![];
@@ -121,10 +125,14 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             continue;
         }
         let explained = diagnosis.parameters.explained.unwrap_or(0.0);
-        // An interval of the size that contains zero is no fault.
-        let is_sized = diagnosis.parameters.is_significant();
+        // An interval of the size that contains zero is no fault, nor is what the motion at no probe proves.
+        let is_sized = diagnosis.parameters.is_significant() && (e.site.is_none() || is_proven(&diagnosis, fault));
         diagnoses.push(match identified.equally_likely() {
-            _ if !is_sized => possible(diagnosis, false, e, &of.healthy),
+            _ if !is_sized => {
+                // Depth and width of a spall are determined less than their product.
+                let is_spall = diagnosis.parameters.form == Some(FaultForm::Spall);
+                possible(diagnosis, is_spall && identified.is_alone(explained), e, &of.healthy)
+            }
             Some(other) => undecided(diagnosis, fault, other, e, &of.healthy),
             None if e.site.is_some() && explained < DECIDED[usize::from(fault.moves_shaft())] => {
                 possible(diagnosis, identified.is_alone(explained), e, &of.healthy)
@@ -190,6 +198,12 @@ impl IdentifiedFault {
         let is_other = (next.kind(), next.bearing()) != (self.fault.kind(), self.fault.bearing());
         (is_other && self.odds()? < LEAST_ODDS).then_some(next)
     }
+}
+
+/// Returns true where the fault lowers the unexplained motion at a probe: one that moves the shaft, by more than half.
+fn is_proven(diagnosis: &Diagnosis, fault: AnyFault) -> bool {
+    let least = if fault.moves_shaft() { PROVEN } else { 0.0 };
+    diagnosis.parameters.unexplained_motion.as_ref().is_some_and(|motion| motion.explained > least)
 }
 
 /// Returns the diagnosis that a fault is possible, from that of the fault: too much of the motion is left. A fault that is `alone` keeps its

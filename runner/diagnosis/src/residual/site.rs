@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Relative error of the motion that a model of the machine describes, line by line.
 const MODEL_ERROR: f64 = 0.02;
 /// Relative error of the gain of a probe, and of its direction in rad, until a baseline has been recorded with it.
-const GAIN_ERROR: f64 = 0.03;
+pub const GAIN_ERROR: f64 = 0.03;
 /// Lines on each side over which the motion that has it is taken: the window spreads a line.
 const SPREAD: usize = 3;
 /// The same over the number of the line, by a speed that varies in the record.
