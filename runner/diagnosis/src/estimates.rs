@@ -10,7 +10,6 @@ use ballrace_outcome::Estimate;
 use ballrace_scene::RotationSource;
 use nalgebra::DVector;
 use std::borrow::Cow;
-use std::f64::consts::TAU;
 
 /// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
 const WITHIN_95: f64 = 1.96;
