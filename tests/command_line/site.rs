@@ -49,9 +49,14 @@ fn site() -> Sandbox {
     sandbox
 }
 
+/// The outcome of the recording against the baseline.
+fn outcome(sandbox: &Sandbox) -> Value {
+    sandbox.replay("scene.toml", &["--no-report", "--baseline", "b.json"])
+}
+
 /// The diagnoses of the recording against the baseline.
 fn findings(sandbox: &Sandbox) -> Vec<Value> {
-    list(&sandbox.replay("scene.toml", &["--no-report", "--baseline", "b.json"]), "findings").to_vec()
+    list(&outcome(sandbox), "findings").to_vec()
 }
 
 fn kinds(findings: &[Value]) -> Vec<&str> {
@@ -78,10 +83,48 @@ fn what_a_measurement_adds_is_no_fault() {
     assert_eq!(kinds(&of(&|_, _, _| 0.0)), none);
     assert_eq!(kinds(&of(&|_, probe, _| [0.4, -0.6, 0.2, 0.5][probe])), none, "gaps after a new start");
     assert_eq!(kinds(&of(&|time, probe, _| if probe == 3 { 3.0 * time } else { 0.0 })), none, "drift");
+    let drifting = outcome(&sandbox);
+    let verdict = drifting["verdict"].as_str().unwrap();
+    let column = list(&drifting, "probes")[3]["name"].as_str().unwrap();
+    assert!(
+        verdict.starts_with("No fault is found") && verdict.contains(&format!("{column} drifts by +3.")),
+        "{verdict}"
+    );
+    // The gaps of the baseline are no residual of the twin.
+    for (probe, gap) in list(&drifting, "probes").iter().zip(GAPS) {
+        assert!(number(probe, "/residual_bias_um").abs() < 2.0, "{gap} um: {probe:#}");
+    }
     let hum = |time: f64, probe: usize, _: f64| if probe == 1 { 0.8 * (TAU * 50.0 * time).sin() } else { 0.0 };
     // 50 Hz is the speed of the shaft here: this hum is a run-out.
     let with_hum = of(&hum);
     assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{with_hum:#?}");
+}
+
+/// A second reference adds the lines that it shows to those of the first.
+#[test]
+fn several_references_are_learned() {
+    let sandbox = site();
+    let lines = |file: &str| {
+        let baseline: Value = serde_json::from_str(&sandbox.read(file)).unwrap();
+        list(&list(&baseline["calibration"], "readings")[0], "lines").to_vec()
+    };
+    let at = |lines: &[Value], order: f64| {
+        let near = lines.iter().filter(|line| (line[0].as_f64().unwrap() - order).abs() < 0.02);
+        near.map(|line| line[1].as_f64().unwrap()).fold(0.0, f64::max)
+    };
+    // A line of 0.3 um, which the first reference does not have.
+    let order = 6.4;
+    let line = |time: f64, probe: usize, _: f64| {
+        if probe == 0 { 0.3 * (order * TAU * time * RATE / TURN as f64).cos() } else { 0.0 }
+    };
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 33..33 + TURNS), line));
+    let run = sandbox.run(&["replay", "scene.toml", "--no-report", "--baseline", "b.json", "--learn", "both.json"]);
+    assert!(run.code == Some(0), "{run:?}");
+    let [first, both] = ["b.json", "both.json"].map(lines);
+    assert!(at(&first, order) == 0.0 && at(&both, order) > 0.1e-6, "{both:?}");
+    for line in &first {
+        assert!(at(&both, line[0].as_f64().unwrap()) >= line[1].as_f64().unwrap(), "{line} of {both:?}");
+    }
 }
 
 #[test]

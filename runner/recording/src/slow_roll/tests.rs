@@ -86,6 +86,32 @@ fn a_known_run_out_is_removed() {
     }
 }
 
+/// Errors of a baseline, with a gap and fewer or more multiples than the slow roll, beside it and alone.
+#[test]
+fn errors_of_a_baseline_are_removed_too() {
+    let slow_roll = measured(&slow_roll(64_000, 4.0, 0.0), 314.0).unwrap();
+    let harmonics = [[0.0, 0.0], [2e-6, -1e-6]];
+    let errors = [("x", 5e-6, &harmonics[..]), ("y", -3e-6, &[])];
+    for known in [Some(&slow_roll), None] {
+        let both = RunOut::with_errors(known, errors.into_iter(), "of the baseline");
+        for turns in [0.0, 0.1, 0.7] {
+            let (s, c) = (TAU * 2.0 * turns).sin_cos();
+            let mut readings = [0.0; 2];
+            known.iter().for_each(|known| known.subtract(Phase::from_revolutions(turns), &mut readings));
+            let expected = [readings[0] - 5e-6 - 2e-6 * c + 1e-6 * s, readings[1] + 3e-6];
+            let mut found = [0.0; 2];
+            both.subtract(Phase::from_revolutions(turns), &mut found);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?} {expected:?}");
+        }
+        let last = both.notes().last().unwrap();
+        assert!(
+            last.contains("of the baseline are subtracted from the readings: x 5.00 um and 1.581 um, y -3.00"),
+            "{last}"
+        );
+        assert_eq!(both.notes().len(), 1 + usize::from(known.is_some()));
+    }
+}
+
 #[test]
 fn noise_alone_is_no_run_out() {
     let mut columns = slow_roll(64_000, 4.0, 1e-6);
