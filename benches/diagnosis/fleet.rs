@@ -13,6 +13,9 @@ pub const NO_FAULT: &str = "none";
 /// The kind of a recording with several faults, which `faults` lists.
 pub const SEVERAL: &str = "several";
 
+/// Least effect of a fault on a probe that can be seen, um: rms, and of the mean.
+const VISIBLE: (f64, f64) = (0.1, 1.0);
+
 /// A fault as `truth.json` states it: SI units, angles in rad.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
@@ -95,6 +98,13 @@ impl Recording {
             faults,
             ..Self::default()
         }
+    }
+
+    /// Returns true where the fault moves a probe by more than recordings of a sound machine differ, or where that is not known.
+    pub fn is_visible(&self) -> bool {
+        let (rms, mean) = VISIBLE;
+        self.effect_rms_um.is_none_or(|effect| effect >= rms)
+            || self.effect_mean_um.is_some_and(|effect| effect >= mean)
     }
 
     /// Returns the entry with what its fault changes at a probe: rms, and of the mean.

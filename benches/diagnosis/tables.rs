@@ -120,8 +120,17 @@ pub fn verdicts(judged: &[Judged]) -> String {
         table += &Counts::of(judged.iter().filter(|one| one.recording.title() == title)).line(&title);
     }
     for (name, faults, group) in totals(judged) {
-        let within = |one: &&Judged| one.recording.faults().len() == faults && one.recording.group == group;
+        let within = |one: &&Judged| {
+            one.recording.faults().len() == faults && one.recording.group == group && one.recording.is_visible()
+        };
         table += &Counts::of(judged.iter().filter(within)).line(&name);
+    }
+    let hidden = judged.iter().filter(|one| !one.recording.is_visible()).count();
+    if hidden > 0 {
+        _ = writeln!(
+            table,
+            "\nNot in the totals: {hidden} faults that move no probe by 0.1 um rms or its mean by 1 um."
+        );
     }
     let healthy = Counts::of(judged.iter().filter(|one| is_healthy(one)));
     _ = write!(
