@@ -200,10 +200,10 @@ impl IdentifiedFault {
     }
 }
 
-/// Returns true where the fault lowers the unexplained motion at a probe: one that moves the shaft, by more than half.
+/// Returns true for a fault that does not move the shaft, or lowers the square of the unexplained motion at a probe by more than half.
 fn is_proven(diagnosis: &Diagnosis, fault: AnyFault) -> bool {
-    let least = if fault.moves_shaft() { PROVEN } else { 0.0 };
-    diagnosis.parameters.unexplained_motion.as_ref().is_some_and(|motion| motion.explained > least)
+    let motion = &diagnosis.parameters.unexplained_motion;
+    !fault.moves_shaft() || motion.as_ref().is_some_and(|motion| motion.explained > PROVEN)
 }
 
 /// Returns the diagnosis that a fault is possible, from that of the fault: too much of the motion is left. A fault that is `alone` keeps its
