@@ -32,17 +32,17 @@ const SURROUNDINGS: usize = 48;
 const ROUNDING: f64 = 1e-12;
 /// Least order of a ball pass.
 const LOWEST_PASS: f64 = 1.5;
-/// Orders of the families that are tried, the number of strongest lines that may be harmonics of their carriers, which
-/// harmonics, and their side bands.
+/// Orders of the families that are tried, bins of each range whose strongest line may be a harmonic of a carrier (two
+/// orders), which harmonic, and the side bands.
 const FAMILY_ORDERS: [f64; 2] = [0.85, 9.0];
-const FAMILY_LINES: usize = 16;
+const FAMILY_RANGE: usize = 128;
 const FAMILY_HARMONICS: [f64; 3] = [1.0, 1.0 / 2.0, 1.0 / 3.0];
 const FAMILY_SIDE_BANDS: [f64; 2] = [1.0, 2.0];
 
 /// Lines of a spectrum.
 pub(super) struct Lines<'a, T> {
     power: &'a Power<T>,
-    /// Logarithm of the ratio to the noise beyond the least one, 0 where there is no line; order of the line, bins.
+    /// Logarithm of the ratio to the noise beyond the least one, and order of the line, bins; 0 where there is no line.
     figures: &'a [[T; 2]; BINS],
     /// Strength that an order anywhere has by chance.
     chance: T,
@@ -102,9 +102,10 @@ impl<'a, T: Scalar> Lines<'a, T> {
             let is_above = Choice::new(d > b);
             let quotient = M::sqrt(is_above.select(d, b) / is_line.select(c, T::ONE));
             let shift = (quotient + quotient - T::ONE) / (quotient + T::ONE);
-            let strength = is_line.select(strength, T::ZERO);
-            *figures = [strength, T::from_u32(i) + is_above.select(shift, -shift)];
-            all += strength.smaller(T::from_f64(GREATEST));
+            let strength = is_line.select(strength.smaller(T::from_f64(GREATEST)), T::ZERO);
+            let place = T::from_u32(i) + is_above.select(shift, -shift);
+            *figures = [strength, is_line.select(place, T::ZERO)];
+            all += strength;
         }
         // A line covers the range of its error.
         let width = ERROR_BINS * libm::sqrt(core::f64::consts::TAU);
@@ -116,16 +117,14 @@ impl<'a, T: Scalar> Lines<'a, T> {
     fn at(&self, order: T, precision: T) -> T {
         let bin = order * T::from_f64(BINS_PER_ORDER);
         let near = nearest(bin).count;
-        let mut strongest = T::ZERO;
-        for i in [near.wrapping_sub(1), near, near + 1] {
-            let [strength, place] = self.figures[inside(i)];
-            let off = bin - place;
-            // The normal distribution, within 2 %, and 0 beyond 2.8 errors.
-            let share = (T::ONE - T::from_f64(0.125) * off * off * precision).larger(T::ZERO);
-            let squared = share * share;
-            strongest = strongest.larger(strength.smaller(T::from_f64(GREATEST)) * squared * squared);
-        }
-        strongest
+        // One of three neighbours is a line at most.
+        let [a, b, c] = [near.wrapping_sub(1), near, near + 1].map(|i| self.figures[inside(i)]);
+        let [strength, place] = [a[0] + b[0] + c[0], a[1] + b[1] + c[1]];
+        let off = bin - place;
+        // The normal distribution, within 2 %, and 0 beyond 2.8 errors.
+        let twice_share = (T::ONE - T::from_f64(0.125) * off * off * precision).twice_positive_part();
+        let squared = twice_share * twice_share;
+        strength * T::from_f64(1.0 / 16.0) * squared * squared
     }
 
     /// Returns the evidence for harmonics of the order `carrier` with side bands at distances of `side_bands`: a sum of
@@ -152,7 +151,7 @@ impl<'a, T: Scalar> Lines<'a, T> {
                 let order = (harmonic + distance).abs();
                 let found = self.at(order, precision);
                 // What exceeds the carrier is no side band of it and speaks against it.
-                let counted = found.smaller(most) + found.smaller(most) - found;
+                let counted = most - (found - most).abs();
                 let evidence =
                     T::from_f64(SIDE_BAND * weight) * (counted - self.chance - T::from_f64(ABSENT_SIDE_BAND));
                 sum += counts(order).select(evidence, T::ZERO);
@@ -195,16 +194,14 @@ impl<'a, T: Scalar> Lines<'a, T> {
     pub fn strongest_family(&self) -> T {
         let [least, greatest] = FAMILY_ORDERS.map(T::from_f64);
         let mut best = T::ZERO;
-        let mut below = T::from_f64(f64::MAX);
-        for _ in 0..FAMILY_LINES {
-            // The strongest line that is weaker than the last.
+        for range in self.figures.chunks_exact(FAMILY_RANGE) {
             let (mut strongest, mut place) = (T::ZERO, T::ZERO);
-            for [strength, at] in self.figures {
-                let is_next = Choice::new((*strength < below) & (*strength > strongest));
-                strongest = is_next.select(*strength, strongest);
-                place = is_next.select(*at, place);
+            for [strength, at] in range {
+                let is_free = !is_of_shaft(*at * T::from_f64(1.0 / BINS_PER_ORDER), SHAFT_BINS);
+                let is_stronger = Choice::new(is_free & (*strength > strongest));
+                strongest = is_stronger.select(*strength, strongest);
+                place = is_stronger.select(*at, place);
             }
-            below = strongest;
             for harmonic in FAMILY_HARMONICS {
                 let order = place * T::from_f64(harmonic / BINS_PER_ORDER);
                 let evidence = self.evidence(order, &FAMILY_SIDE_BANDS.map(T::from_f64));
