@@ -3,7 +3,7 @@
 use crate::labels::Recording;
 use crate::methods::{signals, transformed};
 use ballrace::bearing::kinematics::orders;
-use ballrace::twin::{Component, DamageDetector, DamageVerdict};
+use ballrace::twin::{DamageDetector, DamageVerdict, DamagedComponent};
 use ballrace::{Exact, Phase};
 use rustfft::FftPlanner;
 use std::error::Error;
@@ -19,24 +19,25 @@ pub fn verdict(data: &Path, recording: &Recording) -> Result<DamageVerdict<f32>,
     let signal = decimated(sensors.first().ok_or("no sensor")?, factor);
     let ratio = recording.diameter_mm / recording.pitch_mm;
     let along = ratio * recording.angle_deg.to_radians().cos();
-    let mut detector = DamageDetector::<f32>::new(&orders(recording.elements, along, ratio));
+    let orders = orders(recording.elements, along, ratio);
+    let mut detector = DamageDetector::<f32>::new();
     let per_sample = recording.rpm / 60.0 * factor / recording.rate_hz;
     let mut verdict = DamageVerdict::default();
     for (i, x) in signal.iter().enumerate() {
         if detector.add(*x as f32, Phase::from_revolutions(per_sample * i as f64)) {
-            verdict = detector.close::<Exact>();
+            verdict = detector.close::<Exact>(&orders);
         }
     }
     Ok(verdict)
 }
 
 /// Returns the kind of the diagnosis that the desktop makes of a component.
-pub fn kind(component: Component) -> &'static str {
+pub fn kind(component: DamagedComponent) -> &'static str {
     match component {
-        Component::OuterRace => "outer-race",
-        Component::InnerRace => "inner-race",
-        Component::Element => "element",
-        Component::Cage => "cage",
+        DamagedComponent::OuterRace => "outer-race",
+        DamagedComponent::InnerRace => "inner-race",
+        DamagedComponent::Element => "element",
+        DamagedComponent::Cage => "cage",
     }
 }
 

@@ -16,7 +16,7 @@ mod statistics;
 mod sum;
 mod unmodelled_force;
 
-pub use damage::{Component, DamageDetector, DamageHypothesis, DamageVerdict};
+pub use damage::{DamageDetector, DamageHypothesis, DamageVerdict, DamagedComponent};
 pub use envelope::Envelope;
 pub use force_order::{ForceLine, ForceOrderTracker, ForceOrders};
 pub use life::{Life, LifeParams};

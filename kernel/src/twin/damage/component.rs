@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 /// Component of a bearing that may be damaged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Component {
+pub enum DamagedComponent {
     /// An impact at every passing element, of equal strength where the load stands still.
     OuterRace,
     /// An impact at every passing element, strong while the damage is in the load zone.
@@ -17,37 +17,37 @@ pub enum Component {
     Cage,
 }
 
-impl Component {
+impl DamagedComponent {
     /// All, in the order of the hypotheses.
     pub const ALL: [Self; 4] = [Self::OuterRace, Self::InnerRace, Self::Element, Self::Cage];
 }
 
-/// Least and greatest deviation of an order from pure rolling: slip, and the contact angle under load. A lightly loaded cage
-/// lags, by 2.5 % at most.
-const SLIP_OF_CAGE: [f64; 2] = [-0.025, 0.015];
-const SLIP: [f64; 2] = [-0.015, 0.015];
-/// Step of the search for it: the fifth harmonic moves by less than its error.
+/// Step of the search for the slip: the fifth harmonic moves by less than its error.
 const SLIP_STEP: f64 = 4e-4;
+/// Least deviation of an order from pure rolling, and steps to the greatest, 1.5 %: slip, and the contact angle under load. A
+/// lightly loaded cage lags, by 2.5 % at most.
+const SLIP_OF_CAGE: (f64, u32) = (-0.025, 100);
+const SLIP: (f64, u32) = (-0.015, 75);
 
 /// Lines that damage of a component causes: harmonics of a carrier, with side bands where the impacts swell and fade.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pattern<T> {
     /// Order of the carrier in pure rolling, per revolution of the shaft.
     pub order: T,
-    slip: [f64; 2],
+    slip: (f64, u32),
     side_bands: [T; 4],
     count: usize,
 }
 
 impl<T: Scalar> Pattern<T> {
-    fn new<const N: usize>(order: f64, slip: [f64; 2], side_bands: [f64; N]) -> Self {
+    fn new<const N: usize>(order: f64, slip: (f64, u32), side_bands: [f64; N]) -> Self {
         let mut all = [T::ZERO; 4];
         all.iter_mut().zip(side_bands).for_each(|(to, order)| *to = T::from_f64(order));
         Self { order: T::from_f64(order), slip, side_bands: all, count: N }
     }
 
     /// Returns the patterns of the components.
-    pub fn all(orders: &Orders) -> [Self; Component::ALL.len()] {
+    pub fn all(orders: &Orders) -> [Self; DamagedComponent::ALL.len()] {
         let cage = orders.cage;
         [
             // Unbalance turns the load with the shaft, and elements of unequal size repeat with the cage.
@@ -65,8 +65,7 @@ impl<T: Scalar> Pattern<T> {
 
     /// Returns the deviations that are tried.
     pub fn slips(&self) -> impl Iterator<Item = T> + use<T> {
-        let [least, greatest] = self.slip;
-        let steps = ((greatest - least) / SLIP_STEP + 0.5) as u32;
+        let (least, steps) = self.slip;
         (0..=steps).map(move |i| T::from_f64(least) + T::from_f64(SLIP_STEP) * T::from_u32(i))
     }
 }

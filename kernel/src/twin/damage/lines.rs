@@ -67,7 +67,8 @@ fn is_of_shaft<T: Scalar>(order: T, bins: f64) -> bool {
 }
 
 impl<'a, T: Scalar> Lines<'a, T> {
-    /// Finds the lines of the mean of `blocks` spectra. A bin is one where it exceeds two neighbours on either side: the flank of a strong line is no line.
+    /// Finds the lines of the mean of `blocks` spectra. A bin is one where it exceeds two neighbours on either side: the flank
+    /// of a strong line is no line.
     pub fn new<M: Math<T>>(power: &'a Power<T>, blocks: u32, Block(figures): &'a mut Block<T>) -> Self {
         for (figures, power) in figures.iter_mut().zip(power) {
             *figures = [ln(*power + T::from_f64(ROUNDING)), T::ZERO];

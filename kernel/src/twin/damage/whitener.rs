@@ -21,6 +21,8 @@ const FLOOR: f64 = 1e-4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Whitener<T> {
     last: T,
+    /// Number of samples in this block, at most one more than a prediction needs.
+    heard: u32,
     /// Differences, the latest first.
     past: [T; PREDICTORS],
     weights: [T; PREDICTORS],
@@ -32,13 +34,16 @@ impl<T: Scalar> Whitener<T> {
     /// Creates the state, with a predictor of 0.
     pub const fn new() -> Self {
         let zeros = [T::ZERO; PREDICTORS];
-        Self { last: T::ZERO, past: zeros, weights: zeros, power: T::ZERO, correlations: zeros }
+        Self { last: T::ZERO, heard: 0, past: zeros, weights: zeros, power: T::ZERO, correlations: zeros }
     }
 
-    /// Adds a sample; returns the error of its prediction.
+    /// Adds a sample; returns the error of its prediction, and true where that knows all the past that it needs: samples may
+    /// be missing before a block.
     #[inline]
-    pub fn add(&mut self, x: T) -> T {
-        let difference = x - self.last;
+    pub fn add(&mut self, x: T) -> (T, bool) {
+        let difference = x - Choice::new(self.heard > 0).select(self.last, x);
+        let is_settled = self.heard > PREDICTORS as u32;
+        self.heard += u32::from(!is_settled);
         self.last = x;
         self.power += difference * difference;
         let (mut error, mut later) = (difference, difference);
@@ -49,7 +54,7 @@ impl<T: Scalar> Whitener<T> {
             *past = later;
             later = one;
         }
-        error
+        (error, is_settled)
     }
 
     /// Ends the block: takes the predictor from it, 0 without a signal. A sample that is no number keeps the last one.
@@ -74,7 +79,8 @@ impl<T: Scalar> Whitener<T> {
         for (held, weight) in self.weights.iter_mut().zip(weights) {
             *held = is_valid.select(weight, *held);
         }
-        self.power = T::ZERO;
+        (self.heard, self.power) = (0, T::ZERO);
+        self.past = [T::ZERO; PREDICTORS];
         self.correlations = [T::ZERO; PREDICTORS];
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::bearing::kinematics::orders;
+use ballrace::bearing::kinematics::Orders;
 use ballrace::twin::{DamageDetector, DamageVerdict, ForceOrderTracker, ForceOrders};
 use ballrace::{BearingKinematicState, Exact, Math, Phase, Scalar};
 
@@ -51,12 +51,14 @@ where
     tracker
 }
 
+const ORDERS: Orders = Orders { cage: 0.4, outer_race: 3.6, inner_race: 5.4, ball_spin: 2.4 };
+
 /// The detector, in the precision that firmware takes. A function of its own: it fills a quarter of the memory.
 #[inline(never)]
 pub fn damage(bench: &Bench) {
     let name = |function| Name { what: "damage detector", elements: 9, precision: "f32", math: "exact", function };
     bench.measure(name("sample"), detect as *const (), listening, |(detector, x, shaft)| detect(detector, *x, *shaft));
-    bench.measure(name("verdict on a block"), judge as *const (), heard, judge);
+    bench.measure(name("verdict on a block"), judge as *const (), heard, |detector| judge(detector, &ORDERS));
 }
 
 #[inline(never)]
@@ -65,15 +67,15 @@ fn detect(detector: &mut DamageDetector<f32>, x: f32, shaft: Phase) -> bool {
 }
 
 #[inline(never)]
-fn judge(detector: &mut DamageDetector<f32>) -> DamageVerdict<f32> {
-    detector.close::<Exact>()
+fn judge(detector: &mut DamageDetector<f32>, orders: &Orders) -> DamageVerdict<f32> {
+    detector.close::<Exact>(orders)
 }
 
 /// A detector, and a sample that completes its block for some inputs.
 fn listening(i: u32) -> (DamageDetector<f32>, f32, Phase) {
     let (u, angle) = input::<f32>(i);
-    let mut detector = DamageDetector::new(&orders(9, 0.2, 0.2));
-    if !i.is_multiple_of(3) {
+    let mut detector = DamageDetector::new();
+    for _ in 0..i % 20 {
         detector.add(u.w, Phase::ZERO);
     }
     (detector, u.u, angle)
@@ -81,7 +83,7 @@ fn listening(i: u32) -> (DamageDetector<f32>, f32, Phase) {
 
 /// Blows with the pass of the outer race in some of the inputs, of whatever size, over one block with its predictor learned.
 fn heard(i: u32) -> DamageDetector<f32> {
-    let mut detector = DamageDetector::new(&orders(9, 0.2, 0.2));
+    let mut detector = DamageDetector::new();
     let mut shaft = Phase::ZERO;
     let ((first, _), (last, _)) = (input::<f32>(i), input::<f32>(i + 1));
     for k in 0..1200_u32 {
@@ -95,7 +97,7 @@ fn heard(i: u32) -> DamageDetector<f32> {
         };
         // Some blocks end early, as do those that begin with their first sample.
         if detector.add(x, shaft) && !i.is_multiple_of(5) {
-            detector.close::<Exact>();
+            detector.close::<Exact>(&ORDERS);
         }
         shaft = shaft.wrapping_add(Phase::from_revolutions(0.11));
     }

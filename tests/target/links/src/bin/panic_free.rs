@@ -137,7 +137,7 @@ fn twin<T: Scalar, M: Math<T>>() {
         black_box((line.polarisation(), line.double_direction()));
     }
     let detector: &mut DamageDetector<T> = given();
-    black_box((detector.add(given(), given()), detector.close::<M>()));
+    black_box((detector.add(given(), given()), detector.close::<M>(&given())));
     life.add::<M>(given::<&[T]>());
     black_box((life.close::<M>(given()), life.used(), figures.close::<M>(), orders));
 }
