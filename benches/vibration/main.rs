@@ -5,6 +5,7 @@
 //! scene that an owner writes: four numbers of the bearing, speed of the name plate, rate, columns. Options:
 //!
 //! - `--methods` adds the three methods of Smith and Randall to the table (see `methods`),
+//! - `--kernel` adds the detector of the kernel to the table and lists where its verdict is another (see `kernel`),
 //! - `--decoys` replays the damaged recordings with geometry that moves the order of the damage by 4 % up and down,
 //! - `--speed SHARE` changes the speed of the scene, such as 0.05 or -0.05,
 //! - `--baseline` learns the healthy recording of the same machine and speed first,
@@ -12,11 +13,13 @@
 //!   the release binary,
 //! - `--list` prints every recording with what is named.
 
+mod kernel;
 mod labels;
 mod methods;
 mod program;
 mod score;
 
+use ballrace::twin::{DamageHypothesis, DamageVerdict};
 use labels::Recording;
 use methods::METHODS;
 use program::{Outcome, Program};
@@ -27,7 +30,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, thread};
 
-const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench vibration -- FOLDER [--methods] [--decoys] [--speed SHARE] \
+const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench vibration -- FOLDER [--methods] [--kernel] [--decoys] [--speed SHARE] \
                      [--baseline] [--only TEXT] [--list] [--program FILE]";
 /// Replays at a time.
 const PROCESSES: usize = 2;
@@ -38,6 +41,7 @@ const DECOYS: [f64; 2] = [0.04, -0.04];
 struct Arguments {
     folder: PathBuf,
     methods: bool,
+    kernel: bool,
     decoys: bool,
     baseline: bool,
     list: bool,
@@ -55,6 +59,7 @@ impl Arguments {
             match argument.as_str() {
                 "--bench" => {}
                 "--methods" => arguments.methods = true,
+                "--kernel" => arguments.kernel = true,
                 "--decoys" => arguments.decoys = true,
                 "--baseline" => arguments.baseline = true,
                 "--list" => arguments.list = true,
@@ -121,6 +126,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             columns.push((format!("{name} ({threshold:.1} dB)"), scored(&recordings, &answers)));
         }
     }
+    if arguments.kernel {
+        let verdicts = in_parallel(recordings.len(), |i| kernel::verdict(&arguments.folder, &recordings[i]))?;
+        let kinds =
+            |verdict: &DamageVerdict<f32>| verdict.named.map(|c| kernel::kind(c).to_owned()).into_iter().collect();
+        let found: Vec<Vec<String>> = verdicts.iter().map(kinds).collect();
+        compare(&recordings, &answers, &verdicts, arguments.list);
+        columns.push(("kernel".to_owned(), scored(&recordings, &found)));
+    }
     let mut datasets: Vec<&str> = recordings.iter().map(|r| r.dataset.as_str()).collect();
     datasets.dedup();
     if columns.len() == 1 && datasets.len() > 1 {
@@ -170,6 +183,32 @@ fn list(recordings: &[Recording], outcomes: &[Outcome]) {
         let verdict = if found.is_empty() { &outcome.verdict } else { "" };
         println!("{mark} {} {}: {} {verdict}", recording.file, recording.fault, found.join(", "));
     }
+}
+
+/// Prints where the kernel names another component than the program, or every recording.
+fn compare(recordings: &[Recording], answers: &[Vec<String>], verdicts: &[DamageVerdict<f32>], all: bool) {
+    let mut same = 0;
+    for ((recording, answer), verdict) in recordings.iter().zip(answers).zip(verdicts) {
+        let kind = verdict.named.map(kernel::kind);
+        let is_same = answer.iter().map(String::as_str).eq(kind);
+        same += usize::from(is_same);
+        if !is_same || all {
+            let of = |h: &DamageHypothesis<f32>| format!("{:.1} at {:.3}, {:.2}", h.evidence, h.order, h.modulation);
+            let hypotheses: Vec<String> = verdict.hypotheses.iter().map(of).collect();
+            println!(
+                "{} {} {}: program {}, kernel {} ({:.0} %) after {} blocks; {}",
+                if is_same { '=' } else { '!' },
+                recording.file,
+                recording.fault,
+                answer.first().map_or("none", String::as_str),
+                kind.unwrap_or("none"),
+                100.0 * verdict.confidence,
+                verdict.blocks,
+                hypotheses.join("; ")
+            );
+        }
+    }
+    println!("Kernel: the verdict of the program on {same} of {}.", recordings.len());
 }
 
 fn scored(recordings: &[Recording], answers: &[Vec<String>]) -> Score {

@@ -84,7 +84,8 @@ pub fn answers(recordings: &[Recording], levels: &[Levels], method: usize) -> (f
     (threshold, at(threshold))
 }
 
-fn signals(data: &Path, recording: &Recording) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+/// Reads the sensors of a recording, less their means.
+pub fn signals(data: &Path, recording: &Recording) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
     let scene = read_str(&scene(data, recording), Path::new("scene.toml"))?;
     let description = scene.recording.as_ref().ok_or("the scene has no recording")?;
     let mut reader = Reader::open(&data.join(&recording.file), description)?;
@@ -102,7 +103,8 @@ fn signals(data: &Path, recording: &Recording) -> Result<Vec<Vec<f64>>, Box<dyn 
     Ok(signals)
 }
 
-fn transformed(signal: &[f64], planner: &mut FftPlanner<f64>) -> Signal {
+/// Returns the bins of a signal.
+pub fn transformed(signal: &[f64], planner: &mut FftPlanner<f64>) -> Signal {
     let mut bins: Signal = signal.iter().map(|x| Complex::new(*x, 0.0)).collect();
     planner.plan_fft_forward(bins.len()).process(&mut bins);
     bins

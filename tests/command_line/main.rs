@@ -14,6 +14,7 @@ mod clearance;
 mod clock_steps;
 mod completions;
 mod contact_angle;
+mod damage_detector;
 mod degraded;
 mod deploy;
 mod diagnosis;

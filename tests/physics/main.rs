@@ -3,6 +3,7 @@
 mod batch;
 mod bearings;
 mod checksum;
+mod damage;
 mod element_loads;
 mod fast;
 mod general;

@@ -148,6 +148,12 @@ impl Math<f64> for Fast {
     }
 }
 
+/// Returns the natural logarithm of `x > 0` in the precision of `f32`.
+#[inline]
+pub(crate) fn ln<T: Scalar>(x: T) -> T {
+    T::from_f32(power::ln_f32(x.to_f32()))
+}
+
 /// Evaluates a polynomial by the scheme of Horner, coefficients in ascending order.
 #[inline(always)]
 fn polynomial<T: Scalar, const N: usize>(x: T, coefficients: [T; N]) -> T {

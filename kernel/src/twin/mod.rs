@@ -3,8 +3,10 @@
 //! An [`Observer`] estimates the motion of the rotor, the forces of its bearings and the unmodelled load from probe
 //! samples. The indicators take displacements, forces and residuals: [`OrderTracker`] for components that rotate with the
 //! shaft, a cage or a ball, [`ForceOrderTracker`] for the radial force in the frame of each component of a bearing,
-//! [`Statistics`], [`Envelope`], [`Life`]. Each works in independent blocks, so that the results do not drift.
+//! [`Statistics`], [`Envelope`], [`Life`]. A [`DamageDetector`] takes an acceleration and names the damaged component of a
+//! bearing. Each works in independent blocks, so that the results do not drift.
 
+mod damage;
 mod envelope;
 mod force_order;
 mod life;
@@ -14,6 +16,7 @@ mod statistics;
 mod sum;
 mod unmodelled_force;
 
+pub use damage::{DamageDetector, DamageHypothesis, DamageVerdict, DamagedComponent};
 pub use envelope::Envelope;
 pub use force_order::{ForceLine, ForceOrderTracker, ForceOrders};
 pub use life::{Life, LifeParams};

@@ -1,9 +1,10 @@
-//! Order tracking of a force in the frames of a bearing's components.
+//! Order tracking of a force in the frames of a bearing's components, and the detector of damage in an acceleration.
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::twin::{ForceOrderTracker, ForceOrders};
-use ballrace::{BearingKinematicState, Exact, Math, Scalar};
+use ballrace::bearing::kinematics::Orders;
+use ballrace::twin::{DamageDetector, DamageVerdict, ForceOrderTracker, ForceOrders};
+use ballrace::{BearingKinematicState, Exact, Math, Phase, Scalar};
 
 const HARMONICS: usize = 4;
 
@@ -48,4 +49,57 @@ where
         add(&mut tracker, force, &at);
     }
     tracker
+}
+
+const ORDERS: Orders = Orders { cage: 0.4, outer_race: 3.6, inner_race: 5.4, ball_spin: 2.4 };
+
+/// The detector, in the precision that firmware takes. A function of its own: it fills a quarter of the memory.
+#[inline(never)]
+pub fn damage(bench: &Bench) {
+    let name = |function| Name { what: "damage detector", elements: 9, precision: "f32", math: "exact", function };
+    bench.measure(name("sample"), detect as *const (), listening, |(detector, x, shaft)| detect(detector, *x, *shaft));
+    bench.measure(name("verdict on a block"), judge as *const (), heard, |detector| judge(detector, &ORDERS));
+}
+
+#[inline(never)]
+fn detect(detector: &mut DamageDetector<f32>, x: f32, shaft: Phase) -> bool {
+    detector.add(x, shaft)
+}
+
+#[inline(never)]
+fn judge(detector: &mut DamageDetector<f32>, orders: &Orders) -> DamageVerdict<f32> {
+    detector.close::<Exact>(orders)
+}
+
+/// A detector, and a sample that completes its block for some inputs.
+fn listening(i: u32) -> (DamageDetector<f32>, f32, Phase) {
+    let (u, angle) = input::<f32>(i);
+    let mut detector = DamageDetector::new();
+    for _ in 0..i % 20 {
+        detector.add(u.w, Phase::ZERO);
+    }
+    (detector, u.u, angle)
+}
+
+/// Blows with the pass of the outer race in some of the inputs, of whatever size, over one block with its predictor learned.
+fn heard(i: u32) -> DamageDetector<f32> {
+    let mut detector = DamageDetector::new();
+    let mut shaft = Phase::ZERO;
+    let ((first, _), (last, _)) = (input::<f32>(i), input::<f32>(i + 1));
+    for k in 0..1200_u32 {
+        let (noise, _) = input::<f32>(3 * k + 1);
+        let pass = shaft.wrapping_mul(36).revolutions() < 0.5;
+        let blow = if pass { noise.u * 10.0 } else { noise.u };
+        let x = match k {
+            50 => first.u,
+            1190 if !i.is_multiple_of(4) => last.u,
+            _ => blow,
+        };
+        // Some blocks end early, as do those that begin with their first sample.
+        if detector.add(x, shaft) && !i.is_multiple_of(5) {
+            detector.close::<Exact>(&ORDERS);
+        }
+        shaft = shaft.wrapping_add(Phase::from_revolutions(0.11));
+    }
+    detector
 }

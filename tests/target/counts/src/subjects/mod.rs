@@ -20,6 +20,7 @@ pub fn all(bench: &Bench) {
     balls::all(bench);
     indicators::all::<f32>(bench, "f32");
     indicators::all::<f64>(bench, "f64");
+    indicators::damage(bench);
     rotor::all::<f32>(bench, "f32");
     rotor::all::<f64>(bench, "f64");
     flexible::all(bench);

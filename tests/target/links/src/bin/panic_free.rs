@@ -21,7 +21,9 @@ use ballrace::rotor::{
     AttachedBearing, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls, Newmark, RigidRotor,
     RotorBearingSystem, RotorState, RungeKuttaNystrom, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
 };
-use ballrace::twin::{Envelope, ForceOrderTracker, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics};
+use ballrace::twin::{
+    DamageDetector, Envelope, ForceOrderTracker, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics,
+};
 use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Stiffness, Wrench};
 use core::hint::black_box;
 use panic_never as _;
@@ -134,6 +136,8 @@ fn twin<T: Scalar, M: Math<T>>() {
     for line in force_orders.close().inner {
         black_box((line.polarisation(), line.double_direction()));
     }
+    let detector: &mut DamageDetector<T> = given();
+    black_box((detector.add(given(), given()), detector.close::<M>(&given())));
     life.add::<M>(given::<&[T]>());
     black_box((life.close::<M>(given()), life.used(), figures.close::<M>(), orders));
 }
