@@ -10,7 +10,7 @@
 //! 3. the envelope is modulated by more than the races of a good bearing do,
 //! 4. it has grown against the baseline, where there is one.
 
-use super::component::{KINDS, Pattern, patterns};
+use super::component::{KINDS, Pattern, in_words, patterns};
 use super::envelope::{HIGHEST_ORDER, Rotation, SensorSpectra, Transforms};
 use super::family::{HARMONIC_COUNT, Lines};
 use super::picture;
@@ -61,7 +61,8 @@ const LEAST_MODULATION: f64 = 0.2;
 const LEAST_OF_BAND: f64 = 0.25;
 /// First bin in which a line has a level.
 const FIRST_BIN: f64 = 2.0;
-/// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
+/// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked: a stronger family has a
+/// cause.
 const MOST_UNSEEN: f64 = 12.0;
 /// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation
 /// are as strong as the carrier.
@@ -102,6 +103,8 @@ pub(crate) struct Judgement {
     pub speed: Option<String>,
     /// Lines of the shaft that have grown against the baseline.
     pub rotor: Option<String>,
+    /// Statement of a strong family of lines that no component explains.
+    pub foreign: Option<String>,
     /// Reason why nothing is judged.
     pub not_judged: Option<String>,
     /// Shaft speed, rev/s.
@@ -182,7 +185,7 @@ impl FaultDetector<'_> {
             turn_hz: Some(turn_hz),
             ..Judgement::default()
         };
-        if !speeds.is_confirmed && mains > MOST_MAINS {
+        if !speeds.is_determined && mains > MOST_MAINS {
             judgement.not_judged = Some(format!(
                 "{:.0} % of the power of the sensors is at multiples of the supply frequency, and no line turns with the \
                  shaft: the machine stands still, or the sensors measure the supply",
@@ -195,9 +198,23 @@ impl FaultDetector<'_> {
             return judgement;
         }
         judgement.rotor = rotor::growth(sensors, &judgement.learned, self.baseline);
-        let named = self.named(&hypotheses, sensors, strongest_family(&machine, turn_hz));
+        let strongest = strongest_family(&machine, turn_hz);
+        let named = self.named(&hypotheses, sensors, strongest.evidence);
         let shown = named.as_ref().map(|(_, band)| *band);
-        judgement.diagnoses.extend(named.map(|(diagnosis, _)| diagnosis));
+        // Whitening removes regular families, which the levelled envelope shows.
+        let levelled = strongest_family(&self.lines(&all, 1), turn_hz);
+        let strongest = if levelled.evidence > strongest.evidence { levelled } else { strongest };
+        match named {
+            Some((diagnosis, _)) if speeds.is_determined => judgement.diagnoses.push(diagnosis),
+            Some((diagnosis, _)) => judgement.not_judged = Some(undetermined(&speeds, &of_component(&diagnosis))),
+            None if strongest.evidence < MOST_UNSEEN => {}
+            None if speeds.is_determined => judgement.foreign = Some(foreign(strongest.carrier_hz, turn_hz)),
+            None => {
+                let lines =
+                    format!("The family of lines at {:.1} Hz is then of an unknown order", strongest.carrier_hz);
+                judgement.not_judged = Some(undetermined(&speeds, &lines));
+            }
+        }
         for (sensor, spectra) in sensors {
             let Some(spectra) = spectra else { continue };
             let measured: Vec<&Suspect> = self.suspects.iter().filter(|suspect| measures(sensor, suspect)).collect();
@@ -361,7 +378,7 @@ impl FaultDetector<'_> {
         if self.is_speed_measured {
             return None;
         }
-        Some(if speeds.is_confirmed {
+        Some(if speeds.is_determined {
             format!(
                 "Shaft speed from the vibration: {:.1} rpm ({least:.1} to {greatest:.1}); the scene states \
                  {scene:.1} rpm.",
@@ -369,8 +386,8 @@ impl FaultDetector<'_> {
             )
         } else {
             format!(
-                "Shaft speed not determined: no multiples of it stand out; the {scene:.1} rpm of the scene are taken as \
-                 true to 1 %."
+                "Shaft speed not determined: its multiples do not decide between {least:.1} and {greatest:.1} rpm; no component \
+                 is named at any of these speeds."
             )
         })
     }
@@ -421,6 +438,35 @@ fn strongest_line(spectrum: &Spectrum, background: &[f64], turn_hz: f64) -> f64 
     spectrum.power.iter().zip(background).enumerate().skip(first).map(of).fold(0.0, f64::max)
 }
 
+/// Returns the reason why the lines in the envelope are not judged; `lines` says what they are.
+fn undetermined(speeds: &Speeds, lines: &str) -> String {
+    let [least, greatest] = speeds.interval().map(|hz| 60.0 * hz);
+    format!(
+        "the speed is not determined: neither a keyphasor nor a column measures it, and its multiples in the vibration do not \
+         decide between {least:.1} and {greatest:.1} rpm. {lines}. A keyphasor, a column of the speed or a longer recording decides"
+    )
+}
+
+/// States of which component the line of a diagnosis would be.
+fn of_component(diagnosis: &Diagnosis) -> String {
+    format!(
+        "At {:.1} rpm the line at {:.1} Hz would be that of the {} of {}",
+        60.0 * diagnosis.line_hz / diagnosis.order,
+        diagnosis.line_hz,
+        in_words(diagnosis.kind),
+        diagnosis.bearing.as_deref().unwrap_or("a bearing"),
+    )
+}
+
+/// States a family of lines that no component explains.
+fn foreign(carrier_hz: f64, turn_hz: f64) -> String {
+    format!(
+        "A family of lines at {carrier_hz:.1} Hz, {:.3} per turn, is of no component of these bearings: another bearing or a gear \
+         is the cause, or the geometry of the scene is not that of the bearing.",
+        carrier_hz / turn_hz
+    )
+}
+
 fn measures(sensor: &Sensor, suspect: &Suspect) -> bool {
     sensor.bearing.as_ref().is_none_or(|name| *name == suspect.name)
 }
@@ -469,7 +515,7 @@ fn fit(
     }
     // A family of any order has no slip. Most hypotheses need no comparison.
     let share = if evidence >= LEAST_EVIDENCE {
-        (evidence + handicap + unlikely) / strongest_family(lines, turn_hz).max(f64::MIN_POSITIVE)
+        (evidence + handicap + unlikely) / strongest_family(lines, turn_hz).evidence.max(f64::MIN_POSITIVE)
     } else {
         0.0
     };
