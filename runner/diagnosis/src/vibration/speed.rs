@@ -73,6 +73,8 @@ pub(crate) struct Candidate {
     pub turn_hz: f64,
     /// Logarithm of the likelihood.
     likelihood: f64,
+    /// Logarithm by which the likeliest speed is likelier.
+    pub deficit: f64,
 }
 
 /// Speeds that the vibration allows.
@@ -90,7 +92,7 @@ impl Speeds {
     /// Returns the speeds about `turn_hz`, which the scene states, or exactly `turn_hz` where it is measured.
     pub fn new(spectra: &[&SensorSpectra], lines: &Lines, turn_hz: f64, is_measured: bool) -> Self {
         if is_measured {
-            let candidates = vec![Candidate { turn_hz, likelihood: 0.0 }];
+            let candidates = vec![Candidate { turn_hz, likelihood: 0.0, deficit: 0.0 }];
             return Self { candidates, likeliest_hz: turn_hz, is_determined: true };
         }
         let half = (RANGE / STEP) as i32;
@@ -122,7 +124,7 @@ impl Speeds {
         for ((speed, alone), multiples) in speeds.iter().zip(&alone).zip(&multiples) {
             if *alone > greatest - HOPELESS {
                 let family = best_family(lines, &carriers, *speed).evidence;
-                candidates.push((Candidate { turn_hz: *speed, likelihood: alone + family }, *multiples));
+                candidates.push((Candidate { turn_hz: *speed, likelihood: alone + family, deficit: 0.0 }, *multiples));
             }
         }
         let likeliest = candidates.iter().max_by(|a, b| a.0.likelihood.total_cmp(&b.0.likelihood)).copied();
@@ -130,12 +132,10 @@ impl Speeds {
             return Self { candidates: vec![], likeliest_hz: turn_hz, is_determined: false };
         };
         let is_confirmed = multiples > median + CONFIRMED;
-        let all = candidates.into_iter().map(|(candidate, _)| candidate);
-        let candidates: Vec<Candidate> = if is_confirmed {
-            all.filter(|c| c.likelihood > best.likelihood - WITHIN).collect()
-        } else {
-            all.step_by(COARSE).collect()
-        };
+        let deficit = |c: Candidate| Candidate { deficit: best.likelihood - c.likelihood, ..c };
+        let all = candidates.into_iter().map(|(candidate, _)| deficit(candidate));
+        let candidates: Vec<Candidate> =
+            if is_confirmed { all.filter(|c| c.deficit < WITHIN).collect() } else { all.step_by(COARSE).collect() };
         let mut speeds =
             Self { candidates, likeliest_hz: if is_confirmed { best.turn_hz } else { turn_hz }, is_determined: false };
         let [least, greatest] = speeds.interval();

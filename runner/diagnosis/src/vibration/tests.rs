@@ -66,8 +66,18 @@ fn judged_against(signal: &[f64], baseline: Option<&Baseline>) -> Judgement {
 }
 
 fn judged(signal: &[f64], turn_hz: f64, is_speed_measured: bool, baseline: Option<&Baseline>) -> Judgement {
+    judged_as(signal, suspect(), turn_hz, is_speed_measured, baseline)
+}
+
+fn judged_as(
+    signal: &[f64],
+    suspect: Suspect,
+    turn_hz: f64,
+    is_speed_measured: bool,
+    baseline: Option<&Baseline>,
+) -> Judgement {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
-    let suspects = [suspect()];
+    let suspects = [suspect];
     let rotation = Rotation { turn_hz, fastest_hz: turn_hz, revolutions: None };
     let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline, is_speed_measured };
     let spectra = detector.spectra(signal, &mut Transforms::default());
@@ -135,6 +145,31 @@ fn families_of_other_orders_are_no_damage() {
             assert!(foreign.contains("is of no component of these bearings"), "{order} {share} {foreign}");
             assert_eq!(found(&with_lines(signal, TURN_HZ, &[0.1, 0.05, 0.05])), [], "{order} {share}");
         }
+    }
+}
+
+/// The first 36 revolutions of the same signals.
+#[test]
+fn families_of_other_orders_are_no_damage_in_short_recordings() {
+    let Orders { outer_race, inner_race, .. } = suspect().orders;
+    for (seed, (order, modulated)) in [(outer_race, STEADY), (inner_race, (0.8, 1.0))].into_iter().enumerate() {
+        for share in [0.96, 1.0, 1.04] {
+            let signal = with_lines(blows(order * share, 4100.0, modulated, 3.0, seed as u64), TURN_HZ, &[0.1, 0.05]);
+            let excerpt = &signal[..(36.0 / TURN_HZ * RATE) as usize];
+            assert_eq!(found(excerpt).len(), usize::from(share == 1.0), "{order} {share}");
+        }
+    }
+}
+
+/// The lower side band of a damaged inner race is where the outer race of another bearing has its line.
+#[test]
+fn a_side_band_is_no_component() {
+    let order = suspect().orders.inner_race;
+    let signal = blows(order, 4100.0, (0.8, 1.0), 3.0, 2);
+    for below in [1.0, 2.0] {
+        let other = Orders { outer_race: order - below, inner_race: 7.3, ball_spin: 2.9, cage: 0.4 };
+        let judged = judged_as(&signal, Suspect { orders: other, ..suspect() }, TURN_HZ, true, None);
+        assert!(judged.diagnoses.is_empty(), "{below}");
     }
 }
 
