@@ -10,13 +10,13 @@
 //! 3. the envelope is modulated by more than the races of a good bearing do,
 //! 4. it has grown against the baseline, where there is one.
 
-use super::component::{KINDS, Pattern, patterns};
-use super::envelope::{HIGHEST_ORDER, Rotation, SensorSpectra, Transforms};
+use super::component::{KINDS, Pattern, in_words, patterns};
+use super::envelope::{BLOCK_TURNS, HIGHEST_ORDER, MOST_PARTS, Rotation, SensorSpectra, Transforms};
 use super::family::{HARMONIC_COUNT, Lines};
 use super::picture;
 use super::rotor;
 use super::spectrum::{LineField, Spectrum};
-use super::speed::{Candidate, Speeds, strongest_family};
+use super::speed::{Speeds, strongest_family};
 use super::suspect::Suspect;
 use ballrace_outcome::baseline::{Baseline, BaselineSensor};
 use ballrace_outcome::{
@@ -47,6 +47,8 @@ const OF_BEST_FAMILY: f64 = 0.75;
 /// Logarithm of the number of bands: what the best of several reaches by chance. The full band, in which impacts
 /// usually show, has none.
 const OF_SEVERAL_BANDS: f64 = 2.7;
+/// Distance between two estimates of the frequency of one carrier, bins.
+const SAME_BINS: f64 = 1.0;
 /// Amplitude over that of the strongest line that a carrier has at least: side bands are weaker.
 const OF_STRONGEST_LINE: f64 = 0.5;
 /// Least order of a ball pass, and bins of a line under the Hann window.
@@ -57,11 +59,14 @@ const LOBE_BINS: f64 = 2.0;
 const LEAST_MODULATION: f64 = 0.2;
 /// Least modulation of a levelled envelope. In a part of the range the bins of noise are fewer: lines of the same
 /// significance are stronger by the root of the number of parts. Good bearings reach 0.17 of it, impacts at one
-/// resonance 0.9.
+/// resonance 0.9. In a recording shorter than a block every part needs as much as the least part.
 const LEAST_OF_BAND: f64 = 0.25;
+/// Share of the revolutions of a block from which it is whole: the speed may be 10 % off.
+const WHOLE: f64 = 0.85;
 /// First bin in which a line has a level.
 const FIRST_BIN: f64 = 2.0;
-/// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked.
+/// Greatest evidence of any family in the whitened envelope at which the levelled ones are asked: a stronger family has a
+/// cause.
 const MOST_UNSEEN: f64 = 12.0;
 /// Modulation over that of another hypothesis from which the other is made of side bands: those of a full modulation
 /// are as strong as the carrier.
@@ -102,6 +107,8 @@ pub(crate) struct Judgement {
     pub speed: Option<String>,
     /// Lines of the shaft that have grown against the baseline.
     pub rotor: Option<String>,
+    /// Statement of a strong family of lines that no component explains.
+    pub foreign: Option<String>,
     /// Reason why nothing is judged.
     pub not_judged: Option<String>,
     /// Shaft speed, rev/s.
@@ -116,9 +123,13 @@ struct Hypothesis {
     /// Number of the band, and the number of bands of its width.
     band: usize,
     parts: u32,
+    /// The recording has a whole block or several signals: a line that lasts is told from one of a moment.
+    is_averaged: bool,
     evidence: f64,
     /// Its share of the evidence of the strongest family of any order at the same speed.
     share: f64,
+    /// That family is its own: it has the same carrier, or a harmonic of it.
+    is_strongest: bool,
     /// Amplitude of its strongest harmonic over that of the strongest line of any origin but the shaft.
     of_strongest: f64,
     carrier_hz: f64,
@@ -132,7 +143,12 @@ struct Hypothesis {
 impl Hypothesis {
     /// Returns the least modulation by damage.
     fn least_modulation(&self) -> f64 {
-        if self.band == 0 { LEAST_MODULATION } else { LEAST_OF_BAND * f64::from(self.parts).sqrt() }
+        if self.band == 0 {
+            LEAST_MODULATION
+        } else {
+            let parts = if self.is_averaged { self.parts } else { MOST_PARTS };
+            LEAST_OF_BAND * f64::from(parts).sqrt()
+        }
     }
 
     /// Returns the mean modulation of the sensors that measure the bearing.
@@ -170,7 +186,7 @@ impl FaultDetector<'_> {
                 let spectra: Vec<&SensorSpectra> = own.iter().filter_map(|&i| sensors.get(i)?.1.as_ref()).collect();
                 let lines = if own.len() == all.len() { machine.clone() } else { self.lines(&spectra, band) };
                 for pattern in patterns(suspect) {
-                    hypotheses.push(fit(pattern, (bearing, band), &lines, &speeds.candidates, (sensors, &own)));
+                    hypotheses.push(fit(pattern, (bearing, band), &lines, &speeds, (sensors, &own)));
                 }
             }
         }
@@ -182,7 +198,7 @@ impl FaultDetector<'_> {
             turn_hz: Some(turn_hz),
             ..Judgement::default()
         };
-        if !speeds.is_confirmed && mains > MOST_MAINS {
+        if !speeds.is_determined && mains > MOST_MAINS {
             judgement.not_judged = Some(format!(
                 "{:.0} % of the power of the sensors is at multiples of the supply frequency, and no line turns with the \
                  shaft: the machine stands still, or the sensors measure the supply",
@@ -195,9 +211,23 @@ impl FaultDetector<'_> {
             return judgement;
         }
         judgement.rotor = rotor::growth(sensors, &judgement.learned, self.baseline);
-        let named = self.named(&hypotheses, sensors, strongest_family(&machine, turn_hz));
+        let strongest = strongest_family(&machine, turn_hz);
+        let named = self.named(&hypotheses, sensors, strongest.evidence);
         let shown = named.as_ref().map(|(_, band)| *band);
-        judgement.diagnoses.extend(named.map(|(diagnosis, _)| diagnosis));
+        // Whitening removes regular families, which the levelled envelope shows.
+        let levelled = strongest_family(&self.lines(&all, 1), turn_hz);
+        let strongest = if levelled.evidence > strongest.evidence { levelled } else { strongest };
+        match named {
+            Some((diagnosis, _)) if speeds.is_determined => judgement.diagnoses.push(diagnosis),
+            Some((diagnosis, _)) => judgement.not_judged = Some(undetermined(&speeds, &of_component(&diagnosis))),
+            None if strongest.evidence < MOST_UNSEEN => {}
+            None if speeds.is_determined => judgement.foreign = Some(foreign(strongest.carrier_hz, turn_hz)),
+            None => {
+                let lines =
+                    format!("The family of lines at {:.1} Hz is then of an unknown order", strongest.carrier_hz);
+                judgement.not_judged = Some(undetermined(&speeds, &lines));
+            }
+        }
         for (sensor, spectra) in sensors {
             let Some(spectra) = spectra else { continue };
             let measured: Vec<&Suspect> = self.suspects.iter().filter(|suspect| measures(sensor, suspect)).collect();
@@ -229,7 +259,7 @@ impl FaultDetector<'_> {
         let is_significant = |h: &&Hypothesis| {
             h.evidence >= LEAST_EVIDENCE
                 && h.share >= OF_BEST_FAMILY
-                && h.of_strongest >= OF_STRONGEST_LINE
+                && h.of_strongest >= if h.is_strongest { OF_STRONGEST_LINE } else { 1.0 }
                 && h.modulation() >= h.least_modulation()
         };
         // What the whitened envelope shows is decided there. The others are for regular impacts and for those of one
@@ -361,7 +391,7 @@ impl FaultDetector<'_> {
         if self.is_speed_measured {
             return None;
         }
-        Some(if speeds.is_confirmed {
+        Some(if speeds.is_determined {
             format!(
                 "Shaft speed from the vibration: {:.1} rpm ({least:.1} to {greatest:.1}); the scene states \
                  {scene:.1} rpm.",
@@ -369,8 +399,8 @@ impl FaultDetector<'_> {
             )
         } else {
             format!(
-                "Shaft speed not determined: no multiples of it stand out; the {scene:.1} rpm of the scene are taken as \
-                 true to 1 %."
+                "Shaft speed not determined: its multiples do not decide between {least:.1} and {greatest:.1} rpm; no component \
+                 is named at any of these speeds."
             )
         })
     }
@@ -421,6 +451,35 @@ fn strongest_line(spectrum: &Spectrum, background: &[f64], turn_hz: f64) -> f64 
     spectrum.power.iter().zip(background).enumerate().skip(first).map(of).fold(0.0, f64::max)
 }
 
+/// Returns the reason why the lines in the envelope are not judged; `lines` says what they are.
+fn undetermined(speeds: &Speeds, lines: &str) -> String {
+    let [least, greatest] = speeds.interval().map(|hz| 60.0 * hz);
+    format!(
+        "the speed is not determined: neither a keyphasor nor a column measures it, and its multiples in the vibration do not \
+         decide between {least:.1} and {greatest:.1} rpm. {lines}. A keyphasor, a column of the speed or a longer recording decides"
+    )
+}
+
+/// States of which component the line of a diagnosis would be.
+fn of_component(diagnosis: &Diagnosis) -> String {
+    format!(
+        "At {:.1} rpm the line at {:.1} Hz would be that of the {} of {}",
+        60.0 * diagnosis.line_hz / diagnosis.order,
+        diagnosis.line_hz,
+        in_words(diagnosis.kind),
+        diagnosis.bearing.as_deref().unwrap_or("a bearing"),
+    )
+}
+
+/// States a family of lines that no component explains.
+fn foreign(carrier_hz: f64, turn_hz: f64) -> String {
+    format!(
+        "A family of lines at {carrier_hz:.1} Hz, {:.3} per turn, is of no component of these bearings: another bearing or a gear \
+         is the cause, or the geometry of the scene is not that of the bearing.",
+        carrier_hz / turn_hz
+    )
+}
+
 fn measures(sensor: &Sensor, suspect: &Suspect) -> bool {
     sensor.bearing.as_ref().is_none_or(|name| *name == suspect.name)
 }
@@ -431,19 +490,27 @@ fn slips(pattern: &Pattern) -> impl Iterator<Item = f64> + use<> {
     (0..=steps).map(move |i| least + SLIP_STEP * f64::from(i))
 }
 
+/// Returns true where a ratio of two frequencies is a whole number or the inverse of one, within `error`.
+fn is_harmonic(ratio: f64, error: f64) -> bool {
+    let of = |ratio: f64| (ratio - ratio.round().max(1.0)).abs() <= error * ratio;
+    ratio > 0.0 && (of(ratio) || of(1.0 / ratio))
+}
+
 /// Fits slip and speed of a pattern to the lines of a band.
 fn fit(
     pattern: Pattern,
     (bearing, band): (usize, usize),
     lines: &Lines,
-    speeds: &[Candidate],
+    speeds: &Speeds,
     (sensors, own): (&Sensors<'_>, &[usize]),
 ) -> Hypothesis {
     let mut best = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
-    for speed in speeds {
+    for speed in &speeds.candidates {
+        // The slip counts from the likeliest speed: the error of another speed is no further slip.
+        let turn_hz = if speeds.is_determined { speeds.likeliest_hz } else { speed.turn_hz };
         for slip in slips(&pattern) {
-            let carrier = pattern.order * (1.0 + slip) * speed.turn_hz;
-            let unlikely = 0.5 * (slip / SLIP_DEVIATION).powi(2);
+            let carrier = pattern.order * (1.0 + slip) * turn_hz;
+            let unlikely = 0.5 * (slip / SLIP_DEVIATION).powi(2) + speed.deficit;
             let evidence = lines.evidence(carrier, &pattern.side_bands, speed.turn_hz) - unlikely;
             if evidence > best.0 {
                 best = (evidence, carrier, speed.turn_hz, unlikely);
@@ -468,19 +535,27 @@ fn fit(
         of_strongest += (greatest / strongest).sqrt() / own.len() as f64;
     }
     // A family of any order has no slip. Most hypotheses need no comparison.
-    let share = if evidence >= LEAST_EVIDENCE {
-        (evidence + handicap + unlikely) / strongest_family(lines, turn_hz).max(f64::MIN_POSITIVE)
-    } else {
-        0.0
-    };
+    let (mut share, mut is_strongest) = (0.0, false);
+    if evidence >= LEAST_EVIDENCE {
+        let strongest = strongest_family(lines, turn_hz);
+        share = (evidence + handicap + unlikely) / strongest.evidence.max(f64::MIN_POSITIVE);
+        is_strongest = is_harmonic(strongest.carrier_hz / carrier_hz, SAME_BINS * lines.bin_hz / carrier_hz);
+    }
+    // Several signals are averaged as the blocks of a long one are.
+    let is_averaged = turn_hz / lines.bin_hz > WHOLE * BLOCK_TURNS
+        || own
+            .iter()
+            .any(|&i| sensors.get(i).is_some_and(|(_, s)| s.as_ref().is_some_and(SensorSpectra::is_of_several)));
     let sensors = own.len();
     Hypothesis {
         pattern,
         bearing,
         band,
         parts,
+        is_averaged,
         evidence,
         share,
+        is_strongest,
         of_strongest,
         carrier_hz,
         turn_hz,

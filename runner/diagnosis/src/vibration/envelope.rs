@@ -24,9 +24,11 @@ use std::collections::HashMap;
 
 /// Revolutions of one block of the envelope: lines a hundredth of an order apart are resolved, and a cage slips less
 /// within it than in a long recording.
-const BLOCK_TURNS: f64 = 128.0;
+pub(crate) const BLOCK_TURNS: f64 = 128.0;
 /// Revolutions of one block of the signal itself, whose lines turn with the shaft exactly.
 const RAW_TURNS: f64 = 512.0;
+/// Greatest number of bands of equal width.
+pub(crate) const MOST_PARTS: u32 = 8;
 /// Highest order of the envelope spectrum, and of the spectrum of the signal.
 pub(crate) const HIGHEST_ORDER: f64 = 30.0;
 const HIGHEST_RAW_ORDER: f64 = 17.0;
@@ -94,7 +96,7 @@ impl SensorSpectra {
         // Over twice the orders of the lines, so that those of regular impacts stay.
         let smooth = levelled(&bins, (2.0 * least_width / rate * signal.len() as f64) as usize);
         let mut bands = vec![];
-        for (whitened, parts) in [(&flat, 1), (&smooth, 1), (&smooth, 2), (&smooth, 4), (&smooth, 8)] {
+        for (whitened, parts) in [(&flat, 1), (&smooth, 1), (&smooth, 2), (&smooth, 4), (&smooth, MOST_PARTS)] {
             let width = 0.5 * rate / f64::from(parts);
             if parts > 1 && width < least_width {
                 break;
@@ -117,6 +119,11 @@ impl SensorSpectra {
     /// Returns the spectrum of the envelope of the full band.
     pub fn envelope(&self) -> &Spectrum {
         self.bands.first().map_or(&self.raw, |band| &band.spectrum)
+    }
+
+    /// Returns true where the spectra are the average of several signals.
+    pub fn is_of_several(&self) -> bool {
+        self.signals > 1.0
     }
 
     /// Adds the spectra of a further signal of the same length and rotation to the average. Powers are averaged, so

@@ -115,7 +115,7 @@ pub fn replay(
         (true, None) => {
             let sentence = diagnoses.first().map_or(SOUND, |diagnosis| &diagnosis.sentence);
             // Every line is at a multiple of the speed.
-            let further = [&found.speed, &found.rotor].into_iter().flatten();
+            let further = [&found.foreign, &found.speed, &found.rotor].into_iter().flatten();
             further.fold(sentence.to_owned(), |verdict, sentence| format!("{verdict} {sentence}"))
         }
     };
@@ -138,7 +138,7 @@ pub fn replay(
     ];
     notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
     notes.extend(found.notes);
-    notes.extend(found.speed.into_iter().chain(found.rotor));
+    notes.extend([found.foreign, found.speed, found.rotor].into_iter().flatten());
     notes.extend(reader.notes());
     let mut timing = Timing { samples: rows, ..Timing::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();

@@ -53,6 +53,8 @@ pub struct Evaluation {
     pub speed: Option<String>,
     /// Lines of the shaft that have grown against the baseline.
     pub rotor: Option<String>,
+    /// Strong family of lines that no component explains.
+    pub foreign: Option<String>,
     /// Reason why the sensors have no verdict.
     pub not_judged: Option<String>,
     /// Samples that were evaluated.
@@ -206,7 +208,8 @@ impl Signals {
             evaluation.speeds_hz = evaluation.speeds_hz.map(|speed| speed * scale);
             evaluation.turns *= scale;
         }
-        (evaluation.speed, evaluation.rotor) = (judgement.speed, judgement.rotor);
+        (evaluation.speed, evaluation.rotor, evaluation.foreign) =
+            (judgement.speed, judgement.rotor, judgement.foreign);
         evaluation.not_judged = judgement.not_judged;
         (evaluation.diagnoses, evaluation.learned, evaluation.envelopes) =
             (judgement.diagnoses, judgement.learned, judgement.envelopes);

@@ -5,6 +5,7 @@
 //! the phase between two files is unknown. Averaging does not improve the resolution of snapshots with fewer than 16
 //! revolutions.
 
+use super::component::in_words;
 use super::detector::FaultDetector;
 use super::envelope::{Rotation, SensorSpectra, Transforms};
 use super::onset::{growth, tenth};
@@ -295,7 +296,7 @@ impl<'a> Evaluation<'a> {
         if not_judged.is_some() {
             diagnoses.clear();
         }
-        notes.extend(judgement.speed.into_iter().chain(judgement.rotor));
+        notes.extend([judgement.foreign, judgement.speed, judgement.rotor].into_iter().flatten());
         for diagnosis in &mut diagnoses {
             let sentence = growth_sentence(diagnosis, &trends, &self.snapshots);
             diagnosis.sentence += &sentence;
@@ -354,7 +355,7 @@ impl<'a> Evaluation<'a> {
         let kinds = [FaultKind::OuterRace, FaultKind::InnerRace, FaultKind::Element, FaultKind::Cage];
         let lines: Vec<(String, f64)> = suspects
             .iter()
-            .flat_map(|s| kinds.map(|kind| (format!("{} of {}", component(kind), s.name), s.order(kind))))
+            .flat_map(|s| kinds.map(|kind| (format!("{} of {}", in_words(kind), s.name), s.order(kind))))
             .collect();
         let mut close = vec![];
         for (i, (name, order)) in lines.iter().enumerate() {
@@ -374,16 +375,6 @@ impl<'a> Evaluation<'a> {
 /// Returns the reason why a file is omitted, without its path.
 fn reason(path: &Path, error: &RecordingError) -> String {
     error.to_string().replace(&path.display().to_string(), "").trim_start_matches([':', ' ']).to_owned()
-}
-
-/// Returns the name of a component in a sentence.
-const fn component(kind: FaultKind) -> &'static str {
-    match kind {
-        FaultKind::OuterRace => "outer race",
-        FaultKind::InnerRace => "inner race",
-        FaultKind::Element => "rolling element",
-        _ => "cage",
-    }
 }
 
 /// Returns the number of a snapshot with its time or file.
@@ -413,7 +404,7 @@ fn growth_sentence(diagnosis: &Diagnosis, trends: &[SnapshotTrend], snapshots: &
 fn note_of_trend(trend: &SnapshotTrend, snapshots: &[SnapshotOutcome]) -> Option<String> {
     let onset = trend.onset?;
     let indicator = match (&trend.bearing, trend.component) {
-        (Some(bearing), Some(kind)) => format!("line of the {} of {bearing}", component(kind)),
+        (Some(bearing), Some(kind)) => format!("line of the {} of {bearing}", in_words(kind)),
         _ => trend.indicator.replace('-', " "),
     };
     Some(format!(

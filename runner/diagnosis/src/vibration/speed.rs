@@ -4,6 +4,8 @@
 //! shaft speed in the signal and in its envelope, and by the family of lines that fits best at this speed, whatever
 //! its order: its side bands are at distances of the shaft speed, and lines at multiples of the shaft speed belong to
 //! no family. The geometry of the bearings does not enter, so a wrong bearing cannot move the speed to where it fits.
+//! A speed whose multiples do not stand out, or that is left with a wide interval, is not determined: a component that
+//! fits one of these speeds is not named.
 
 use super::envelope::SensorSpectra;
 use super::family::Lines;
@@ -41,8 +43,12 @@ const WITHIN: f64 = 3.0;
 const HOPELESS: f64 = 25.0;
 /// Evidence of multiples over their median from which the speed is confirmed: odds of 50.
 const CONFIRMED: f64 = 4.0;
-/// Largest deviation from the scene of a speed that no line confirms.
-const UNCONFIRMED: f64 = 0.01;
+/// Widest interval of a speed that is determined. Slip and contact angle move an order by up to 2.5 %: what lies 4 %
+/// beside it must stay beyond both.
+const DETERMINED: f64 = 0.02;
+/// Speeds of the search of which one is tried where the speed is not determined: the side bands then move by less than
+/// the error of a line.
+const COARSE: usize = 4;
 /// Orders of the families that are tried.
 const FAMILY_ORDERS: [f64; 2] = [0.85, 9.0];
 /// Strength of a line from which it may be a carrier's harmonic, and the harmonics that it may be.
@@ -51,6 +57,15 @@ const CARRIER_HARMONICS: [f64; 3] = [1.0, 2.0, 3.0];
 /// Side bands of a family of unknown origin, orders.
 const SIDE_BANDS: [f64; 2] = [1.0, 2.0];
 
+/// A family of lines of any order.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Family {
+    /// Evidence, at least 0.
+    pub evidence: f64,
+    /// Frequency of its carrier, Hz; 0 of none.
+    pub carrier_hz: f64,
+}
+
 /// A shaft speed with the evidence for it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Candidate {
@@ -58,25 +73,27 @@ pub(crate) struct Candidate {
     pub turn_hz: f64,
     /// Logarithm of the likelihood.
     likelihood: f64,
+    /// Logarithm by which the likeliest speed is likelier.
+    pub deficit: f64,
 }
 
 /// Speeds that the vibration allows.
 #[derive(Debug, Clone)]
 pub(crate) struct Speeds {
-    /// In rising order; never empty.
+    /// In rising order.
     pub candidates: Vec<Candidate>,
     /// Likeliest speed, rev/s.
     pub likeliest_hz: f64,
-    /// The multiples of the shaft speed show it, or it is measured.
-    pub is_confirmed: bool,
+    /// It is measured, or its multiples show it within an interval of 2 %.
+    pub is_determined: bool,
 }
 
 impl Speeds {
     /// Returns the speeds about `turn_hz`, which the scene states, or exactly `turn_hz` where it is measured.
     pub fn new(spectra: &[&SensorSpectra], lines: &Lines, turn_hz: f64, is_measured: bool) -> Self {
         if is_measured {
-            let candidates = vec![Candidate { turn_hz, likelihood: 0.0 }];
-            return Self { candidates, likeliest_hz: turn_hz, is_confirmed: true };
+            let candidates = vec![Candidate { turn_hz, likelihood: 0.0, deficit: 0.0 }];
+            return Self { candidates, likeliest_hz: turn_hz, is_determined: true };
         }
         let half = (RANGE / STEP) as i32;
         let speeds: Vec<f64> = (-half..=half).map(|i| turn_hz * (1.0 + STEP * f64::from(i))).collect();
@@ -106,25 +123,24 @@ impl Speeds {
         let mut candidates: Vec<(Candidate, f64)> = vec![];
         for ((speed, alone), multiples) in speeds.iter().zip(&alone).zip(&multiples) {
             if *alone > greatest - HOPELESS {
-                let family = best_family(lines, &carriers, *speed);
-                candidates.push((Candidate { turn_hz: *speed, likelihood: alone + family }, *multiples));
+                let family = best_family(lines, &carriers, *speed).evidence;
+                candidates.push((Candidate { turn_hz: *speed, likelihood: alone + family, deficit: 0.0 }, *multiples));
             }
         }
         let likeliest = candidates.iter().max_by(|a, b| a.0.likelihood.total_cmp(&b.0.likelihood)).copied();
         let Some((best, multiples)) = likeliest else {
-            return Self { candidates: vec![], likeliest_hz: turn_hz, is_confirmed: false };
+            return Self { candidates: vec![], likeliest_hz: turn_hz, is_determined: false };
         };
         let is_confirmed = multiples > median + CONFIRMED;
-        let is_allowed = |c: &Candidate| {
-            c.likelihood > best.likelihood - WITHIN
-                && (is_confirmed || (c.turn_hz / turn_hz - 1.0).abs() <= UNCONFIRMED)
-        };
-        let mut allowed: Vec<Candidate> = candidates.into_iter().map(|(c, _)| c).filter(is_allowed).collect();
-        let likeliest_hz = if is_confirmed { best.turn_hz } else { turn_hz };
-        if allowed.is_empty() {
-            allowed.push(Candidate { turn_hz, likelihood: 0.0 });
-        }
-        Self { candidates: allowed, likeliest_hz, is_confirmed }
+        let deficit = |c: Candidate| Candidate { deficit: best.likelihood - c.likelihood, ..c };
+        let all = candidates.into_iter().map(|(candidate, _)| deficit(candidate));
+        let candidates: Vec<Candidate> =
+            if is_confirmed { all.filter(|c| c.deficit < WITHIN).collect() } else { all.step_by(COARSE).collect() };
+        let mut speeds =
+            Self { candidates, likeliest_hz: if is_confirmed { best.turn_hz } else { turn_hz }, is_determined: false };
+        let [least, greatest] = speeds.interval();
+        speeds.is_determined = is_confirmed && greatest / least - 1.0 <= DETERMINED;
+        speeds
     }
 
     /// Returns the least and the greatest speed that the vibration allows, rev/s.
@@ -148,8 +164,8 @@ fn comb<'a>(spectra: impl Iterator<Item = &'a Spectrum>, least_ratio: f64, turn_
     field
 }
 
-/// Returns the evidence of the family that fits best at a speed, whatever its order, at least 0.
-pub(crate) fn strongest_family(lines: &Lines, turn_hz: f64) -> f64 {
+/// Returns the family that fits best at a speed, whatever its order.
+pub(crate) fn strongest_family(lines: &Lines, turn_hz: f64) -> Family {
     best_family(lines, &carriers(lines, turn_hz), turn_hz)
 }
 
@@ -167,7 +183,9 @@ fn carriers(lines: &Lines, turn_hz: f64) -> Vec<f64> {
     all
 }
 
-/// Returns the evidence of the best family at a speed, at least 0.
-fn best_family(lines: &Lines, carriers: &[f64], turn_hz: f64) -> f64 {
-    carriers.iter().map(|hz| lines.evidence(*hz, &SIDE_BANDS, turn_hz)).fold(0.0, f64::max)
+/// Returns the best family at a speed.
+fn best_family(lines: &Lines, carriers: &[f64], turn_hz: f64) -> Family {
+    let of = |hz: &f64| Family { evidence: lines.evidence(*hz, &SIDE_BANDS, turn_hz), carrier_hz: *hz };
+    let best = carriers.iter().map(of).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+    best.filter(|family| family.evidence > 0.0).unwrap_or_default()
 }

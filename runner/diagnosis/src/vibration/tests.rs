@@ -55,21 +55,37 @@ fn suspect() -> Suspect {
     Suspect { name: "DE".to_owned(), station: 0.0, orders: orders(9, gamma, gamma), elements: 9 }
 }
 
+/// Judges a signal at a speed that the scene states.
 fn judgement(signal: &[f64], turn_hz: f64) -> Judgement {
-    judged_against(signal, turn_hz, None)
+    judged(signal, turn_hz, false, None)
 }
 
-fn judged_against(signal: &[f64], turn_hz: f64, baseline: Option<&Baseline>) -> Judgement {
+/// Judges a signal at a measured speed.
+fn judged_against(signal: &[f64], baseline: Option<&Baseline>) -> Judgement {
+    judged(signal, TURN_HZ, true, baseline)
+}
+
+fn judged(signal: &[f64], turn_hz: f64, is_speed_measured: bool, baseline: Option<&Baseline>) -> Judgement {
+    judged_as(signal, suspect(), turn_hz, is_speed_measured, baseline)
+}
+
+fn judged_as(
+    signal: &[f64],
+    suspect: Suspect,
+    turn_hz: f64,
+    is_speed_measured: bool,
+    baseline: Option<&Baseline>,
+) -> Judgement {
     let sensor = Sensor { column: "a".to_owned(), unit: "g".to_owned(), bearing: None };
-    let suspects = [suspect()];
+    let suspects = [suspect];
     let rotation = Rotation { turn_hz, fastest_hz: turn_hz, revolutions: None };
-    let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline, is_speed_measured: false };
+    let detector = FaultDetector { suspects: &suspects, rotation, rate: RATE, baseline, is_speed_measured };
     let spectra = detector.spectra(signal, &mut Transforms::default());
     detector.judge(&[(&sensor, spectra)])
 }
 
 fn found(signal: &[f64]) -> Vec<(FaultKind, f64)> {
-    judgement(signal, TURN_HZ).diagnoses.iter().map(|f| (f.kind, f.order)).collect()
+    judged_against(signal, None).diagnoses.iter().map(|f| (f.kind, f.order)).collect()
 }
 
 #[test]
@@ -124,8 +140,36 @@ fn families_of_other_orders_are_no_damage() {
         for share in [0.96, 1.04] {
             let signal = blows(order * share, 4100.0, modulated, 3.0, seed as u64);
             assert_eq!(found(&signal), [], "{order} {share}");
+            let foreign = judged_against(&signal, None).foreign.unwrap_or_default();
+
+            assert!(foreign.contains("is of no component of these bearings"), "{order} {share} {foreign}");
             assert_eq!(found(&with_lines(signal, TURN_HZ, &[0.1, 0.05, 0.05])), [], "{order} {share}");
         }
+    }
+}
+
+/// The first 36 revolutions of the same signals.
+#[test]
+fn families_of_other_orders_are_no_damage_in_short_recordings() {
+    let Orders { outer_race, inner_race, .. } = suspect().orders;
+    for (seed, (order, modulated)) in [(outer_race, STEADY), (inner_race, (0.8, 1.0))].into_iter().enumerate() {
+        for share in [0.96, 1.0, 1.04] {
+            let signal = with_lines(blows(order * share, 4100.0, modulated, 3.0, seed as u64), TURN_HZ, &[0.1, 0.05]);
+            let excerpt = &signal[..(36.0 / TURN_HZ * RATE) as usize];
+            assert_eq!(found(excerpt).len(), usize::from(share == 1.0), "{order} {share}");
+        }
+    }
+}
+
+/// The lower side band of a damaged inner race is where the outer race of another bearing has its line.
+#[test]
+fn a_side_band_is_no_component() {
+    let order = suspect().orders.inner_race;
+    let signal = blows(order, 4100.0, (0.8, 1.0), 3.0, 2);
+    for below in [1.0, 2.0] {
+        let other = Orders { outer_race: order - below, inner_race: 7.3, ball_spin: 2.9, cage: 0.4 };
+        let judged = judged_as(&signal, Suspect { orders: other, ..suspect() }, TURN_HZ, true, None);
+        assert!(judged.diagnoses.is_empty(), "{below}");
     }
 }
 
@@ -147,6 +191,29 @@ fn a_wrong_speed_is_corrected() {
     }
 }
 
+/// Impacts of the outer race in a signal without a line of the shaft: nothing is named. Noise has neither a speed nor
+/// damage at any.
+#[test]
+fn a_speed_that_nothing_shows_withholds_the_verdict() {
+    let order = suspect().orders.outer_race;
+    let judged = judgement(&blows(order, 4100.0, STEADY, 3.0, 7), TURN_HZ);
+    assert!(judged.diagnoses.is_empty());
+    let reason = judged.not_judged.unwrap();
+    assert!(
+        reason.starts_with("the speed is not determined: neither a keyphasor nor a column measures it"),
+        "{reason}"
+    );
+    assert!(reason.contains("would be that of the outer race of DE. A keyphasor"), "{reason}");
+    // Far from every order of the bearing within 10 % of the speed.
+    let foreign = judgement(&blows(4.15, 4100.0, STEADY, 3.0, 7), TURN_HZ).not_judged.unwrap();
+    assert!(foreign.contains("The family of lines at 102.5 Hz is then of an unknown order"), "{foreign}");
+    for seed in 0..20 {
+        let sound = judgement(&blows(1.0, 3000.0, STEADY, 0.0, seed), TURN_HZ);
+        assert!(sound.diagnoses.is_empty() && sound.not_judged.is_none(), "{seed}");
+        assert!(sound.speed.unwrap().starts_with("Shaft speed not determined"), "{seed}");
+    }
+}
+
 /// Hum without a turning shaft, at 50 and at 60 Hz.
 #[test]
 fn a_machine_that_stands_still_has_no_verdict() {
@@ -163,28 +230,28 @@ fn a_machine_that_stands_still_has_no_verdict() {
 fn growth_against_a_baseline() {
     let shaft = |amplitude: f64| with_lines(blows(1.0, 3000.0, STEADY, 0.0, 6), TURN_HZ, &[amplitude, 0.05]);
     let baseline = |judged: Judgement| Baseline::of_sensors("", "", judged.learned);
-    let sound = baseline(judgement(&shaft(0.1), TURN_HZ));
-    let judged = judged_against(&shaft(0.5), TURN_HZ, Some(&sound));
+    let sound = baseline(judged_against(&shaft(0.1), None));
+    let judged = judged_against(&shaft(0.5), Some(&sound));
     assert!(judged.diagnoses.is_empty());
     let sentence = judged.rotor.unwrap();
     assert!(sentence.starts_with("Grown against the baseline: 1X at a by 14 dB to 0.49"), "{sentence}");
-    assert_eq!(judged_against(&shaft(0.1), TURN_HZ, Some(&sound)).rotor, None);
+    assert_eq!(judged_against(&shaft(0.1), Some(&sound)).rotor, None);
     let still: Vec<f64> = shaft(0.1).iter().map(|x| 0.004 * x).collect();
     assert_eq!(
-        judged_against(&still, TURN_HZ, Some(&sound)).not_judged.as_deref(),
+        judged_against(&still, Some(&sound)).not_judged.as_deref(),
         Some("the level of every sensor is 48 dB or more below the baseline: the machine stands still")
     );
     let damaged = blows(suspect().orders.outer_race, 4100.0, STEADY, 3.0, 8);
-    assert_eq!(judged_against(&damaged, TURN_HZ, Some(&sound)).diagnoses.len(), 1);
-    let known = baseline(judgement(&damaged, TURN_HZ));
-    assert!(judged_against(&damaged, TURN_HZ, Some(&known)).diagnoses.is_empty());
+    assert_eq!(judged_against(&damaged, Some(&sound)).diagnoses.len(), 1);
+    let known = baseline(judged_against(&damaged, None));
+    assert!(judged_against(&damaged, Some(&known)).diagnoses.is_empty());
 }
 
 /// The line of the damage is the highest of the drawn spectrum about it; sound signals have a picture too.
 #[test]
 fn the_drawn_spectrum_shows_the_line() {
     let order = suspect().orders.outer_race;
-    let drawn = judgement(&blows(order, 4100.0, STEADY, 3.0, 1), TURN_HZ).envelopes;
+    let drawn = judged_against(&blows(order, 4100.0, STEADY, 3.0, 1), None).envelopes;
     assert_eq!(drawn.len(), 1);
     let envelope = &drawn[0];
     assert_eq!(envelope.reason, "pre-whitened, with the lines of the diagnosis");
@@ -193,7 +260,7 @@ fn the_drawn_spectrum_shows_the_line() {
     let around = envelope.modulation[at - 12..at + 12].iter().copied().fold(0.0, f64::max);
     assert!(peak == around && peak > 0.1, "{peak} {around}");
     assert!(envelope.lines.iter().any(|line| line.label == "DE outer" && (line.hz - order * TURN_HZ).abs() < 1e-9));
-    let sound = judgement(&blows(1.0, 3000.0, STEADY, 0.0, 1), TURN_HZ).envelopes;
+    let sound = judged_against(&blows(1.0, 3000.0, STEADY, 0.0, 1), None).envelopes;
     assert!(sound.len() == 1 && sound[0].reason.ends_with("no family of a bearing stands out"));
 }
 

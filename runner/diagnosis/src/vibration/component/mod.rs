@@ -31,3 +31,13 @@ pub(crate) const KINDS: [FaultKind; 4] =
 pub(crate) fn patterns(suspect: &Suspect) -> [Pattern; KINDS.len()] {
     [outer_race::pattern(suspect), inner_race::pattern(suspect), element::pattern(suspect), cage::pattern(suspect)]
 }
+
+/// Returns the name of a component in a sentence.
+pub(crate) const fn in_words(kind: FaultKind) -> &'static str {
+    match kind {
+        FaultKind::OuterRace => "outer race",
+        FaultKind::InnerRace => "inner race",
+        FaultKind::Element => "rolling element",
+        _ => "cage",
+    }
+}
