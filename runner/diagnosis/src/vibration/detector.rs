@@ -157,6 +157,9 @@ impl Hypothesis {
     }
 }
 
+/// Largest deviation from the speed of the scene at which a component is named although the vibration does not determine it.
+const SCENE_ERROR: f64 = 0.01;
+
 /// Sensors with their spectra; none where a sensor has no usable signal.
 type Sensors<'s> = [(&'s Sensor, Option<SensorSpectra>)];
 
@@ -218,7 +221,9 @@ impl FaultDetector<'_> {
         let levelled = strongest_family(&self.lines(&all, 1), turn_hz);
         let strongest = if levelled.evidence > strongest.evidence { levelled } else { strongest };
         match named {
-            Some((diagnosis, _)) if speeds.is_determined => judgement.diagnoses.push(diagnosis),
+            Some((diagnosis, _)) if speeds.is_determined || self.is_only(&diagnosis, &speeds) => {
+                judgement.diagnoses.push(diagnosis);
+            }
             Some((diagnosis, _)) => judgement.not_judged = Some(undetermined(&speeds, &of_component(&diagnosis))),
             None if strongest.evidence < MOST_UNSEEN => {}
             None if speeds.is_determined => judgement.foreign = Some(foreign(strongest.carrier_hz, turn_hz)),
@@ -384,6 +389,21 @@ impl FaultDetector<'_> {
         sensors.iter().enumerate().map(of).collect()
     }
 
+    /// Returns true where a line fits its component at the speed that the scene states, and no other component at any speed that the
+    /// vibration allows: the speed then does not decide.
+    fn is_only(&self, diagnosis: &Diagnosis, speeds: &Speeds) -> bool {
+        let fitted = diagnosis.line_hz / (diagnosis.order * self.rotation.turn_hz) - 1.0;
+        let [least, greatest] = speeds.interval();
+        let is_other = |suspect: &Suspect, pattern: &Pattern| {
+            let is_same = diagnosis.bearing.as_ref() == Some(&suspect.name) && diagnosis.kind == pattern.kind;
+            let [low, high] = pattern.slip.map(|slip| pattern.order * (1.0 + slip));
+            !is_same && (low * least..=high * greatest).contains(&diagnosis.line_hz)
+        };
+        let has_other =
+            self.suspects.iter().any(|suspect| patterns(suspect).iter().any(|pattern| is_other(suspect, pattern)));
+        fitted.abs() <= SCENE_ERROR && !has_other
+    }
+
     /// States a speed that is not measured.
     fn speed_note(&self, speeds: &Speeds) -> Option<String> {
         let scene = 60.0 * self.rotation.turn_hz;
@@ -399,8 +419,8 @@ impl FaultDetector<'_> {
             )
         } else {
             format!(
-                "Shaft speed not determined: its multiples do not decide between {least:.1} and {greatest:.1} rpm; no component \
-                 is named at any of these speeds."
+                "Shaft speed not determined: its multiples do not decide between {least:.1} and {greatest:.1} rpm; a component is \
+                 named only at the {scene:.1} rpm of the scene, where its line is that of no other at any of these speeds."
             )
         })
     }

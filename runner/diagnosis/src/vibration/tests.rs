@@ -191,12 +191,15 @@ fn a_wrong_speed_is_corrected() {
     }
 }
 
-/// Impacts of the outer race in a signal without a line of the shaft: nothing is named. Noise has neither a speed nor
-/// damage at any.
+/// Impacts of the outer race in a signal without a line of the shaft: they are named at the speed that the scene states alone. Noise has
+/// neither a speed nor damage at any.
 #[test]
 fn a_speed_that_nothing_shows_withholds_the_verdict() {
     let order = suspect().orders.outer_race;
-    let judged = judgement(&blows(order, 4100.0, STEADY, 3.0, 7), TURN_HZ);
+    let signal = blows(order, 4100.0, STEADY, 3.0, 7);
+    let named: Vec<FaultKind> = judgement(&signal, TURN_HZ).diagnoses.iter().map(|f| f.kind).collect();
+    assert_eq!(named, [FaultKind::OuterRace]);
+    let judged = judgement(&signal, 1.04 * TURN_HZ);
     assert!(judged.diagnoses.is_empty());
     let reason = judged.not_judged.unwrap();
     assert!(
