@@ -15,6 +15,8 @@ use std::borrow::Cow;
 const WITHIN_95: f64 = 1.96;
 /// Relative standard deviation of sizes by the model: Young's modulus of bearing steel, and with it every force, is not known better.
 pub(crate) const STIFFNESS_ERROR: f64 = 0.005;
+/// The same at a site: with catalogue dimensions the stiffness of a bearing is known to 5 %.
+const STIFFNESS_ERROR_OF_SITE: f64 = 0.05;
 /// Search for the end of an interval: share of the error of the profile below which it is not made, factor of its steps, steps of the
 /// fit of the other unknowns, and largest size over that of a parabola.
 const SMALL: f64 = 0.4;
@@ -31,10 +33,15 @@ pub struct Estimates<'a, 'b> {
 }
 
 impl Estimates<'_, '_> {
-    /// Returns the relative standard deviation of a size, by its model and by the gain of the probes of a site; of an angle, rad, by their
-    /// direction.
+    /// Returns the relative standard deviation of a size, by its model, and by the gain of the probes and the stiffness of the bearings of a
+    /// site.
     fn scale_error(&self, model_error: f64) -> f64 {
-        if self.e.site.is_some() { model_error.hypot(GAIN_ERROR) } else { model_error }
+        if self.e.site.is_some() { model_error.hypot(GAIN_ERROR).hypot(STIFFNESS_ERROR_OF_SITE) } else { model_error }
+    }
+
+    /// Returns the standard deviation of an angle by the direction of the probes of a site, rad.
+    fn direction_error(&self) -> f64 {
+        if self.e.site.is_some() { GAIN_ERROR } else { 0.0 }
     }
 
     pub fn deviation(&self, unknown: Unknown) -> f64 {
@@ -116,7 +123,7 @@ impl Estimates<'_, '_> {
     /// Angle on a component; on the inner race it is counted from the keyphasor mark.
     pub fn angle(&self, unknown: Unknown, component: Component) -> Estimate {
         let value = unknown.get(&self.last.machine).to_degrees();
-        let angle = around(value, self.deviation(unknown).hypot(self.scale_error(0.0)).to_degrees());
+        let angle = around(value, self.deviation(unknown).hypot(self.direction_error()).to_degrees());
         within_turn(if component == Component::Inner { self.with_pulse_error(angle) } else { angle })
     }
 
@@ -136,7 +143,7 @@ impl Estimates<'_, '_> {
         let size = a.hypot(b).max(1e-30);
         let (along, across) =
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
-        let across = (across / size).hypot(self.scale_error(0.0));
+        let across = (across / size).hypot(self.direction_error());
         [
             not_negative(around(size / unit, (along / unit).hypot(self.scale_error(STIFFNESS_ERROR) * size / unit))),
             within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),

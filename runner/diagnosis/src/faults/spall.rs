@@ -64,6 +64,9 @@ const TOLERANCE_OF_SITE: f64 = 5e-7;
 const SIGNIFICANT: f64 = 2.0;
 /// Relative error of the force of a spall: a real spall has no half-sine profile. Only the product of depth and width is well determined.
 const PROFILE_ERROR: f64 = 0.05;
+/// Relative standard deviation of depth and width at a site: spalls of equal area between the half-sine profile and a flat bottom, whose
+/// depths differ by up to pi / 2.
+const SHAPE_ERROR_OF_SITE: f64 = 0.165;
 
 /// Local damage of a surface of a bearing.
 #[derive(Debug, Clone, Copy)]
@@ -169,7 +172,8 @@ impl Fault for Spall {
             Surface::Inner | Surface::Outer => None,
         };
         let on_race = self.component != Component::Ball;
-        let size = |unknown, unit: f64| not_negative(of.profile_estimate(unknown, unit, PROFILE_ERROR));
+        let error = if of.e.site.is_some() { SHAPE_ERROR_OF_SITE } else { PROFILE_ERROR };
+        let size = |unknown, unit: f64| not_negative(of.profile_estimate(unknown, unit, error));
         FaultParameters {
             form: Some(FaultForm::Spall),
             azimuth_deg: on_race.then(|| of.angle(azimuth, self.component)),
