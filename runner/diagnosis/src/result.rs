@@ -46,7 +46,7 @@ pub struct DiagnosisResult {
     pub cages: Vec<CageEstimate>,
     /// Chi-squared before and after, and the cages.
     pub outcome: DiagnosisOutcome,
-    /// Errors of the readings with those of the baseline; nothing where the readings are the motion of the shaft alone.
+    /// Plausible errors of the readings with those of the baseline; nothing where the readings are the motion of the shaft alone.
     pub readings: Vec<ProbeReadings>,
     /// Notes for the user.
     pub notes: Vec<String>,
@@ -147,9 +147,9 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         diagnoses.push(estimates.unexplained(after));
     }
     let motion = &e.motion;
-    // A fault that moves the shaft was in the errors of the readings.
+    // What a fault does was in the errors of the readings.
     let mut site = of.site.clone();
-    if let Some(site) = site.as_mut().filter(|_| faults.iter().any(|one| one.fault.moves_shaft())) {
+    if let Some(site) = site.as_mut().filter(|_| !faults.is_empty()) {
         site.evidence(&last.machine)?;
     }
     let outcome = DiagnosisOutcome {
@@ -175,7 +175,7 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         ));
     }
     let cages = cages(e, &last, &of.observable);
-    let readings = site.map(|site| site.readings(vec![vec![]; input.probes.len()])).unwrap_or_default();
+    let readings = site.map(|site| site.plausible_readings()).unwrap_or_default();
     Ok(DiagnosisResult { diagnoses, cages, outcome, readings, notes })
 }
 

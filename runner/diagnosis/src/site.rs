@@ -157,8 +157,18 @@ impl<'a> SiteRecording<'a> {
 
     /// Returns the errors of the readings with those of the baseline; `lines` are those that the model of a sound machine leaves.
     pub fn readings(&self, lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
+        self.with_baseline(&self.errors, lines)
+    }
+
+    /// Returns the same limited to what is plausible beside the baseline: beyond it, a fault may be the cause.
+    pub fn plausible_readings(&self) -> Vec<ProbeReadings> {
+        let [counting, unknown] = divided(&self.errors, &self.known);
+        self.with_baseline(&sums(&counting, &unknown), vec![vec![]; self.errors.len()])
+    }
+
+    fn with_baseline(&self, errors: &[ReadingError], lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
         let probe = |(p, lines): (usize, Vec<[f64; 2]>)| {
-            let sum = |j: usize| self.centre[p][j] + self.errors[p][j];
+            let sum = |j: usize| self.centre[p][j] + errors[p][j];
             ProbeReadings {
                 column: self.input.probes[p].column.clone(),
                 gap: sum(GAP),

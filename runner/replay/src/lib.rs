@@ -164,8 +164,10 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
     if let Some(diagnosis) = &diagnosed {
         set_cages(&mut scene, &diagnosis.cages, ahead.first_turns());
     }
-    // Of a part of a recording, only the errors of the baseline are those of all of it.
-    let run_out = match diagnosed.as_ref().filter(|_| ahead.is_whole) {
+    // Without a baseline, a run-out is not told from what an unbalance does. Of a part of a recording, only the errors of the baseline are
+    // those of all of it.
+    let is_known = calibration.as_ref().is_some_and(|calibration| !calibration.readings.is_empty());
+    let run_out = match diagnosed.as_ref().filter(|_| ahead.is_whole && is_known) {
         Some(diagnosis) => session::with_errors(run_out, &diagnosis.readings, "found by the diagnosis"),
         None => session::with_baseline(run_out, calibration.as_ref()),
     };
