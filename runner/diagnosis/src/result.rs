@@ -125,8 +125,8 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             continue;
         }
         let explained = diagnosis.parameters.explained.unwrap_or(0.0);
-        // An interval of the size that contains zero is no fault, nor is what the motion at no probe proves.
-        let is_sized = diagnosis.parameters.is_significant() && (e.site.is_none() || is_proven(&diagnosis, fault));
+        // At a site an interval of the size that contains zero is no fault, nor is what the motion at no probe proves.
+        let is_sized = e.site.is_none() || diagnosis.parameters.is_significant() && is_proven(&diagnosis, fault);
         diagnoses.push(match identified.equally_likely() {
             _ if !is_sized => {
                 // Depth and width of a spall are determined less than their product.
