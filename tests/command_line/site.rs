@@ -100,33 +100,6 @@ fn what_a_measurement_adds_is_no_fault() {
     assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{with_hum:#?}");
 }
 
-/// A second reference adds the lines that it shows to those of the first.
-#[test]
-fn several_references_are_learned() {
-    let sandbox = site();
-    let lines = |file: &str| {
-        let baseline: Value = serde_json::from_str(&sandbox.read(file)).unwrap();
-        list(&list(&baseline["calibration"], "readings")[0], "lines").to_vec()
-    };
-    let at = |lines: &[Value], order: f64| {
-        let near = lines.iter().filter(|line| (line[0].as_f64().unwrap() - order).abs() < 0.02);
-        near.map(|line| line[1].as_f64().unwrap()).fold(0.0, f64::max)
-    };
-    // A line of 0.3 um, which the first reference does not have.
-    let order = 6.4;
-    let line = |time: f64, probe: usize, _: f64| {
-        if probe == 0 { 0.3 * (order * TAU * time * RATE / TURN as f64).cos() } else { 0.0 }
-    };
-    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 33..33 + TURNS), line));
-    let run = sandbox.run(&["replay", "scene.toml", "--no-report", "--baseline", "b.json", "--learn", "both.json"]);
-    assert!(run.code == Some(0), "{run:?}");
-    let [first, both] = ["b.json", "both.json"].map(lines);
-    assert!(at(&first, order) == 0.0 && at(&both, order) > 0.1e-6, "{both:?}");
-    for line in &first {
-        assert!(at(&both, line[0].as_f64().unwrap()) >= line[1].as_f64().unwrap(), "{line} of {both:?}");
-    }
-}
-
 #[test]
 fn a_spall_is_found_beside_it() {
     let sandbox = site();

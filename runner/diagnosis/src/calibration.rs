@@ -402,3 +402,17 @@ pub(super) fn calibrate(
     let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
     Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line of both references keeps the larger amplitude, one of the earlier reference alone stays.
+    #[test]
+    fn lines_of_references_are_united() {
+        let of = |lines: &[[f64; 2]]| ProbeReadings { lines: lines.to_vec(), ..ProbeReadings::default() };
+        let mut readings = of(&[[2.0, 3e-8], [3.6, 1e-8]]);
+        unite(&mut readings, &of(&[[3.61, 2e-8], [2.005, 1e-8], [1.2, 4e-8]]));
+        assert_eq!(readings.lines, [[1.2, 4e-8], [2.0, 3e-8], [3.6, 2e-8]]);
+    }
+}
