@@ -36,14 +36,24 @@ const NAMED_GAP: f64 = 2.0;
 const NAMED_DRIFT: f64 = 1.0;
 const NAMED_HUM: f64 = 0.2;
 
+/// Returns a sentence on means that are off: a gap is not told from the position of the shaft. Nothing without one.
+fn moved_means(readings: &[ReadingOutcome]) -> String {
+    let moved = readings.iter().filter(|one| one.gap_um.abs() > NAMED_GAP);
+    let each: Vec<String> = moved.map(|one| format!("{} by {:+.1} um", one.probe, one.gap_um)).collect();
+    match each.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Not decided: the mean is off, {}, by the gap of the probe or by the position of the shaft; check probe, load and alignment.",
+            each.join(", ")
+        ),
+    }
+}
+
 /// Returns the errors of the readings that are larger than usual; nothing without one.
 fn named_errors(readings: &[ReadingOutcome]) -> Vec<String> {
     let of = |one: &ReadingOutcome| {
-        let ReadingOutcome { probe, gap_um, drift_um, hum_um, hum_hz, .. } = one;
+        let ReadingOutcome { probe, drift_um, hum_um, hum_hz, .. } = one;
         let mut named = vec![];
-        if gap_um.abs() > NAMED_GAP {
-            named.push(format!("the gap of {probe} is {gap_um:+.1} um other than expected"));
-        }
         if drift_um.abs() > NAMED_DRIFT {
             named.push(format!("{probe} drifts by {drift_um:+.1} um"));
         }
@@ -112,9 +122,10 @@ fn judged(
             true => String::new(),
             false => format!(" Errors of the measurement, no fault of the machine: {}.", named.join("; ")),
         };
+        let means = moved_means(readings);
         return format!(
             "No fault is found: the motion of the shaft is that of the machine in good order, with the gaps and run-out of its probes and what \
-             sound bearings do.{errors} Residual of the twin {residual:.3} um rms."
+             sound bearings do.{means}{errors} Residual of the twin {residual:.3} um rms."
         );
     }
     let faults = undiagnosed.map_or_else(
@@ -172,5 +183,22 @@ mod tests {
             "{sentence}"
         );
         assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], (None, &[]), 0).starts_with("The twin "));
+    }
+
+    /// Drift and hum are errors of the measurement; a mean that has moved may be the shaft.
+    #[test]
+    fn a_site_names_what_its_readings_have() {
+        let of = |gap_um: f64, drift_um: f64| {
+            let probe = "DE".to_owned();
+            let readings = [ReadingOutcome { probe, gap_um, drift_um, ..ReadingOutcome::default() }];
+            verdict(&[], (&ComparedTwin::default(), &[]), &[], &[], (None, &readings), 0)
+        };
+        let [usual, moved, drifting] = [of(0.5, 0.1), of(-5.8, 0.1), of(0.5, 1.9)];
+        assert!(usual.starts_with("No fault is found") && !usual.contains("Not decided") && !usual.contains("Errors"));
+        assert!(
+            moved.contains("Not decided: the mean is off, DE by -5.8 um") && !moved.contains("Errors"),
+            "{moved}"
+        );
+        assert!(drifting.contains("no fault of the machine: DE drifts by +1.9 um."), "{drifting}");
     }
 }
