@@ -195,10 +195,7 @@ mod tests {
         };
         let [usual, moved, drifting] = [of(0.5, 0.1), of(-5.8, 0.1), of(0.5, 1.9)];
         assert!(usual.starts_with("No fault is found") && !usual.contains("Not decided") && !usual.contains("Errors"));
-        assert!(
-            moved.contains("Not decided: the mean is off, DE by -5.8 um") && !moved.contains("Errors"),
-            "{moved}"
-        );
+        assert!(moved.contains("Not decided: the mean is off, DE by -5.8 um") && !moved.contains("Errors"), "{moved}");
         assert!(drifting.contains("no fault of the machine: DE drifts by +1.9 um."), "{drifting}");
     }
 }
