@@ -93,6 +93,20 @@ fn assert_nothing_lost_or_doubled(kills: u32, seed: u64) {
     println!("{kills} kills, {} s acknowledged, {wanted} events", rig.acknowledged() / RATE);
 }
 
+/// A source that keeps few frames does not wait for ever for an acknowledgement that the end of a connection took.
+#[test]
+fn an_acknowledgement_that_was_lost_is_sent_again() {
+    let rig = Rig::new(&["--state", "state"]);
+    let child = rig.start();
+    rig.feed(u64::MAX, |rig| rig.acknowledged() > 2 * RATE);
+    kill(child);
+    let last = rig.acknowledged.swap(0, Ordering::SeqCst);
+    let child = rig.start();
+    // The monitor has every frame that it gets.
+    rig.feed(last, |rig| rig.acknowledged() >= last);
+    kill(child);
+}
+
 #[test]
 fn kills_during_start_run_restart_and_file_change() {
     assert_nothing_lost_or_doubled(6, 1);

@@ -49,7 +49,6 @@ use state::{State, StateFile};
 use state_lines::StateLines;
 use status::Status;
 use std::collections::VecDeque;
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -175,7 +174,9 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         average,
         seconds_index: previous.seconds_index,
         seconds_time: start_time,
-        acknowledged: None,
+        // The state of an earlier run is on disk.
+        acknowledged: resume.sequence.filter(|_| resume.index > 0).map(|sequence| sequence.wrapping_sub(1)),
+        repeated: 0,
         in_transit: VecDeque::new(),
         first_time: None,
         time: start_time,
@@ -300,8 +301,10 @@ struct Monitor<'a, 'o> {
     seconds_index: u64,
     /// End of that second, s.
     seconds_time: f64,
-    /// Last acknowledged sequence number.
+    /// Last sequence number that is acknowledged, or was before a restart.
     acknowledged: Option<u32>,
+    /// Frames that the source has sent twice.
+    repeated: u64,
     /// Acknowledgements that may be in transit: time, and number of the first sample after it.
     in_transit: VecDeque<(Instant, u64)>,
     /// Time of the first row, s.
@@ -338,6 +341,7 @@ impl Monitor<'_, '_> {
             let caught_up = self.process_block(block_time)?;
             self.publish()?;
             self.check_silence(arrived_rows)?;
+            self.acknowledge_again();
             self.report_backlog()?;
             self.acknowledge_alarms()?;
             if signals.reopen.swap(false, Ordering::Relaxed) {
@@ -554,16 +558,10 @@ impl Monitor<'_, '_> {
             return;
         }
         let mut receiver = lock(self.ack_channel);
-        match &mut *receiver {
-            AckReceiver::Absent => return,
-            AckReceiver::Unread => {}
-            // A source that leaves acknowledgements unread until its buffer is full gets no more of them.
-            AckReceiver::Source(stream) => {
-                if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
-                    *receiver = AckReceiver::Unread;
-                }
-            }
+        if matches!(&*receiver, AckReceiver::Absent) {
+            return;
         }
+        receiver.send(last);
         self.acknowledged = Some(last);
         // The source may not have the latest ones: a kill or the end of the connection may come first.
         let transit_time = if matches!(&*receiver, AckReceiver::Unread) { Duration::ZERO } else { TRANSIT_TIME };
@@ -572,6 +570,18 @@ impl Monitor<'_, '_> {
             file.state.acknowledged = Some(*received);
             self.receiver.counters.acknowledged.store(*received, Ordering::Relaxed);
             self.in_transit.pop_front();
+        }
+    }
+
+    /// Sends the last acknowledgement again to a source that repeats frames: the end of a connection may have taken it, and a source that
+    /// keeps only so many frames would wait for it.
+    fn acknowledge_again(&mut self) {
+        let repeated = self.receiver.counters.repeated.load(Ordering::Relaxed);
+        if std::mem::replace(&mut self.repeated, repeated) == repeated {
+            return;
+        }
+        if let Some(last) = self.acknowledged {
+            lock(self.ack_channel).send(last);
         }
     }
 

@@ -19,7 +19,7 @@ use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
 use ballrace_twin::recording::{Reader, Row};
 use ballrace_twin::scene::{Clock, KeyphasorSignal, Recording, RotationSource, Scene, Sequence};
 use socket2::SockRef;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -77,6 +77,17 @@ pub enum AckReceiver {
     Absent,
     /// The source reads none: files, datagrams, and a source whose buffer is full.
     Unread,
+}
+
+impl AckReceiver {
+    /// Sends the last sequence number that the source may discard. A source that leaves acknowledgements unread until its buffer is full gets
+    /// no more of them.
+    pub fn send(&mut self, last: u32) {
+        let Self::Source(stream) = self else { return };
+        if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
+            *self = Self::Unread;
+        }
+    }
 }
 
 /// Starts the reader thread of `address`.
