@@ -1,11 +1,12 @@
 //! Calibration: parameters of a scene fitted to a recording of the healthy machine.
 
 use super::cage::SLIPS;
-use super::faults::{CLEARANCE, COUPLE, UNBALANCE};
-use super::fit::{Fitted, MODEL_ERROR, Prior, changed, fit_whole};
+use super::faults::{CLEARANCE, COUPLE, LEAST_COUPLE, UNBALANCE};
+use super::fit::{Fitted, MODEL_ERROR, Prior, changed, evaluate, fit_whole};
 use super::machine::Machine;
 use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
+use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
 use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings};
@@ -231,11 +232,20 @@ fn apply(calibration: &Calibration, machine: &mut Machine) {
     }
 }
 
-/// Returns the prior of the parameters of a machine from its scene.
-fn of_scene(machine: &Machine) -> Prior {
+/// Returns the prior of the parameters of a machine from its scene; with that of its unbalance where no slow roll tells it from the run-out.
+fn of_scene(machine: &Machine, has_unknown_run_out: bool) -> Prior {
+    let [ex, ey, cx, cy] = machine.unbalance;
+    let of_unbalance = |parameter: ParameterName| match parameter {
+        ParameterName::UnbalanceX | ParameterName::UnbalanceY => UNBALANCE_ERROR * ex.hypot(ey),
+        _ => UNBALANCE_ERROR * cx.hypot(cy).max(LEAST_COUPLE * ex.hypot(ey)),
+    };
     let known = parameters(machine).into_iter().filter_map(|(parameter, _, unknown)| {
         let mean = unknown.get(machine);
-        let deviation = scene_deviation(parameter)? * mean.abs();
+        let deviation = match scene_deviation(parameter) {
+            Some(share) => share * mean.abs(),
+            None if has_unknown_run_out => of_unbalance(parameter),
+            None => return None,
+        };
         (deviation > 0.0).then_some((unknown, mean, deviation))
     });
     let known: Vec<(Unknown, f64, f64)> = known.collect();
@@ -316,7 +326,7 @@ pub(super) fn calibrate(
     let own = parameters(&of.healthy.machine);
     let prior = match earlier {
         Some(calibration) => prior(calibration, &of.healthy.machine),
-        None => of_scene(&of.healthy.machine),
+        None => of_scene(&of.healthy.machine, of.site.as_ref().is_some_and(SiteRecording::has_unknown_run_out)),
     };
     let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
     let mut now = of.healthy.clone();
@@ -392,8 +402,14 @@ pub(super) fn calibrate(
         })
         .collect();
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
+    // The errors of the readings are those beside the machine that is stored with them.
+    of.remeasure(&now.machine)?;
     let mut readings = match &of.site {
-        Some(site) => site.readings(of.evidence.lines_of_sound_machine(&now.spectra)),
+        Some(site) => {
+            of.evidence.weight_for(&now.machine)?;
+            let spectra = evaluate(&of.evidence, &now.machine)?.spectra;
+            site.readings(of.evidence.lines_of_sound_machine(&spectra))
+        }
         None => vec![],
     };
     let known = earlier.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();

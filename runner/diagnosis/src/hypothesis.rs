@@ -6,6 +6,7 @@ use super::faults::candidates::{Candidate, EXPECTED, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
+use super::residual::site::GAIN_ERROR;
 use super::residual::{Evidence, dot};
 use super::{Prepared, Result, cage};
 use ballrace_base::parallel;
@@ -165,7 +166,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             tried.retain(is_measured);
         }
         let closest = |tried: &[Scored]| tried.iter().map(Scored::chi_square).fold(f64::INFINITY, f64::min);
-        let left = FORCE_ERROR * FORCE_ERROR * best;
+        let left = force_error(of) * force_error(of) * best;
         let nearly = closest(&tried) + left + MIN_GAIN;
         let is_near = |scored: &Scored| scored.chi_square() < nearly + scored.identified.fault.nearly() * best;
         if tried.iter().filter(|scored| is_near(scored)).count() > 1 {
@@ -204,6 +205,11 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         progress(0.4 + 0.2 * faults.len() as f64);
     }
     Ok(faults)
+}
+
+/// Returns the relative error of the force of a fault in the model, with that of the gain of the probes at a site.
+fn force_error(of: &Prepared) -> f64 {
+    if of.site.is_some() { FORCE_ERROR.hypot(GAIN_ERROR) } else { FORCE_ERROR }
 }
 
 /// Returns the chi-squared that the faults leave by the error of their force in the model.

@@ -21,7 +21,7 @@ const CLOSE: f64 = 3e-8;
 /// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
 const SAG: f64 = 20e-6;
 /// Standard deviation of a scene's unbalance over it, and of that of a baseline.
-const UNBALANCE_FIRST: f64 = 0.3;
+pub const UNBALANCE_ERROR: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
 
 /// Least drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
@@ -38,6 +38,8 @@ pub struct SiteRecording<'a> {
     highest: f64,
     /// Motion by the readings.
     raw: Motion,
+    /// What was known of the readings before.
+    knowledge: Knowledge,
     known: SiteKnowledge<'a>,
     /// Standard deviation of the coefficients of each probe's error before the recording.
     deviations: Vec<ReadingError>,
@@ -82,7 +84,12 @@ impl<'a> SiteRecording<'a> {
         let deviations: Vec<ReadingError> =
             input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect();
         let known = SiteKnowledge { deviations: deviations.clone(), learned };
-        Self { input, weighting, highest, raw, known, deviations, centre, errors, basis: None }
+        Self { input, weighting, highest, raw, knowledge, known, deviations, centre, errors, basis: None }
+    }
+
+    /// Returns true where neither a slow roll nor a baseline tells the run-out from the motion of the shaft.
+    pub fn has_unknown_run_out(&self) -> bool {
+        self.knowledge == Knowledge::First
     }
 
     /// Returns the recording for a machine, after the errors that the machine does not explain have been found; `None` if the rotor cannot be
@@ -90,7 +97,7 @@ impl<'a> SiteRecording<'a> {
     pub fn evidence(&mut self, machine: &Machine) -> Result<Option<Evidence<'a>>> {
         let mass = self.input.scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass);
         let least = mass * 9.81 / SAG;
-        let unbalance = if self.known.learned.is_empty() { UNBALANCE_FIRST } else { UNBALANCE_LATER };
+        let unbalance = if self.known.learned.is_empty() { UNBALANCE_ERROR } else { UNBALANCE_LATER };
         for round in 0..ROUNDS {
             let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
             let basis = self.basis.get_or_insert_with(|| Arc::new(ReadingBasis::new(&e.transform, &self.raw))).clone();

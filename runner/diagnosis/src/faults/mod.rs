@@ -13,7 +13,7 @@ mod unbalance;
 mod waviness;
 
 pub use clearance::CLEARANCE;
-pub use unbalance::{COUPLE, UNBALANCE};
+pub use unbalance::{COUPLE, LEAST_COUPLE, UNBALANCE};
 
 use super::Result;
 use super::estimates::Estimates;

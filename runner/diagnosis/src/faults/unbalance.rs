@@ -35,7 +35,7 @@ const TOLERANCE: f64 = 0.05;
 /// The same between recordings of a site: deposits and temperature change the unbalance of a sound rotor.
 const TOLERANCE_OF_SITE: f64 = 0.3;
 /// Least couple, over the scene's static unbalance in m, to which a change of it is compared.
-const LEAST_COUPLE: f64 = 0.02;
+pub const LEAST_COUPLE: f64 = 0.02;
 
 /// Unbalance other than the scene's.
 #[derive(Debug, Clone, Copy, PartialEq)]
