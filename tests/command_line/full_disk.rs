@@ -44,6 +44,11 @@ pub fn fill(log: &Path, filler: &Path) {
     let length = fs::metadata(log).unwrap().len() as usize;
     let blanks = " ".repeat(PAGE - 1 - length % PAGE) + "\n";
     fs::OpenOptions::new().append(true).open(log).unwrap().write_all(blanks.as_bytes()).unwrap();
+    fill_pages(filler);
+}
+
+/// Fills a disk with a file, until no further page is left.
+pub fn fill_pages(filler: &Path) {
     let mut file = fs::File::create(filler).unwrap();
     let since = std::time::Instant::now();
     while file.write_all(&[0; 512]).is_ok() {

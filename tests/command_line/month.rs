@@ -4,7 +4,7 @@
 
 use crate::clock_steps::{clock_library, get, set_clock};
 use crate::frames_source::{Connection, Rig, connected, port, seconds_of, signal, wait_until};
-use crate::full_disk::{can_mount, fill, metric};
+use crate::full_disk::{can_mount, fill, fill_pages, metric};
 use crate::kills::{DAMAGES, Random, kill};
 use crate::live_start::ended;
 use crate::support::{DEMO_SCENE, Sandbox, number, numbers, swap};
@@ -377,7 +377,10 @@ impl Month {
                 .close();
                 if self.counts.full_disks.is_multiple_of(2) {
                     self.kill(life);
+                    // A file that the monitor gave up has left space.
+                    fill_pages(&self.path("filler.more"));
                     self.start_on_full_disk();
+                    fs::remove_file(self.path("filler.more")).unwrap();
                     fs::remove_file(self.path("filler")).unwrap();
                     *life = self.start();
                 } else {
