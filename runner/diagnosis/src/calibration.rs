@@ -6,6 +6,7 @@ use super::fit::{Fitted, MODEL_ERROR, Prior, changed, evaluate, fit_whole};
 use super::machine::Machine;
 use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
+use super::result::UNEXPLAINED_AT_SITE;
 use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
@@ -134,7 +135,10 @@ impl Calibrated {
     /// Returns the calibration compared with its scene, and with the noise of the probes by its residual.
     #[must_use]
     pub fn learning(&self, scene: &Scene) -> Learning {
-        let learning = learning(&self.calibration, scene, self.values);
+        let noise = largest_chi_square(self.values.max(1) as f64) + MODEL_ERROR;
+        // At a site the noise contains what is expected.
+        let largest = if self.calibration.readings.is_empty() { noise } else { noise.max(UNEXPLAINED_AT_SITE) };
+        let learning = learning(&self.calibration, scene, largest);
         let (taken, stored) =
             (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
         Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
@@ -149,9 +153,8 @@ pub fn calibrated_scene(calibration: &Calibration, scene: &Scene) -> Scene {
     machine.scene(scene)
 }
 
-/// Returns the calibration compared with its scene, and with the noise of the probes by its residual of `values` values.
-fn learning(calibration: &Calibration, scene: &Scene, values: usize) -> Learning {
-    let largest = largest_chi_square(values.max(1) as f64) + MODEL_ERROR;
+/// Returns the calibration compared with its scene, and with the noise of the probes by the largest chi-squared per value.
+fn learning(calibration: &Calibration, scene: &Scene, largest: f64) -> Learning {
     let found = calibration.chi_square_per_value;
     let mut learning = Learning {
         parameters: vec![],

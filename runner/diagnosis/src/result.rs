@@ -25,7 +25,7 @@ const LEAST_ODDS: f64 = 19.0;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
 const UNEXPLAINED: f64 = 9.0;
 /// The same at a site, where the noise contains what is expected.
-const UNEXPLAINED_AT_SITE: f64 = 1.25;
+pub(super) const UNEXPLAINED_AT_SITE: f64 = 1.25;
 /// The same up to which it is: what the model of a bearing leaves of the motion of another one.
 const EXPLAINED: f64 = 1.5;
 /// Share of the unexplained motion from which a fault of a site is named without "possibly", and one that moves the shaft.
@@ -56,6 +56,14 @@ impl DiagnosisResult {
     /// Returns true where the machine with these faults explains the recording but for the noise of the probes.
     pub(super) fn explains(&self) -> bool {
         self.outcome.chi_square_after < EXPLAINED
+    }
+
+    /// Returns true where the strongest diagnosis names a fault that explains too little of the unexplained motion.
+    pub(super) fn accuses_without_proof(&self) -> bool {
+        let Some(first) = self.diagnoses.first().filter(|first| first.kind != FaultKind::Other) else { return false };
+        let FaultParameters { explained, unexplained_motion, .. } = &first.parameters;
+        let is_proven = unexplained_motion.as_ref().is_some_and(|motion| motion.explained > PROVEN);
+        !is_proven || explained.unwrap_or(0.0) < DECIDED[0]
     }
 }
 

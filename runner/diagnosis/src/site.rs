@@ -5,12 +5,13 @@ use super::measurement::{
     self, COEFFICIENTS, DRIFT, GAP, HARMONICS, Knowledge, ReadingBasis, ReadingError, harmonic, mains,
 };
 use super::motion::Motion;
-use super::residual::site::{SiteKnowledge, divided};
+use super::residual::site::{SiteKnowledge, divided, orders_of_bearing};
 use super::residual::{Evidence, Weighting};
 use super::{DiagnosisInput, Result};
 use ballrace_outcome::{ProbeReadings, ReadingOutcome};
 use ballrace_plant::probes;
 use ballrace_scene::Probe;
+use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -23,6 +24,9 @@ const SAG: f64 = 20e-6;
 /// Standard deviation of a scene's unbalance over it, and of that of a baseline.
 pub const UNBALANCE_ERROR: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
+
+/// Distance of two lines from which a record tells them apart, over the inverse of its duration.
+const RESOLUTION: f64 = 3.0;
 
 /// Least drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
 /// first is also that of an unbalance.
@@ -109,7 +113,10 @@ impl<'a> SiteRecording<'a> {
                 // A probe that drifts in the record has drifted before it.
                 deviations[GAP] = deviations[GAP].hypot(error[DRIFT]);
             }
-            let found = e.reading_errors(machine, &self.known, &basis, &removed, (least, unbalance))?;
+            let mut found = e.reading_errors(machine, &self.known, &basis, &removed, (least, unbalance))?;
+            // A hum beside a line of a bearing may be that line: it stays in the noise alone.
+            let hidden = self.hidden_hums();
+            found.iter_mut().for_each(|error| hidden.iter().for_each(|j| error[*j] = 0.0));
             let moved = found.iter().zip(&removed).map(|(new, old)| (new[GAP] - old[GAP]).abs()).fold(0.0, f64::max);
             self.errors = found;
             if round > 0 && moved < CLOSE {
@@ -121,6 +128,18 @@ impl<'a> SiteRecording<'a> {
             e.set_site(&self.known, basis.clone(), &counting);
         }
         Ok(Some(e))
+    }
+
+    /// Returns the coefficients of the hums that lie within the resolution of the record beside a line that a bearing may have.
+    fn hidden_hums(&self) -> Vec<usize> {
+        let speed = self.raw.mean_speed().abs().max(f64::MIN_POSITIVE);
+        let apart = RESOLUTION * TAU / (self.raw.len() as f64 * self.raw.period * speed);
+        let is_hidden = |frequency: f64| {
+            let order = TAU * frequency / speed;
+            let lines = self.input.plant.bearings.iter().flat_map(orders_of_bearing);
+            lines.into_iter().any(|(_, [low, high])| (low - apart..=high + apart).contains(&order))
+        };
+        mains().filter(|(frequency, _)| is_hidden(*frequency)).flat_map(|(_, j)| [j, j + 1]).collect()
     }
 
     /// Returns the recording without the errors of which nothing is known, but with those that count against their prior: a machine with a

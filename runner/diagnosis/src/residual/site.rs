@@ -10,7 +10,7 @@ use super::super::motion::{C, D};
 use super::{Evidence, MEAN_LINES, Spectra};
 use ballrace::Displacement;
 use ballrace_outcome::ProbeReadings;
-use ballrace_plant::probes;
+use ballrace_plant::{MountedBearing, probes};
 use ballrace_scene::Direction;
 use nalgebra::{DMatrix, SVector};
 use std::sync::Arc;
@@ -44,6 +44,21 @@ pub fn sound_wave(order: f64) -> f64 {
 /// Harmonics of a ball pass with such waves, and range of the slip of a cage.
 const PASSES: usize = 20;
 const SLIPS: [f64; 2] = [0.0, 0.03];
+
+/// Returns the harmonic and the range of the order of each line that a bearing may have: by the cage's slip.
+pub fn orders_of_bearing(bearing: &MountedBearing) -> impl Iterator<Item = (usize, [f64; 2])> {
+    let (n, cage, ball) =
+        (bearing.elements as f64, bearing.kinematics.rolling_cage_ratio, bearing.kinematics.ball_ratio());
+    (1..=PASSES).flat_map(move |k| {
+        let pass = |slip: f64| k as f64 * n * cage * (1.0 - slip);
+        let [outer, inner] = [SLIPS.map(pass), SLIPS.map(|slip| k as f64 * n - pass(slip))];
+        let spin = SLIPS.map(|slip| 2.0 * k as f64 * ball * (1.0 - slip));
+        let beside = |of: [f64; 2], by: f64| of.map(|order| order + by);
+        let all =
+            [outer, inner, beside(inner, -1.0), beside(inner, 1.0), beside(spin, -cage), spin, beside(spin, cage)];
+        all.map(|[a, b]| (k, [a.abs().min(b.abs()), a.abs().max(b.abs())]))
+    })
+}
 
 /// Standard deviations of a change of a site that is significant.
 const SIGNIFICANT: f64 = 4.0;
@@ -82,30 +97,14 @@ impl Evidence<'_> {
         };
         let expected = self.weighting.probes.iter().enumerate().map(probe).collect();
         let waves = |b: usize| {
-            let bearing = &self.plant.bearings[b];
-            let (n, cage) = (bearing.elements as f64, bearing.kinematics.rolling_cage_ratio);
+            let n = self.plant.bearings[b].elements as f64;
             let mut variance = vec![0.0; orders.len()];
-            for k in 1..=PASSES {
+            for (k, [low, high]) in orders_of_bearing(&self.plant.bearings[b]) {
                 let amplitude = sound_wave(k as f64 * n);
-                let pass = |slip: f64| k as f64 * n * cage * (1.0 - slip);
-                let [outer, inner] = [SLIPS.map(pass), SLIPS.map(|slip| k as f64 * n - pass(slip))];
-                let spin = SLIPS.map(|slip| 2.0 * k as f64 * bearing.kinematics.ball_ratio() * (1.0 - slip));
-                let element = |side: f64| spin.map(|order| order + side * cage);
-                for range in [
-                    outer,
-                    inner,
-                    inner.map(|x| x - 1.0),
-                    inner.map(|x| x + 1.0),
-                    element(-1.0),
-                    element(0.0),
-                    element(1.0),
-                ] {
-                    let (low, high) =
-                        (range[0].min(range[1]).abs() - 2.0 * apart, range[0].max(range[1]).abs() + 2.0 * apart);
-                    let (first, last) = ((low / apart).ceil().max(MEAN_LINES as f64) as usize, (high / apart) as usize);
-                    for variance in variance.iter_mut().take(last + 1).skip(first) {
-                        *variance = (amplitude * 0.5 * sum).powi(2).max(*variance);
-                    }
+                let (low, high) = (low - 2.0 * apart, high + 2.0 * apart);
+                let (first, last) = ((low / apart).ceil().max(MEAN_LINES as f64) as usize, (high / apart) as usize);
+                for variance in variance.iter_mut().take(last + 1).skip(first) {
+                    *variance = (amplitude * 0.5 * sum).powi(2).max(*variance);
                 }
             }
             variance
