@@ -393,7 +393,8 @@ impl Month {
                 // No earlier connection has sent samples beyond those of this one.
                 let sent = self.rig.sent.load(Ordering::SeqCst);
                 let connection = self.feed_until(|rig| rig.acknowledged() >= sent);
-                let first = self.rig.disconnect(connection);
+                // An acknowledgement on the connection before may have come after this one began.
+                let first = self.rig.disconnect(connection).max(self.rig.acknowledged());
                 let by = (30 * DAY + self.below(30 * DAY)) as u32;
                 let number = self.rig.first_number.get();
                 let is_forward = self.counts.restarted_counts.is_multiple_of(2);
@@ -499,7 +500,11 @@ impl Month {
             let expected = (first..first + RATE).filter(|index| !is_lost(*index)).count();
             self.seconds += 1;
             let (found, expected) = ((time, samples), (self.seconds as f64, expected as f64));
-            assert!(found == expected, "{found:?} is not {expected:?}: {} {:?}", path.display(), self.counts);
+            let last = || {
+                let log = fs::read_to_string(self.path("events.jsonl")).unwrap_or_default();
+                log.lines().skip(log.lines().count().saturating_sub(25)).collect::<Vec<_>>().join("\n")
+            };
+            assert!(found == expected, "{found:?} is not {expected:?}: {} {:?}\n{}", path.display(), self.counts, last());
         }
     }
 
