@@ -504,7 +504,13 @@ impl Month {
                 let log = fs::read_to_string(self.path("events.jsonl")).unwrap_or_default();
                 log.lines().skip(log.lines().count().saturating_sub(25)).collect::<Vec<_>>().join("\n")
             };
-            assert!(found == expected, "{found:?} is not {expected:?}: {} {:?}\n{}", path.display(), self.counts, last());
+            assert!(
+                found == expected,
+                "{found:?} is not {expected:?}: {} {:?}\n{}",
+                path.display(),
+                self.counts,
+                last()
+            );
         }
     }
 

@@ -45,6 +45,8 @@ pub(crate) struct MachineBearing {
     pub cage: Cage,
     /// Tilt of the outer ring about X and Y, rad.
     pub tilt: [f64; 2],
+    /// Diametral play of a ring in its seat, m.
+    pub seat_play: f64,
 }
 
 /// A machine under a hypothesis.
@@ -75,7 +77,7 @@ impl Machine {
         let bearings = scene
             .bearings
             .iter()
-            .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2] })
+            .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2], seat_play: 0.0 })
             .collect();
         // The damping of a flexible or supported rotor is part of its equations of motion.
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
@@ -139,6 +141,8 @@ pub struct Evaluated {
     /// Displacement by preload.
     offset: Displacement<f64>,
     tilt: [f64; 2],
+    /// Radial play of a ring in its seat, m.
+    seat_play: f64,
     cage: Cage,
     /// Cage speed over shaft speed by the scene.
     cage_ratio: f64,
@@ -207,6 +211,7 @@ impl Evaluated {
             azimuths: plant.bearings[i].element_azimuths.iter().map(|a| a.radians()).collect(),
             offset: plant.bearings[i].offset,
             tilt: of.tilt,
+            seat_play: 0.5 * of.seat_play,
             displaced,
             cage: of.cage,
             cage_ratio: kinematics.cage_ratio,
@@ -233,7 +238,14 @@ impl Evaluated {
     /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
     fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
-        Displacement { thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
+        // The force presses a loose ring against its seat, along the displacement.
+        let share = self.left_by_play(&u);
+        Displacement { u: share * u.u, v: share * u.v, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
+    }
+
+    /// Returns the share of a radial displacement that the play of a ring leaves to the elements.
+    fn left_by_play(&self, u: &Displacement<f64>) -> f64 {
+        (1.0 - self.seat_play / u.u.hypot(u.v).max(f64::MIN_POSITIVE)).max(0.0)
     }
 
     /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
@@ -355,9 +367,23 @@ impl Evaluated {
 
     /// Returns the tangent stiffness at sample `t`, at the bearing's own station.
     pub fn tangent(&self, motion: &Motion, t: usize) -> Tangent {
+        let of_rotor = self.displaced[t] + self.offset;
         let u = self.displacement(&self.displaced[t]);
         let (_, k) = self.bearing.reaction_and_stiffness(&u, &self.state(motion, t));
-        Tangent::from_fn(|i, j| k[(i, j)])
+        let k = Tangent::from_fn(|i, j| k[(i, j)]);
+        if self.seat_play == 0.0 {
+            return k;
+        }
+        // Across the displacement, a loose ring rolls in its seat.
+        let share = self.left_by_play(&of_rotor);
+        let radius = of_rotor.u.hypot(of_rotor.v).max(f64::MIN_POSITIVE);
+        let along = [of_rotor.u / radius, of_rotor.v / radius];
+        let mut moved = Tangent::identity();
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let unit = f64::from(u8::from(i == j));
+            moved[(i, j)] = if share > 0.0 { share * unit + (1.0 - share) * along[i] * along[j] } else { 0.0 };
+        }
+        k * moved
     }
 }
 

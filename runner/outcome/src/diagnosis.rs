@@ -25,6 +25,8 @@ pub enum FaultKind {
     Clearance,
     /// Constant load other than the scene's.
     Load,
+    /// A ring that is loose in its seat: no damage of the bearing.
+    Looseness,
     /// Changed run-out of the shaft's surface under a probe: no fault of the machine.
     RunOut,
     /// Another fault.
@@ -63,6 +65,11 @@ impl FaultKind {
                 "load",
                 "Check mass, load and signs of the probes in the scene first, as each of them shows as a load; then belt, gear or \
                  thrust loads and what the machine drives.",
+            ],
+            Self::Looseness => [
+                "looseness",
+                "looseness",
+                "Check the fit of the rings on shaft and in housing, the lock nut, and the bolts of housing and foot. No bearing is to be ordered.",
             ],
             Self::RunOut => [
                 "run-out",
@@ -157,6 +164,9 @@ pub struct FaultParameters {
     /// Diametral clearance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance_um: Option<Estimate>,
+    /// Diametral play of a ring in its seat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seat_play_um: Option<Estimate>,
     /// Unbalance of the whole rotor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moment_g_mm: Option<Estimate>,
@@ -240,7 +250,7 @@ pub type FaultField = NumericField<FaultParameters, Option<Estimate>>;
 
 impl FaultParameters {
     /// Estimated fields in the order of texts.
-    pub const FIELDS: [(EstimateKind, FaultField); 10] = {
+    pub const FIELDS: [(EstimateKind, FaultField); 11] = {
         use EstimateKind::{MachineSize, Place, Size};
         [
             (Place, FaultField::new("azimuth_deg", "at", "deg", |p| p.azimuth_deg).decimals(1)),
@@ -250,6 +260,7 @@ impl FaultParameters {
             (Size, FaultField::new("tilt_mrad", "tilt", "mrad", |p| p.tilt_mrad).decimals(3)),
             (Place, FaultField::new("axis_deg", "axis at", "deg from +X", |p| p.axis_deg).decimals(0)),
             (MachineSize, FaultField::new("clearance_um", "diametral clearance", "um", |p| p.clearance_um).decimals(2)),
+            (Size, FaultField::new("seat_play_um", "play in the seat", "um", |p| p.seat_play_um).decimals(1)),
             (Size, FaultField::new("moment_g_mm", "moment", "g mm", |p| p.moment_g_mm).decimals(1)),
             (Place, FaultField::new("angle_deg", "at", "deg from the keyphasor mark", |p| p.angle_deg).decimals(1)),
             (Place, FaultField::new("station_mm", "station", "mm", |p| p.station_mm).decimals(1)),

@@ -6,6 +6,7 @@
 pub mod candidates;
 mod clearance;
 mod load;
+mod looseness;
 mod misalignment;
 mod run_out;
 mod spall;
@@ -159,6 +160,7 @@ registry!(
     unbalance::Unbalance,
     load::Load,
     clearance::Clearance,
+    looseness::Looseness,
     misalignment::Misalignment,
     run_out::RunOut,
     spall::Spall,

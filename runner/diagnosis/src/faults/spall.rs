@@ -68,6 +68,10 @@ const PROFILE_ERROR: f64 = 0.05;
 /// depths differ by up to pi / 2.
 const SHAPE_ERROR_OF_SITE: f64 = 0.165;
 
+/// Places around a race that are tried, and depths over that of the linear search.
+const PLACES: usize = 24;
+const SHALLOWER: [f64; 2] = [0.3, 0.1];
+
 /// Local damage of a surface of a bearing.
 #[derive(Debug, Clone, Copy)]
 pub struct Spall {
@@ -116,7 +120,9 @@ impl Fault for Spall {
             return Ok(first);
         }
         // The fit ended in another minimum than that of the linear search.
-        let mut others = evaluated(e, now, candidate.starts.get(STARTS..).unwrap_or_default())?;
+        let mut starts = candidate.starts.get(STARTS..).unwrap_or_default().to_vec();
+        starts.extend(candidate.starts.first().into_iter().flat_map(|start| self.elsewhere(start)));
+        let mut others = evaluated(e, now, &starts)?;
         others.sort_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
         others.truncate(STARTS);
         let others = others.iter().map(fitted_from).collect::<Result<Vec<_>>>()?;
@@ -208,6 +214,25 @@ impl Fault for Spall {
     fn figures(&self, of: &Contrast) -> FaultFigures {
         let azimuth = AZIMUTH.of_bearing_at(self.bearing, self.index).get(of.machine);
         FaultFigures { rose: of.rose(azimuth), spectra: of.spectra(), motion: of.motion() }
+    }
+}
+
+impl Spall {
+    /// Returns machines with a spall on a race at other places, which the elements pass at the same instants, and of less depth: a rotor
+    /// that sinks into a deep spall changes the force elsewhere as well, which the linear search disregards.
+    fn elsewhere(&self, start: &Machine) -> Vec<Machine> {
+        let at = |i: usize, share: f64| {
+            let turned = i as f64 / PLACES as f64;
+            let mut machine = start.clone();
+            let bearing = &mut machine.bearings[self.bearing];
+            bearing.cage.phase += turned;
+            let spall = &mut bearing.scene.defect[self.index];
+            spall.azimuth += TAU * turned;
+            spall.depth *= share;
+            machine
+        };
+        let places = if self.component == Component::Ball { 0 } else { PLACES };
+        (0..places).flat_map(|i| SHALLOWER.map(|share| at(i, share))).collect()
     }
 }
 
