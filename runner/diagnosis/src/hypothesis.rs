@@ -1,6 +1,7 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
 use super::cage::SLIPS;
+use super::calibration::DEPENDENT;
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
@@ -143,10 +144,16 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
         let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(is_new).partition(is_likely);
         let mut tried = scored_all(of, (&now, shifted), likely.into_iter().take(FITTED.0), SEARCHED)?;
-        // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise.
-        let of_shift = if of.site.is_some() { least.max((2.0 * values).sqrt()) } else { least };
+        // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise. The lines of a sound
+        // surface change from one recording to the next, those of one error of the model together.
+        let spread = if of.site.is_some() { (2.0 * values).sqrt() } else { 0.0 };
         let is_fault = |Scored { identified, .. }: &&Scored| {
-            identified.gain > if identified.fault.moves_shaft() { of_shift } else { least }
+            let of_kind = match (identified.fault.moves_shaft(), identified.fault.surface()) {
+                (true, _) => spread,
+                (false, Some(_)) => spread * DEPENDENT.sqrt(),
+                (false, None) => 0.0,
+            };
+            identified.gain > least.max(of_kind)
                 && identified.explains_motion
                 && identified.fault.exceeds_tolerance(&of.evidence, &now, &identified.fitted)
         };

@@ -81,11 +81,13 @@ pub enum AckReceiver {
 
 impl AckReceiver {
     /// Sends the last sequence number that the source may discard. A source that leaves acknowledgements unread until its buffer is full gets
-    /// no more of them.
+    /// no more of them; one that has closed the connection may not have read the last ones.
     pub fn send(&mut self, last: u32) {
         let Self::Source(stream) = self else { return };
-        if stream.write_all(format!("acknowledged {last}\n").as_bytes()).is_err() {
-            *self = Self::Unread;
+        match stream.write_all(format!("acknowledged {last}\n").as_bytes()) {
+            Ok(()) => {}
+            Err(error) if is_wait(&error) => *self = Self::Unread,
+            Err(_) => *self = Self::Absent,
         }
     }
 }
