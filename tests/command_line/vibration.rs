@@ -40,6 +40,67 @@ fn the_miniature_bearing_has_a_bad_inner_race() {
     assert!(verdict.contains("the line at 22.4 Hz would be that of the inner race of B"), "{verdict}");
 }
 
+/// The same recording with a bearing that has no model: by its diameters, and by the orders of a data sheet.
+#[test]
+fn a_bearing_for_vibration_alone_has_no_model() {
+    let sandbox = Sandbox::empty();
+    let file = recorded("real/support_force_306rpm_6400Hz.csv");
+    let scene = |bearing: &str| {
+        format!(
+            "shaft.speed = \"306 rpm\"\n[[bearing]]\nname = \"B\"\n{bearing}\n[recording]\nfile = {file:?}\n\
+             rate = \"6400 Hz\"\nsensors = [{{ column = \"force_N\", unit = \"N\" }}]\n"
+        )
+    };
+    let diameters =
+        "elements = 7\nball_diameter = \"2.770 mm\"\npitch_diameter = \"10.514 mm\"\ncontact_angle = \"0 deg\"";
+    let orders = "orders = { outer = 2.578, inner = 4.422, element = 1.766, cage = 0.368 }";
+    for (bearing, missing) in [
+        (diameters, "missing keys model, inner_conformity and outer_conformity"),
+        (orders, "missing keys model, elements, ball_diameter, pitch_diameter, contact_angle, inner_conformity and"),
+    ] {
+        sandbox.put("scene.toml", scene(bearing));
+        let found = diagnoses(&sandbox);
+        assert!(matches!(&found[..], [(kind, hz)] if kind == "inner-race" && (hz - 22.4).abs() < 0.3), "{found:?}");
+        let check = sandbox.run(&["check", "scene.toml"]);
+        let text = check.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            check.code == Some(0) && text.contains("Bearing B has no model: vibration sensors are diagnosed"),
+            "{text}"
+        );
+        assert!(text.contains("B - kinematics 7 2.578 4.422"), "{text}");
+        sandbox.put("u.csv", "u,v,w,thu,thv\n0,0,0,0,0\n");
+        let rotor = "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n";
+        let with_rotor =
+            swap(&swap(&scene(bearing), "name", "station = 0\nname"), "[recording]", &format!("{rotor}[recording]"));
+        sandbox.put("rotor.toml", &with_rotor);
+        sandbox.put(
+            "probes.toml",
+            swap(&with_rotor, "sensors = [{ column", "probes = [{ station = 0, angle = 0, column")
+                .replace("\"N\"", "\"um\""),
+        );
+        for command in [
+            &["force", "scene.toml", "--displacements", "u.csv"][..],
+            &["equilibrium", "scene.toml"],
+            &["simulate", "scene.toml", "--duration", "1 s", "--rate", "1 kHz", "-o", "o.csv"],
+            &["trade", "scene.toml"],
+            &["bake", "scene.toml", "-o", "b.rs"],
+            &["campbell", "rotor.toml"],
+            &["equilibrium", "rotor.toml"],
+            &["fit", "probes.toml"],
+            &["replay", "probes.toml", "--report", "r.html"],
+        ] {
+            let run = sandbox.run(command);
+            let lines = run.err.lines().filter(|line| !line.trim().is_empty()).count();
+            assert!(
+                run.code == Some(2) && lines == 1 && run.err.contains(missing),
+                "{command:?}: {:?} {}",
+                run.code,
+                run.err
+            );
+        }
+    }
+}
+
 /// Housing acceleration of an SKF 6205 (Case Western Reserve University Bearing Data Center), where the files are at hand.
 #[test]
 fn bearings_of_type_6205_are_distinguished() {
