@@ -9,6 +9,7 @@ mod effects;
 pub(crate) mod keys;
 mod kinematics;
 mod mounting;
+mod pitch_circle;
 mod recording;
 mod rotor;
 #[cfg(test)]

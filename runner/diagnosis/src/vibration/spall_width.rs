@@ -130,3 +130,52 @@ fn autocovariance(envelope: &[f64], count: usize, smooth: usize, transforms: &mu
     // The mean of a window is that of its middle.
     std::iter::repeat_n(1.0, smooth / 2).chain(means).take(count).collect()
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const RATE: f64 = 51_200.0;
+    const PASS_HZ: f64 = 36.0;
+
+    /// Impacts on four resonances at each ball pass, a second one after `gap` seconds, in noise.
+    fn impacts(gap: f64) -> Vec<f64> {
+        let mut state = 1_u64;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut signal: Vec<f64> = (0..200_000).map(|_| uniform() - 0.5).collect();
+        for k in 1..130 {
+            // Elements slip: without jitter a comb of lines repeats at every multiple of the time.
+            let start = (f64::from(k) + 0.02 * uniform()) / PASS_HZ;
+            for (at, height) in [(start, 3.0), (start + gap, 4.0)] {
+                let first = (at * RATE) as usize;
+                for (i, x) in signal.iter_mut().enumerate().skip(first).take(200) {
+                    let time = (i - first) as f64 / RATE;
+                    let rings = [2_100.0, 8_300.0, 15_200.0, 21_900.0].map(|hz| (TAU * hz * time).sin());
+                    *x += height * (-time * 3_000.0).exp() * rings.iter().sum::<f64>();
+                }
+            }
+        }
+        signal
+    }
+
+    #[test]
+    fn the_time_between_two_impacts_is_a_width() {
+        let of = |gap| half_width(&impacts(gap), RATE, (PASS_HZ, 9), &mut Transforms::default());
+        // In 3 ms an element rolls by 0.003 x 36 x 40 deg = 4.3 deg: the whole width or half of it.
+        let found = of(3e-3).unwrap();
+        assert!((found.low - 2.16).abs() < 0.15 && (found.high - 4.32).abs() < 0.3, "{found:?}");
+        // One impact, and two closer than a band resolves.
+        assert_eq!((of(0.0), of(5e-4)), (None, None));
+    }
+
+    #[test]
+    fn a_low_rate_has_no_width() {
+        let signal: Vec<f64> = impacts(3e-3).into_iter().step_by(4).collect();
+        assert_eq!(half_width(&signal, RATE / 4.0, (PASS_HZ, 9), &mut Transforms::default()), None);
+    }
+}

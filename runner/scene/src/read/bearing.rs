@@ -1,6 +1,6 @@
 //! One `[[bearing]]`: which keys go together with which model, and whether its parts can exist.
 
-use std::f64::consts::{FRAC_PI_3, PI};
+use std::f64::consts::PI;
 
 use super::super::key::Key;
 use super::super::model::{ModelProperties, choice_of, models_with};
@@ -11,6 +11,7 @@ use super::super::{
     ModelInput, OuterRing, Support, Surface, Wave,
 };
 use super::kinematics;
+use super::pitch_circle::{check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
 
 /// `facing`
 pub(super) const FACINGS: [(&str, Facing); 3] = [("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)];
@@ -59,8 +60,6 @@ const THIN: f64 = 0.4;
 /// Highest order of the shape of an outer ring that bends, where the scene gives none. The stiffness grows with the fourth power: higher ones
 /// hardly take part.
 const RING_ORDERS: usize = 6;
-/// Numbers of rolling elements that the kernel supports.
-pub(super) const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
@@ -134,13 +133,6 @@ fn model(table: &Table<'_>) -> Read<Model> {
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
     node.choice(&FACINGS)
-}
-
-pub(super) fn elements(table: &Table<'_>) -> Read<usize> {
-    let expected = "a whole number from 3 to 64 (rolling elements)";
-    let node = table.required("elements", expected)?;
-    let number = node.integer(expected)?;
-    usize::try_from(number).map_err(|_| node.refuse(expected))
 }
 
 /// Returns the values that determine required and rejected keys.
@@ -281,13 +273,6 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
     Err(table.missing(first, &expected))
 }
 
-pub(super) fn pitch_diameter(table: &Table<'_>, (key, diameter): (&str, f64)) -> Read<f64> {
-    let range = format!("above {key} ({} mm)", (diameter * 1e9).round() / 1e6);
-    let expected = Dimension::Length.expected(&range);
-    let node = table.required("pitch_diameter", &expected)?;
-    node.within(&range, |x| x > diameter)
-}
-
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
     let range = "a number above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
     table.required(key, range)?.number(range)
@@ -305,12 +290,6 @@ fn fit(table: &Table<'_>, required: ModelInput, groove_centres: f64) -> Read<Fre
         (Some(_), Some(clearance)) => Err(clearance.fail("both contact_angle and diametral_clearance", choice)),
         (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
     }
-}
-
-pub(super) fn contact_angle(node: &Node<'_>) -> Read<f64> {
-    // 60 degrees converted may be a rounding above pi/3.
-    let angle = node.within("from 0 to 60 deg", |x| (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x))?;
-    Ok(angle.min(FRAC_PI_3))
 }
 
 /// The clearance s gives the free contact angle by `cos(alpha_0) = 1 - s/(2 A)`; s below A keeps it below 60 degrees,
@@ -436,22 +415,6 @@ fn outer_ring(table: &Table<'_>) -> Read<Option<OuterRing>> {
         youngs_modulus: ring.optional_quantity("youngs_modulus")?.unwrap_or(YOUNGS_MODULUS),
         orders: orders.unwrap_or(RING_ORDERS),
     }))
-}
-
-/// Rejects balls that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
-pub(super) fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, [ball, pitch]: [f64; 2]) -> Read<()> {
-    let fits = |n: i64| pitch * (PI / n as f64).sin() > ball;
-    // The chord between neighbours shrinks with their number from 3 on.
-    let most = ELEMENTS.rev().find(|n| fits(*n)).unwrap_or(0);
-    if usize::try_from(most).is_ok_and(|most| elements <= most) {
-        return Ok(());
-    }
-    let expected = if most == 0 {
-        "a larger pitch_diameter or smaller balls: not even 3 of this ball_diameter fit on the pitch circle".to_owned()
-    } else {
-        format!("3 to {most}: more balls of this ball_diameter do not fit on the pitch circle")
-    };
-    Err(table.required("elements", &expected)?.refuse(expected))
 }
 
 fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<Option<f64>> {

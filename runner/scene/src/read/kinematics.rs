@@ -1,7 +1,7 @@
 //! `[[bearing]]` without `model`: number, diameters and contact angle, or the orders of a data sheet.
 
 use super::super::table::{Node, Read, Table};
-use super::bearing::{self, ELEMENTS};
+use super::pitch_circle::{ELEMENTS, check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
 use crate::model::choice_of;
 use crate::{KinematicData, Model};
 use ballrace::bearing::kinematics::Orders;
@@ -70,11 +70,11 @@ fn of_diameters(table: &Table<'_>) -> Read<(usize, KinematicData)> {
         );
         return Err(table.missing(first, &expected));
     }
-    let elements = bearing::elements(table)?;
+    let elements = elements(table)?;
     let element = table.quantity(key)?;
-    let pitch = bearing::pitch_diameter(table, (key, element))?;
-    let contact_angle = bearing::contact_angle(&table.required("contact_angle", "an angle from 0 to 60 deg")?)?;
-    bearing::check_fit_on_pitch_circle(table, elements, [element, pitch])?;
+    let pitch = pitch_diameter(table, (key, element))?;
+    let contact_angle = contact_angle(&table.required("contact_angle", "an angle from 0 to 60 deg")?)?;
+    check_fit_on_pitch_circle(table, elements, [element, pitch])?;
     Ok((elements, KinematicData::Diameters { element, pitch, contact_angle }))
 }
 
@@ -97,11 +97,11 @@ fn of_data_sheet(table: &Table<'_>, node: &Node<'_>) -> Read<(usize, KinematicDa
     if outer >= inner {
         return Err(node.invalid(format!("outer = {outer}, inner = {inner}"), "outer below inner"));
     }
-    let elements = count as usize;
-    if table.has("elements") && bearing::elements(table)? != elements {
-        let found = format!("outer + inner = {sum:.3} with elements = {}", bearing::elements(table)?);
+    if table.has("elements") && elements(table)? != count as usize {
+        let found = format!("outer + inner = {sum:.3} with elements = {}", elements(table)?);
         return Err(node.invalid(found, "their sum to be the number of elements"));
     }
+    let elements = count as usize;
     if (cage * count / outer - 1.0).abs() > CAGE_ERROR {
         let expected = format!("{:.3}, which is outer over {elements} elements", outer / count);
         return Err(node.invalid(format!("cage = {cage}"), expected));

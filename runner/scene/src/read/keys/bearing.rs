@@ -1,9 +1,8 @@
 //! Keys of `[[bearing]]`.
 
-use super::super::bearing::{
-    DEFECT_SHAPES, ELEMENTS, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models,
-};
+use super::super::bearing::{DEFECT_SHAPES, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models};
 use super::super::effects::{EFFECTS, FRICTION_SHARINGS, RACE_CONTROLS};
+use super::super::pitch_circle::ELEMENTS;
 use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, SPEED};
 use crate::PreloadState;
 use crate::key::Choice::{Any, AtMostOne, One};
