@@ -25,6 +25,7 @@ impl BearingModel for KinematicsModel {
 }
 
 /// Returns the error of a bearing without forces.
+#[expect(clippy::extra_unused_type_parameters, reason = "the parameters of every model")]
 pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(scene: &Scene, of: &BearingScene) -> Result<H, BuildError> {
     check_has_forces(scene, of)?;
     Err(invalid(of, "model", Model::Kinematics.name(), "a model with forces"))
