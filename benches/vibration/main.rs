@@ -11,6 +11,8 @@
 //! - `--baseline` learns the healthy recording of the same machine and speed first,
 //! - `--only TEXT` takes the recordings whose name of data set has TEXT, `--program FILE` measures another binary than
 //!   the release binary,
+//! - `--halves` scores the rigs in two halves, for each division: the constants of the program are the same for all, so that the
+//!   table shows how much they depend on the rig and is no test on rigs unknown to them,
 //! - `--list` prints every recording with what is named.
 
 mod kernel;
@@ -31,7 +33,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{env, thread};
 
 const USAGE: &str = "usage: cargo bench -q -p ballrace-benches --bench vibration -- FOLDER [--methods] [--kernel] [--decoys] [--speed SHARE] \
-                     [--baseline] [--only TEXT] [--list] [--program FILE]";
+                     [--baseline] [--halves] [--only TEXT] [--list] [--program FILE]";
 /// Replays at a time.
 const PROCESSES: usize = 2;
 /// Displacement of the orders of a decoy.
@@ -44,6 +46,7 @@ struct Arguments {
     kernel: bool,
     decoys: bool,
     baseline: bool,
+    halves: bool,
     list: bool,
     speed: f64,
     only: Option<String>,
@@ -62,6 +65,7 @@ impl Arguments {
                 "--kernel" => arguments.kernel = true,
                 "--decoys" => arguments.decoys = true,
                 "--baseline" => arguments.baseline = true,
+                "--halves" => arguments.halves = true,
                 "--list" => arguments.list = true,
                 "--speed" => arguments.speed = value()?.parse()?,
                 "--only" => arguments.only = Some(value()?),
@@ -136,14 +140,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut datasets: Vec<&str> = recordings.iter().map(|r| r.dataset.as_str()).collect();
     datasets.dedup();
-    if columns.len() == 1 && datasets.len() > 1 {
-        for dataset in datasets {
-            let of = |(recording, answer): (&Recording, &Vec<String>)| {
-                (recording.dataset == dataset).then(|| (recording.clone(), answer.clone()))
-            };
-            let (own, answers): (Vec<_>, Vec<_>) = recordings.iter().zip(&answers).filter_map(of).unzip();
-            columns.push((dataset.to_owned(), scored(&own, &answers)));
-        }
+    let of_rigs = |rigs: &[&str]| {
+        let own = recordings.iter().zip(&answers).filter(|(recording, _)| rigs.contains(&recording.dataset.as_str()));
+        let (recordings, answers): (Vec<Recording>, Vec<Vec<String>>) =
+            own.map(|(recording, answer)| (recording.clone(), answer.clone())).unzip();
+        (rigs.join(", "), scored(&recordings, &answers))
+    };
+    if arguments.halves {
+        columns.extend(halves(&datasets).iter().flatten().map(|rigs| of_rigs(rigs)));
+    } else if columns.len() == 1 && datasets.len() > 1 {
+        columns.extend(datasets.iter().map(|rig| of_rigs(&[rig])));
     }
     print(&columns);
     let seconds: Vec<f64> = outcomes.iter().map(|outcome| outcome.seconds).collect();
@@ -153,6 +159,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         seconds.iter().sum::<f64>() / seconds.len().max(1) as f64
     );
     Ok(())
+}
+
+/// Returns the divisions of rigs into two halves; the first rig is in the first half.
+fn halves<'a>(rigs: &[&'a str]) -> Vec<[Vec<&'a str>; 2]> {
+    let is_half = |chosen: &usize| chosen & 1 == 1 && chosen.count_ones() as usize == rigs.len().div_ceil(2);
+    let divided = |chosen: usize| {
+        let is_first = |i: usize| chosen >> i & 1 == 1;
+        [true, false].map(|first| (0..rigs.len()).filter(|i| is_first(*i) == first).map(|i| rigs[i]).collect())
+    };
+    (0..1_usize << rigs.len().min(16)).filter(is_half).map(divided).collect()
 }
 
 /// Replays the damaged recordings with wrong geometry.

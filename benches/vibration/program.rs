@@ -85,8 +85,7 @@ pub fn scene(data: &Path, of: &Recording) -> String {
     let sensors: Vec<String> = (0..of.channels).map(|i| format!("{{ column = \"c{i}\", unit = \"g\" }}")).collect();
     let header = if of.file.contains(".npy") { "" } else { "header = false\n" };
     format!(
-        "shaft.speed = \"{} rpm\"\n[[bearing]]\nname = \"B\"\nstation = \"0 mm\"\nmodel = \"angular\"\nelements = {}\n\
-         ball_diameter = \"{} mm\"\npitch_diameter = \"{} mm\"\ninner_conformity = 0.52\nouter_conformity = 0.52\n\
+        "shaft.speed = \"{} rpm\"\n[[bearing]]\nname = \"B\"\nelements = {}\nball_diameter = \"{} mm\"\npitch_diameter = \"{} mm\"\n\
          contact_angle = \"{} deg\"\n[recording]\nfile = {:?}\n{header}rate = \"{} Hz\"\nsensors = [{}]\n",
         of.rpm,
         of.elements,

@@ -85,7 +85,7 @@ fn toml_of_something_else() {
     refused(
         manifest,
         &[
-            "scene.toml:1: package: unknown key, expected one of name, shaft, rotor, system, bearing, recording, integration",
+            "scene.toml:1: package: unknown key, expected one of name, shaft, rotor, system, bearing, machine, recording, integration",
         ],
     );
 }

@@ -40,6 +40,67 @@ fn the_miniature_bearing_has_a_bad_inner_race() {
     assert!(verdict.contains("the line at 22.4 Hz would be that of the inner race of B"), "{verdict}");
 }
 
+/// The same recording with a bearing that has no model: by its diameters, and by the orders of a data sheet.
+#[test]
+fn a_bearing_for_vibration_alone_has_no_model() {
+    let sandbox = Sandbox::empty();
+    let file = recorded("real/support_force_306rpm_6400Hz.csv");
+    let scene = |bearing: &str| {
+        format!(
+            "shaft.speed = \"306 rpm\"\n[[bearing]]\nname = \"B\"\n{bearing}\n[recording]\nfile = {file:?}\n\
+             rate = \"6400 Hz\"\nsensors = [{{ column = \"force_N\", unit = \"N\" }}]\n"
+        )
+    };
+    let diameters =
+        "elements = 7\nball_diameter = \"2.770 mm\"\npitch_diameter = \"10.514 mm\"\ncontact_angle = \"0 deg\"";
+    let orders = "orders = { outer = 2.578, inner = 4.422, element = 1.766, cage = 0.368 }";
+    for (bearing, missing) in [
+        (diameters, "missing keys model, inner_conformity and outer_conformity"),
+        (orders, "missing keys model, elements, ball_diameter, pitch_diameter, contact_angle, inner_conformity and"),
+    ] {
+        sandbox.put("scene.toml", scene(bearing));
+        let found = diagnoses(&sandbox);
+        assert!(matches!(&found[..], [(kind, hz)] if kind == "inner-race" && (hz - 22.4).abs() < 0.3), "{found:?}");
+        let check = sandbox.run(&["check", "scene.toml"]);
+        let text = check.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            check.code == Some(0) && text.contains("Bearing B has no model: vibration sensors are diagnosed"),
+            "{text}"
+        );
+        assert!(text.contains("B - kinematics 7 2.57"), "{text}");
+        sandbox.put("u.csv", "u,v,w,thu,thv\n0,0,0,0,0\n");
+        let rotor = "[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n";
+        let with_rotor =
+            swap(&swap(&scene(bearing), "name", "station = 0\nname"), "[recording]", &format!("{rotor}[recording]"));
+        sandbox.put("rotor.toml", &with_rotor);
+        sandbox.put(
+            "probes.toml",
+            swap(&with_rotor, "sensors = [{ column", "probes = [{ station = 0, angle = 0, column")
+                .replace("\"N\"", "\"um\""),
+        );
+        for command in [
+            &["force", "scene.toml", "--displacements", "u.csv"][..],
+            &["equilibrium", "scene.toml"],
+            &["simulate", "scene.toml", "--duration", "1 s", "--rate", "1 kHz", "-o", "o.csv"],
+            &["trade", "scene.toml"],
+            &["bake", "scene.toml", "-o", "b.rs"],
+            &["campbell", "rotor.toml"],
+            &["equilibrium", "rotor.toml"],
+            &["fit", "probes.toml"],
+            &["replay", "probes.toml", "--report", "r.html"],
+        ] {
+            let run = sandbox.run(command);
+            let lines = run.err.lines().filter(|line| !line.trim().is_empty()).count();
+            assert!(
+                run.code == Some(2) && lines == 1 && run.err.contains(missing),
+                "{command:?}: {:?} {}",
+                run.code,
+                run.err
+            );
+        }
+    }
+}
+
 /// Housing acceleration of an SKF 6205 (Case Western Reserve University Bearing Data Center), where the files are at hand.
 #[test]
 fn bearings_of_type_6205_are_distinguished() {
@@ -224,6 +285,43 @@ fn sensors_at_a_measured_speed() {
     assert_eq!(run.code, Some(4), "{}", run.err);
     let said = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("shaft speed: 3000 rpm measured, 1500 rpm in the scene"), "{said}");
+}
+
+/// Velocity of a sensor and its zone by the class of the machine.
+#[test]
+fn the_velocity_of_a_housing_has_a_zone() {
+    let sandbox = Sandbox::empty();
+    sandbox.put("r.csv", with_accelerometer("healthy.csv", OUTER));
+    let of = |machine: &str| {
+        sandbox.put("scene.toml", scene(3000.0, [9.0, 7.94, 39.04], "r.csv", "12.8 kHz", "DE_acc_g", "g") + machine);
+        sandbox.replay("scene.toml", &[])
+    };
+    let without = of("");
+    let velocity = without.pointer("/sensors/0/velocity_rms_mm_s").and_then(Value::as_f64).unwrap();
+    assert!((0.5..1.0).contains(&velocity), "{velocity}");
+    assert_eq!(without.pointer("/sensors/0/zone"), None);
+    let verdict = |outcome: &Value| outcome["verdict"].as_str().unwrap().to_owned();
+    assert!(!verdict(&without).contains("velocity"));
+    let medium = of("[machine]\ngroup = 2\nsupport = \"rigid\"\n");
+    assert_eq!(medium.pointer("/sensors/0/zone"), Some(&serde_json::json!("A")));
+    let expected = "zone A, as of a newly commissioned machine (ISO 20816-3, group 2, rigid support, indicative: 1.4 / 2.8 / 4.5 mm/s).";
+    assert!(verdict(&medium).ends_with(expected), "{}", verdict(&medium));
+    // The zone is beside the fault, not in its place.
+    assert_eq!(medium["findings"], without["findings"]);
+    let own = of("[machine]\nvelocity_limits = [\"0.1 mm/s\", \"0.2 mm/s\", \"0.3 mm/s\"]\n");
+    assert_eq!(own.pointer("/sensors/0/zone"), Some(&serde_json::json!("D")));
+    for (machine, says) in [
+        ("group = 3\nsupport = \"rigid\"", "machine.group: invalid value: 3, expected 1 (above 300 kW) or 2"),
+        ("group = 2", "machine.support: missing key, expected \"rigid\" or \"flexible\""),
+        ("group = 2\nvelocity_limits = [1, 2, 3]", "machine.group: misplaced key"),
+        ("velocity_limits = [1, 3, 2]", "machine.velocity_limits: invalid value: [1, 3, 2], expected three rising"),
+        ("velocity_limits = [\"1 mm\", 2, 3]", "(a length), expected a velocity, such as \"4.5 mm/s\""),
+    ] {
+        let text = scene(3000.0, [9.0, 7.94, 39.04], "r.csv", "12.8 kHz", "DE_acc_g", "g");
+        sandbox.put("scene.toml", format!("{text}[machine]\n{machine}\n"));
+        let run = sandbox.run(&["check", "scene.toml"]);
+        assert!(run.code == Some(2) && run.err.contains(says), "{machine}: {}", run.err);
+    }
 }
 
 /// Frames of the probes, the accelerometer and the keyphasor; one without the accelerometer is of a wrong size.

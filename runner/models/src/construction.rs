@@ -26,6 +26,29 @@ use ballrace::rotor::{RotorParams, Support, Unbalance};
 use ballrace::{Math, Phase, Scalar};
 use ballrace_scene::{Bearing as BearingScene, DefectShape, Facing, FreeAngle, Rotor, Scene, Surface};
 
+/// Checks that every bearing of a scene has a model of its forces.
+///
+/// # Errors
+/// A bearing without model.
+pub fn check_forces(scene: &Scene) -> Result<(), BuildError> {
+    scene.bearings.iter().try_for_each(|bearing| check_has_forces(scene, bearing))
+}
+
+/// Checks that a bearing of a scene has a model of its forces.
+///
+/// # Errors
+/// A bearing without model.
+pub fn check_has_forces(scene: &Scene, bearing: &BearingScene) -> Result<(), BuildError> {
+    match bearing.kinematics {
+        Some(kinematics) => Err(BuildError::NoForces {
+            file: scene.path.clone(),
+            bearing: bearing.name.clone(),
+            missing: kinematics.keys_of_forces(),
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Returns the kernel's geometry, where the scene has one.
 ///
 /// # Errors

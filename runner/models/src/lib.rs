@@ -11,6 +11,7 @@ pub mod build;
 mod construction;
 mod dynamic;
 pub mod handle;
+mod kinematics;
 mod linear;
 mod lumped;
 pub mod model;
@@ -51,6 +52,7 @@ macro_rules! registry {
 }
 
 registry! {
+    Kinematics: kinematics::KinematicsModel,
     Linear: linear::LinearModel,
     Lumped: lumped::LumpedModel,
     Angular: angular::AngularModel,

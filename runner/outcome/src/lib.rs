@@ -14,6 +14,7 @@ pub mod options;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
+mod sensor;
 mod snapshots;
 mod timing;
 pub mod verdict;
@@ -33,6 +34,7 @@ pub use pictures::{
 };
 pub use rotor::{ALLOWED_REDUCTION_ERRORS, RotorOutcome};
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
+pub use sensor::{SensorOutcome, VelocityZone};
 pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, StageTimes, Timing};
 
@@ -71,6 +73,9 @@ pub struct Outcome {
     pub rotor: Option<RotorOutcome>,
     /// Bearings in the order of the scene.
     pub bearings: Vec<BearingOutcome>,
+    /// Vibration sensors whose velocity is known, in the order of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<SensorOutcome>,
     /// Compute time and, when paced, lateness.
     pub timing: Timing,
     /// Figures of the observer.

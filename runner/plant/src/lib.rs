@@ -89,8 +89,9 @@ impl Plant {
     /// Creates the plant of a scene with a rotor.
     ///
     /// # Errors
-    /// No rotor, too many bearings, a parameter that the kernel rejects, an unsupported rotor.
+    /// A bearing without model, no rotor, too many bearings, a parameter that the kernel rejects, an unsupported rotor.
     pub fn try_new(scene: &Scene) -> Result<Self> {
+        build::check_forces(scene)?;
         if scene.rotor.is_none() && scene.system.is_none() {
             return Err(PlantError::NoRotor { file: scene.path.clone() });
         }

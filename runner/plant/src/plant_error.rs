@@ -183,7 +183,7 @@ impl PlantError {
     /// Returns true where the command line or the scene is wrong, in every command.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
-        matches!(self, Self::Substeps { .. })
+        matches!(self, Self::Substeps { .. } | Self::Build(BuildError::NoForces { .. }))
     }
 }
 

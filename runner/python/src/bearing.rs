@@ -43,7 +43,7 @@ impl Bearing {
 
     fn model(&self, py: Python<'_>, name: Option<&str>) -> PyResult<Model> {
         let Some(name) = name else { return Ok(self.bearing.model) };
-        let names = Model::ALL.map(Model::name).join(", ");
+        let names = Model::with_forces().map(Model::name).collect::<Vec<_>>().join(", ");
         Model::from_name(name)
             .ok_or_else(|| wrong_argument(py, &format!("model: no such model: {name:?}, expected one of {names}")))
     }

@@ -240,6 +240,7 @@ impl Pipeline<'_> {
             probes,
             rotor: self.plant.rotor_outcome(scene),
             bearings: evaluator.force.outcomes(bearings),
+            sensors: vibration.sensors,
             timing: evaluator.timing.finish(self.follower.startup.took()),
             observer,
             diagnoses,
@@ -270,7 +271,7 @@ impl Pipeline<'_> {
             return Ok(self.vibration.as_mut().map(RunningVibration::conclusion).unwrap_or_default());
         };
         let mut found = signals.evaluate(scene, self.baseline.as_ref())?;
-        found.notes.extend(found.speed.take().into_iter().chain(found.rotor.take()));
+        found.notes.extend([found.speed.take(), found.rotor.take(), found.severity.take()].into_iter().flatten());
         found.notes.extend(found.not_judged.as_ref().map(|reason| format!("Sensors: no verdict: {reason}.")));
         Ok(found)
     }

@@ -174,10 +174,9 @@ fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
     let designation = format!("{} {class}", entry.designation);
     page.key("bearing", &quoted(&designation), &format!("{size}; the class of clearance is {class}"));
     if of.is_vibration() {
-        page.text("station", Some("0 mm"), "not used for vibration");
-    } else {
-        page.text("station", None, "along Z from the rotor's centre of mass, such as \"-100 mm\": drawing");
+        return kinematics(page, listed);
     }
+    page.text("station", None, "along Z from the rotor's centre of mass, such as \"-100 mm\": drawing");
     if entry.kind == BearingKind::AngularContact {
         page.text("facing", None, "\"+z\" or \"-z\": direction in which the inner ring carries thrust");
     }
@@ -186,6 +185,22 @@ fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
         let estimated = if key.is_estimated { "estimated: " } else { "" };
         page.by_default(key.key, &key.value, &format!("{estimated}{}", key.origin));
     }
+}
+
+/// Writes the keys that vibration needs without a designation.
+fn kinematics(page: &mut Page, listed: &Listed) {
+    let entry = listed.entry;
+    let element = if entry.kind == BearingKind::CylindricalRoller { "roller_diameter" } else { "ball_diameter" };
+    page.comment("In place of the designation, for a bearing that is not in the catalogue:");
+    page.by_default("elements", &entry.elements.to_string(), entry.source);
+    page.by_default(element, &format!("\"{} mm\"", entry.element_diameter), "of one element");
+    page.by_default("pitch_diameter", &format!("\"{} mm\"", entry.pitch_diameter), "of the circle of element centres");
+    page.by_default("contact_angle", &format!("\"{} deg\"", entry.contact_angle), "0 for deep-groove bearings");
+    page.comment("Or the frequencies of a data sheet, per revolution of the shaft; element is the spin (BSF), not twice the spin:");
+    let o = entry.orders();
+    let [outer, inner, element, cage] =
+        [o.outer_race, o.inner_race, o.ball_spin, o.cage].map(|order| format!("{order:.3}"));
+    page.comment(&format!("orders = {{ outer = {outer}, inner = {inner}, element = {element}, cage = {cage} }}"));
 }
 
 fn recording(page: &mut Page, file: &str, preview: &Preview, clearance: Option<f64>) {

@@ -2,6 +2,7 @@
 
 use super::{Coordinates, Model, Mounting};
 use crate::catalogue::Listed;
+use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::quasi_static::film;
 
 /// One `[[bearing]]`.
@@ -23,6 +24,8 @@ pub struct Bearing {
     pub cage_ratio: Option<f64>,
     /// Ball, race and material, when given.
     pub geometry: Option<Geometry>,
+    /// Source of the orders of a bearing without `model`.
+    pub kinematics: Option<KinematicData>,
     /// Load-deflection law, when given directly instead of by geometry.
     pub law: Option<Law>,
     /// `axial = {...}` of the lumped model: separate axial elements.
@@ -119,6 +122,47 @@ impl Bearing {
     pub fn clearance(&self) -> Option<f64> {
         let play = self.law.and_then(|law| law.radial_play).map(|play| 2.0 * play);
         play.or_else(|| self.geometry.map(|geometry| geometry.clearance()))
+    }
+}
+
+/// Values of a bearing without `model`, from which its orders follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KinematicData {
+    /// Diameters of elements and pitch circle, and the contact angle.
+    Diameters {
+        /// `ball_diameter` or `roller_diameter`, m, above 0.
+        element: f64,
+        /// `pitch_diameter`, m, above the diameter of the elements.
+        pitch: f64,
+        /// `contact_angle`, rad, 0 to pi/3.
+        contact_angle: f64,
+    },
+    /// `orders`, as on a data sheet.
+    Orders(Orders),
+}
+
+impl KinematicData {
+    /// Returns the orders of pure rolling of a bearing with `elements` rolling elements.
+    #[must_use]
+    pub fn orders(&self, elements: usize) -> Orders {
+        match *self {
+            Self::Diameters { element, pitch, contact_angle } => {
+                let ratio = element / pitch;
+                orders(elements, ratio * contact_angle.cos(), ratio)
+            }
+            Self::Orders(orders) => orders,
+        }
+    }
+
+    /// Returns the keys that forces need beside those of the scene.
+    #[must_use]
+    pub const fn keys_of_forces(&self) -> &'static str {
+        match self {
+            Self::Diameters { .. } => "model, inner_conformity and outer_conformity",
+            Self::Orders(_) => {
+                "model, elements, ball_diameter, pitch_diameter, contact_angle, inner_conformity and outer_conformity"
+            }
+        }
     }
 }
 

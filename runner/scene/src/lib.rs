@@ -9,6 +9,7 @@ pub mod catalogue;
 pub mod edit;
 pub mod flexible_rotor;
 mod key;
+mod machine;
 mod model;
 mod mounting;
 pub mod read;
@@ -23,9 +24,10 @@ pub mod units;
 pub use crate::flexible_rotor::{Disk, FlexibleRotor, Section};
 pub use bearing::{
     Axial, Bearing, CageRunout, Defect, DefectShape, Effects, Facing, FreeAngle, FrictionSharing, FromCatalogue,
-    Geometry, InletHeating, Law, Linear, Lubricant, OuterRing, Preload, PreloadAmount, PreloadState, RaceControl,
-    Support, Surface, TableRange, Wave,
+    Geometry, InletHeating, KinematicData, Law, Linear, Lubricant, OuterRing, Preload, PreloadAmount, PreloadState,
+    RaceControl, Support, Surface, TableRange, Wave,
 };
+pub use machine::{MachineClass, MachineGroup, MachineSupport};
 pub use model::{Model, ModelInput, ModelProperties};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};
 pub use recording::{
@@ -51,6 +53,8 @@ pub struct Scene {
     pub system: Option<System>,
     /// `[[bearing]]`, at least one
     pub bearings: Vec<Bearing>,
+    /// `[machine]`
+    pub machine: Option<MachineClass>,
     /// `[recording]`
     pub recording: Option<Recording>,
     /// `[integration]`

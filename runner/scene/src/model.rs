@@ -45,6 +45,8 @@ const NO_KEYS: ModelProperties = ModelProperties {
 };
 
 models! {
+    /// Orders without forces: a bearing without `model`, for vibration sensors alone.
+    Kinematics: ModelProperties { name: "kinematics", input: ModelInput::Orders, ..NO_KEYS },
     /// A constant 5 x 5 stiffness.
     Linear: ModelProperties { name: "linear", cost: 0, ..NO_KEYS },
     /// Separate radial and axial elements (Hajzman).
@@ -119,6 +121,8 @@ pub struct ModelProperties {
 /// Values of a scene from which the forces of a model follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelInput {
+    /// None: it has no forces.
+    Orders,
     /// A stiffness of its own; a geometry only defines the speeds of balls and cage.
     Stiffness,
     /// A load-deflection law with radial play, which may be negative.
@@ -148,7 +152,18 @@ impl Model {
     /// Returns true for a model whose forces follow from rolling elements.
     #[must_use]
     pub fn has_elements(self) -> bool {
-        self.properties().input != ModelInput::Stiffness
+        matches!(self.properties().input, ModelInput::Law | ModelInput::ContactAngle)
+    }
+
+    /// Returns true for a model with forces, which a scene may name.
+    #[must_use]
+    pub fn has_forces(self) -> bool {
+        self.properties().input != ModelInput::Orders
+    }
+
+    /// Returns the models with forces.
+    pub fn with_forces() -> impl DoubleEndedIterator<Item = Self> {
+        Self::ALL.into_iter().filter(|model| model.has_forces())
     }
 
     /// Returns true for a model with a contact angle that changes with the load.

@@ -7,7 +7,9 @@ mod bearing;
 mod catalogue;
 mod effects;
 pub(crate) mod keys;
+mod kinematics;
 mod mounting;
+mod pitch_circle;
 mod recording;
 mod rotor;
 #[cfg(test)]
@@ -23,8 +25,8 @@ use super::table::{Node, Read, Source, Table, line_of};
 pub use super::table::{Problem, SceneError};
 use super::units::{self, Dimension};
 use super::{
-    Allowed, Bearing, Direction, Indicator, Integration, Limit, Method, Observer, Scene, Shaft, Speed, System,
-    SystemUnbalance,
+    Allowed, Bearing, Direction, Indicator, Integration, Limit, MachineClass, MachineGroup, MachineSupport, Method,
+    Observer, Scene, Shaft, Speed, System, SystemUnbalance,
 };
 use ballrace_base::bounded::open_regular;
 use catalogue::Expansion;
@@ -110,6 +112,7 @@ fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) 
         shaft,
         rotor,
         system,
+        machine: root.read("machine", machine)?,
         recording: root.read("recording", |n| recording::read(n, path, root.has("system"), &bearings))?,
         bearings,
         integration: root.read("integration", integration)?.unwrap_or_default(),
@@ -167,6 +170,30 @@ fn integration(node: &Node<'_>) -> Read<Integration> {
         *newton_steps = given;
     }
     Ok(Integration { method, step: table.optional_quantity("step")? })
+}
+
+/// `group`
+const GROUPS: [MachineGroup; 2] = [MachineGroup::Large, MachineGroup::Medium];
+/// `support`
+const SUPPORTS: [(&str, MachineSupport); 2] =
+    [("rigid", MachineSupport::Rigid), ("flexible", MachineSupport::Flexible)];
+
+fn machine(node: &Node<'_>) -> Read<MachineClass> {
+    let table = node.table()?;
+    let choice = "group and support, or velocity_limits = [\"1.4 mm/s\", \"2.8 mm/s\", \"4.5 mm/s\"]";
+    let Some(limits) = table.optional("velocity_limits") else {
+        let range = "1 (above 300 kW) or 2 (15 to 300 kW)";
+        let node = table.required("group", &format!("{range}, with support; or velocity_limits"))?;
+        let group = usize::try_from(node.integer(range)? - 1).ok().and_then(|i| GROUPS.get(i).copied());
+        let support = table.required("support", "\"rigid\" or \"flexible\"")?.choice(&SUPPORTS)?;
+        return Ok(MachineClass::Iso20816 { group: group.ok_or_else(|| node.refuse(range))?, support });
+    };
+    if let Some(other) = ["group", "support"].iter().find_map(|key| table.optional(key)) {
+        return Err(other.misplaced(format!("either {choice}")));
+    }
+    let expected = "three rising velocities: those between the zones A and B, B and C, C and D";
+    let rising: [f64; 3] = limits.array(expected)?;
+    if rising.is_sorted_by(|a, b| a < b) { Ok(MachineClass::Own(rising)) } else { Err(limits.refuse(expected)) }
 }
 
 fn limits(node: &Node<'_>) -> Read<Vec<Limit>> {
@@ -307,7 +334,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
             (Some(expansion), Some(key)) => table.with_defaults(&expansion.defaults, &key),
             _ => table,
         };
-        let mut bearing = bearing::read(&table, root.has("system"))?;
+        let mut bearing = bearing::read(&table, root)?;
         bearing.catalogue = expansion.as_ref().map(|expansion| expansion.used.clone());
         mounting::read(&table, &mut bearing)?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {

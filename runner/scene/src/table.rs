@@ -497,6 +497,11 @@ impl<'a> Table<'a> {
         self.optional(key).is_some()
     }
 
+    /// Returns the keys that the scene has in this table.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &'a str> {
+        self.content.iter().map(|(key, _)| key)
+    }
+
     /// Reads an optional key.
     pub fn read<T>(&self, key: &str, read: impl FnOnce(&Node<'a>) -> Read<T>) -> Read<Option<T>> {
         self.optional(key).map(|node| read(&node)).transpose()

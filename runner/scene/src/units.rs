@@ -48,6 +48,8 @@ pub enum Dimension {
     Rate,
     /// rad/s, of a shaft or ring
     Speed,
+    /// m/s
+    Velocity,
     /// m/s^2
     Acceleration,
     /// N
@@ -108,13 +110,14 @@ pub struct Mismatch {
 }
 
 /// Every dimension that has a fixed form, the more usual name first where two share their powers.
-const FIXED: [Dimension; 23] = [
+const FIXED: [Dimension; 24] = [
     Dimension::Length,
     Dimension::Mass,
     Dimension::Time,
     Dimension::Angle,
     Dimension::Frequency,
     Dimension::Speed,
+    Dimension::Velocity,
     Dimension::Acceleration,
     Dimension::Force,
     Dimension::Moment,
@@ -147,6 +150,7 @@ impl Dimension {
             Self::Frequency => row("a frequency", "25.6 kHz", "Hz", FREQUENCY),
             Self::Rate => row("a rate of decay", "60 1/s", "1/s", [0.0, 0.0, -1.0, 0.0, 0.0]),
             Self::Speed => row("a speed of rotation", "3000 rpm", "rad/s", SPEED),
+            Self::Velocity => row("a velocity", "4.5 mm/s", "m/s", [1.0, 0.0, -1.0, 0.0, 0.0]),
             Self::Acceleration => row("an acceleration", "9.81 m/s^2", "m/s^2", [1.0, 0.0, -2.0, 0.0, 0.0]),
             Self::Force => row("a force", "500 N", "N", FORCE),
             Self::Moment => row("a moment", "2 N m", "N m", MOMENT),

@@ -58,7 +58,7 @@ pub struct Args {
 
 /// Returns the parser of the models with forces of their own.
 fn models_with_forces() -> impl TypedValueParser<Value = Model> {
-    let models = Model::ALL.into_iter().filter(|model| !model.properties().moving_elements);
+    let models = Model::with_forces().filter(|model| !model.properties().moving_elements);
     PossibleValuesParser::new(models.map(Model::name)).try_map(|name| Model::from_name(&name).ok_or("no such model"))
 }
 

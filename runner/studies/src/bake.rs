@@ -134,6 +134,7 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
         Some(_) => vec![build::pick(scene, options.bearing)?],
         None => scene.bearings.iter().collect(),
     };
+    chosen.iter().try_for_each(|of| build::check_has_forces(scene, of))?;
     check_names(scene, &chosen)?;
     if options.language == Language::C {
         c::check(scene, &chosen, options.bearing.is_none())?;

@@ -69,6 +69,13 @@ pub(crate) struct Transforms {
     windowed: HashMap<usize, WindowedTransform>,
 }
 
+impl Transforms {
+    /// Returns the planner of transforms of any length.
+    pub fn planner(&mut self) -> &mut FftPlanner<f64> {
+        self.planner.get_or_insert_with(FftPlanner::new)
+    }
+}
+
 /// Rotation of the shaft during a signal.
 #[derive(Clone, Copy)]
 pub struct Rotation<'a> {
@@ -144,8 +151,8 @@ impl SensorSpectra {
 }
 
 /// Returns the bins of a signal up to half the rate; none of a constant signal.
-fn transformed(signal: &[f64], transforms: &mut Transforms) -> Option<Vec<Complex<f64>>> {
-    let planner = transforms.planner.get_or_insert_with(FftPlanner::new);
+pub(crate) fn transformed(signal: &[f64], transforms: &mut Transforms) -> Option<Vec<Complex<f64>>> {
+    let planner = transforms.planner();
     let mean = signal.iter().sum::<f64>() / signal.len().max(1) as f64;
     let mut bins: Vec<Complex<f64>> = signal.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
     planner.plan_fft_forward(bins.len()).process(&mut bins);
@@ -160,7 +167,7 @@ fn whitened(bins: &[Complex<f64>]) -> Vec<Complex<f64>> {
 }
 
 /// Returns bins over the root mean square of those within `reach` of them.
-fn levelled(bins: &[Complex<f64>], reach: usize) -> Vec<Complex<f64>> {
+pub(crate) fn levelled(bins: &[Complex<f64>], reach: usize) -> Vec<Complex<f64>> {
     let mut sums = vec![0.0];
     let mut sum = 0.0;
     for bin in bins {
@@ -175,6 +182,14 @@ fn levelled(bins: &[Complex<f64>], reach: usize) -> Vec<Complex<f64>> {
     bins.iter().enumerate().map(|(i, bin)| bin / level(i)).collect()
 }
 
+/// Returns the squared envelope of a band, `count` values over the length of the signal.
+pub(crate) fn squares(inside: &[Complex<f64>], count: usize, transforms: &mut Transforms) -> Vec<f64> {
+    let mut analytic = vec![Complex::default(); count];
+    analytic.iter_mut().zip(inside).for_each(|(to, from)| *to = *from);
+    transforms.planner().plan_fft_inverse(count).process(&mut analytic);
+    analytic.iter().map(Complex::norm_sqr).collect()
+}
+
 /// Returns the squared envelope of a band of a signal of `samples` samples over its mean, less 1, and its rate.
 fn squared_envelope(
     inside: &[Complex<f64>],
@@ -186,10 +201,7 @@ fn squared_envelope(
     // Interpolation of the envelope between its samples needs a further factor of 2.
     let oversampling = if rotation.revolutions.is_some() { 4 } else { 2 };
     let count = (oversampling * inside.len()).next_power_of_two();
-    let mut analytic = vec![Complex::new(0.0, 0.0); count];
-    analytic.iter_mut().zip(inside).for_each(|(to, from)| *to = *from);
-    transforms.planner.get_or_insert_with(FftPlanner::new).plan_fft_inverse(count).process(&mut analytic);
-    let mut squares: Vec<f64> = analytic.iter().map(Complex::norm_sqr).collect();
+    let mut squares = squares(inside, count, transforms);
     let own_rate = count as f64 / samples as f64 * rate;
     if let Some(revolutions) = rotation.revolutions {
         squares = order_tracked(&squares, samples, revolutions, rotation.turn_hz / own_rate);
@@ -200,7 +212,7 @@ fn squared_envelope(
 }
 
 /// Returns the spectrum of `signal`, averaged over half-overlapping blocks (Welch), up to a highest order.
-fn averaged(
+pub(crate) fn averaged(
     signal: &[f64],
     rate: f64,
     (turn_hz, turns, highest_order): (f64, f64, f64),

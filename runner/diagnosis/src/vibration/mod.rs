@@ -11,9 +11,11 @@ pub mod join;
 mod onset;
 mod picture;
 mod rotor;
+mod severity;
 mod shaft;
 pub mod signals;
 mod snapshots;
+mod spall_width;
 mod spectrum;
 mod speed;
 mod suspect;
@@ -115,7 +117,7 @@ pub fn replay(
         (true, None) => {
             let sentence = diagnoses.first().map_or(SOUND, |diagnosis| &diagnosis.sentence);
             // Every line is at a multiple of the speed.
-            let further = [&found.foreign, &found.speed, &found.rotor].into_iter().flatten();
+            let further = [&found.foreign, &found.speed, &found.rotor, &found.severity].into_iter().flatten();
             further.fold(sentence.to_owned(), |verdict, sentence| format!("{verdict} {sentence}"))
         }
     };
@@ -138,7 +140,7 @@ pub fn replay(
     ];
     notes.extend(overridden.iter().map(|one| format!("Not plausible, diagnosed all the same: {one}.")));
     notes.extend(found.notes);
-    notes.extend([found.foreign, found.speed, found.rotor].into_iter().flatten());
+    notes.extend([found.foreign, found.speed, found.rotor, found.severity].into_iter().flatten());
     notes.extend(reader.notes());
     let mut timing = Timing { samples: rows, ..Timing::default() };
     timing.wall_s = begun.elapsed().as_secs_f64();
@@ -151,6 +153,7 @@ pub fn replay(
         verdict,
         record,
         bearings: suspects.iter().map(Suspect::outcome).collect(),
+        sensors: found.sensors,
         timing,
         implausible,
         not_judged: found.not_judged.into_iter().collect(),
@@ -223,12 +226,12 @@ impl<'a> Angle<'a> {
 fn suspects(scene: &Scene) -> Result<Vec<Suspect>> {
     let suspect = |b: &ballrace_scene::Bearing| {
         let kinematics = build::kinematics(scene, b)?;
-        Ok(Suspect {
-            name: b.name.clone(),
-            station: scene.drawn_station(b.station),
-            orders: kinematics.orders,
-            elements: b.elements,
-        })
+        let mut orders = kinematics.orders;
+        // The forces of rollers do not use their spin; the catalogue has it.
+        if let Some(catalogue) = b.catalogue.as_ref().filter(|_| !kinematics.spin_known) {
+            orders.ball_spin = catalogue.listed.entry.orders().ball_spin * (1.0 - kinematics.outer_ratio).abs();
+        }
+        Ok(Suspect { name: b.name.clone(), station: scene.drawn_station(b.station), orders, elements: b.elements })
     };
     scene.bearings.iter().map(suspect).collect()
 }

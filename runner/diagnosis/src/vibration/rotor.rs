@@ -29,26 +29,31 @@ pub(crate) fn amplitudes(spectra: &SensorSpectra, turn_hz: f64) -> Vec<f64> {
     (1..=MULTIPLES).map(|k| spectra.raw.line(k as f64 * turn_hz, 1, &background)[0].sqrt()).collect()
 }
 
-/// States which multiples of the shaft speed have grown against the baseline.
+/// States which multiples of the shaft speed have grown against the baseline, and the conditions of the rotor that have these lines (ISO
+/// 13373-3): 1X is of unbalance and of a bent shaft, 2X and 3X of misalignment, looseness and a bent shaft.
 pub(crate) fn growth(
     sensors: &[(&Sensor, Option<SensorSpectra>)],
     now: &[BaselineSensor],
     baseline: Option<&Baseline>,
 ) -> Option<String> {
-    let mut grown = vec![];
+    let (mut grown, mut is_one_x, mut is_multiple) = (vec![], false, false);
     for (((sensor, _), now), before) in sensors.iter().zip(now).zip(&baseline?.sensors) {
         for (k, (now, before)) in now.shaft_lines.iter().zip(&before.shaft_lines).enumerate() {
             let growth_db = 20.0 * (now / before.max(f64::MIN_POSITIVE)).log10();
             if growth_db >= GROWTH_DB && growth_db.is_finite() {
+                (is_one_x, is_multiple) = (is_one_x || k == 0, is_multiple || k > 0);
                 grown.push(format!("{}X at {} by {growth_db:.0} dB to {now:.4} {}", k + 1, sensor.column, sensor.unit));
             }
         }
     }
-    (!grown.is_empty()).then(|| {
-        format!(
-            "Grown against the baseline: {}. These lines turn with the shaft: unbalance, misalignment, a bent shaft or looseness is \
-             the cause, not a bearing.",
-            grown.join(", ")
-        )
-    })
+    let cause = match (is_one_x, is_multiple) {
+        (false, false) => return None,
+        (true, false) => "unbalance or a bent shaft",
+        (false, true) => "misalignment, a bent shaft or looseness",
+        (true, true) => "unbalance, a bent shaft, misalignment or looseness",
+    };
+    Some(format!(
+        "Grown against the baseline: {}. These lines turn with the shaft: {cause} is the cause, not a bearing.",
+        grown.join(", ")
+    ))
 }

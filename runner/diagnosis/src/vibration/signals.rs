@@ -5,10 +5,11 @@ use super::detector::FaultDetector;
 use super::envelope::{Rotation, Transforms};
 use super::shaft::ShaftAngle;
 use super::suspects;
+use super::{severity, spall_width};
 use ballrace::Exact;
 use ballrace::twin::{BlockStatistics, Statistics};
 use ballrace_outcome::baseline::{Baseline, BaselineSensor};
-use ballrace_outcome::{Diagnosis, EnvelopeSpectrum};
+use ballrace_outcome::{Diagnosis, EnvelopeSpectrum, SensorOutcome};
 use ballrace_plant::error::Result;
 use ballrace_recording::{Row, Sample};
 use ballrace_scene::{Recording, RotationSource, Scene, Sensor};
@@ -53,6 +54,10 @@ pub struct Evaluation {
     pub speed: Option<String>,
     /// Lines of the shaft that have grown against the baseline.
     pub rotor: Option<String>,
+    /// Sensors whose velocity is known.
+    pub sensors: Vec<SensorOutcome>,
+    /// Zone of the vibration velocity.
+    pub severity: Option<String>,
     /// Strong family of lines that no component explains.
     pub foreign: Option<String>,
     /// Reason why the sensors have no verdict.
@@ -191,6 +196,11 @@ impl Signals {
         for (sensor, signal) in &self.sensors {
             let signal = signal.get(part(signal)).unwrap_or_default();
             let reason = unusable(signal).map(|reason| format!("{} {reason}", sensor.column));
+            if reason.is_none() {
+                let of = severity::velocity((sensor, signal), (self.rate, mean), scene.machine, &mut transforms);
+                evaluation.notes.extend(of.as_ref().map(severity::note));
+                evaluation.sensors.extend(of);
+            }
             spectra.push((sensor, if reason.is_none() { detector.spectra(signal, &mut transforms) } else { None }));
             evaluation
                 .notes
@@ -201,8 +211,17 @@ impl Signals {
             evaluation.not_judged = Some(unusable_sensors.join("; "));
             return Ok(evaluation);
         }
+        evaluation.severity = severity::statement(&evaluation.sensors, scene.machine);
         evaluation.notes.extend(unusable_sensors.iter().map(|reason| format!("Not evaluated: {reason}.")));
-        let judgement = detector.judge(&spectra);
+        let mut judgement = detector.judge(&spectra);
+        for diagnosis in &mut judgement.diagnoses {
+            let column = diagnosis.vibration.as_ref().map(|line| line.sensor.as_str());
+            let shown = self.sensors.iter().find(|(sensor, _)| Some(sensor.column.as_str()) == column);
+            let damaged = suspects.iter().find(|suspect| Some(&suspect.name) == diagnosis.bearing.as_ref());
+            let Some(((_, signal), damaged)) = shown.zip(damaged) else { continue };
+            let signal = signal.get(part(signal)).filter(|_| revolutions.is_none()).unwrap_or_default();
+            spall_width::add(diagnosis, (signal, self.rate), damaged.elements, &mut transforms);
+        }
         if let Some(turn_hz) = judgement.turn_hz {
             let scale = turn_hz / mean;
             evaluation.speeds_hz = evaluation.speeds_hz.map(|speed| speed * scale);

@@ -18,6 +18,19 @@ pub enum BuildError {
         /// Values expected.
         expected: String,
     },
+    /// A bearing without model, whose forces are not known.
+    #[error(
+        "{}: bearing {bearing}: no forces without a model: missing keys {missing}, expected for everything but the diagnosis of \
+         vibration sensors", file.display()
+    )]
+    NoForces {
+        /// Scene file.
+        file: PathBuf,
+        /// Name of the bearing.
+        bearing: String,
+        /// Missing keys.
+        missing: &'static str,
+    },
     /// A parameter that the kernel rejects.
     #[error("bearing {bearing}: {error}")]
     Parameter {

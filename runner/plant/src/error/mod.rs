@@ -115,6 +115,7 @@ impl Error {
     pub fn is_usage_error(&self) -> bool {
         match self {
             Self::Scene(_) | Self::Limit(_) | Self::Setup(_) | Self::Verify(_) => true,
+            Self::Build(error) => matches!(error, BuildError::NoForces { .. }),
             Self::Plant(error) => error.is_usage_error(),
             Self::Recording(error) => error.is_scene_fault(),
             Self::RunOut(error) => error.is_scene_fault(),

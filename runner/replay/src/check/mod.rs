@@ -14,7 +14,7 @@ pub use values::ProbeCentre;
 use ballrace_diagnosis::block::Block;
 use ballrace_diagnosis::plausibility::range::ReadingRange;
 use ballrace_diagnosis::plausibility::{Collector, Evidence, implausible, implausible_scene};
-use ballrace_models::build::kinematics;
+use ballrace_models::build::{check_forces, kinematics};
 use ballrace_outcome::{ClearanceOutcome, RotorDrawing, RotorOutcome};
 use ballrace_plant::error::Result;
 use ballrace_plant::{Plant, mounting_notes};
@@ -23,7 +23,7 @@ use ballrace_recording::clock::check_rate;
 use ballrace_recording::flaws::FlawSummary;
 use ballrace_recording::rotation::Tracker;
 use ballrace_recording::run_out::RunOut;
-use ballrace_scene::{Clock, RotationSource, Scene};
+use ballrace_scene::{Bearing, Clock, RotationSource, Scene};
 use serde::Serialize;
 
 /// Largest number of samples between two pulses of a keyphasor.
@@ -108,7 +108,8 @@ pub fn check(
     file: &str,
     progress: &dyn Fn(u64, Option<u64>),
 ) -> Result<Checked> {
-    let plant = scene.rotor.is_some().then(|| Plant::try_new(scene)).transpose()?;
+    let has_plant = scene.rotor.is_some() && check_forces(scene).is_ok();
+    let plant = has_plant.then(|| Plant::try_new(scene)).transpose()?;
     let bearings = scene.bearings.iter().map(|bearing| {
         let orders = kinematics(scene, bearing)?.orders;
         Ok(BearingSummary {
@@ -129,15 +130,28 @@ pub fn check(
         None => (None, implausible_scene(scene)),
     };
     implausible.extend(values::of_scene(scene, plant.as_ref())?);
+    let rotor = plant.as_ref().and_then(|plant| plant.rotor_outcome(scene));
+    let mut notes = plant.map_or_else(|| mounting_notes(scene), |plant| Ok(plant.notes))?;
+    notes.extend(scene.bearings.iter().filter_map(without_forces));
     Ok(Checked {
         scene: scene.name.clone(),
         bearings,
         recording,
         implausible,
-        rotor: plant.as_ref().and_then(|plant| plant.rotor_outcome(scene)),
-        notes: plant.map_or_else(|| mounting_notes(scene), |plant| Ok(plant.notes))?,
+        rotor,
+        notes,
         drawing: RotorDrawing::new(scene),
     })
+}
+
+/// States what a bearing without model is for; none with a model.
+fn without_forces(bearing: &Bearing) -> Option<String> {
+    let missing = bearing.kinematics?.keys_of_forces();
+    Some(format!(
+        "Bearing {} has no model: vibration sensors are diagnosed with its orders. Forces, equilibrium, simulation and the \
+         evaluation of displacement probes need the keys {missing}.",
+        bearing.name
+    ))
 }
 
 fn read(

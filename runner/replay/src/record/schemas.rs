@@ -74,7 +74,7 @@ fn the_published_schemas_are_those_of_the_types() {
 
 /// Types whose numbers have no table of fields: in sentences, which text and page share.
 const IN_SENTENCES: &str = "BearingOutcome Event FlawSummary Learning LearnedParameter LineLevel Observation OutputFigures \
-    Quantiles ReadingOutcome Record RotorOutcome SnapshotTrend SourceFigures SpectraSettings StageTimes Timing TwinSpread \
+    Quantiles ReadingOutcome Record RotorOutcome SensorOutcome SnapshotTrend SourceFigures SpectraSettings StageTimes Timing TwinSpread \
     UnexplainedLine UnexplainedMotion VibrationLine";
 
 /// The same: in JSON alone, or value of a field.

@@ -1,6 +1,6 @@
 //! One `[[bearing]]`: which keys go together with which model, and whether its parts can exist.
 
-use std::f64::consts::{FRAC_PI_3, PI};
+use std::f64::consts::PI;
 
 use super::super::key::Key;
 use super::super::model::{ModelProperties, choice_of, models_with};
@@ -10,6 +10,8 @@ use super::super::{
     Axial, Bearing, CageRunout, Coordinates, Defect, DefectShape, Facing, FreeAngle, Geometry, Law, Linear, Model,
     ModelInput, OuterRing, Support, Surface, Wave,
 };
+use super::kinematics;
+use super::pitch_circle::{check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
 
 /// `facing`
 pub(super) const FACINGS: [(&str, Facing); 3] = [("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)];
@@ -58,8 +60,6 @@ const THIN: f64 = 0.4;
 /// Highest order of the shape of an outer ring that bends, where the scene gives none. The stiffness grows with the fourth power: higher ones
 /// hardly take part.
 const RING_ORDERS: usize = 6;
-/// Numbers of rolling elements that the kernel supports.
-pub(super) const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
@@ -70,24 +70,32 @@ pub(super) fn table<'a>(node: &Node<'a>) -> Read<Table<'a>> {
 }
 
 /// Reads and checks one bearing.
-pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
+pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
     let expected = "a name, such as \"DE\"";
+    let on_system = root.has("system");
     let model = model(table)?;
+    let (elements, kinematics) = match kinematics::read(table, model)? {
+        Some((elements, kinematics)) => (elements, Some(kinematics)),
+        None => (elements(table)?, None),
+    };
     let linear = linear(table, model)?;
     let required = required_input(model, linear.as_ref());
-    let (elements, geometry, law) = (elements(table)?, geometry(table, required)?, law(table, required)?);
+    let (geometry, law) = (geometry(table, required)?, law(table, required)?);
     check_law(table, required, geometry.as_ref(), law.as_ref())?;
     check_two_spring(table, elements, linear.as_ref())?;
-    check_fit_on_pitch_circle(table, elements, geometry.as_ref())?;
+    if let Some(Geometry { ball_diameter, pitch_diameter, .. }) = geometry {
+        check_fit_on_pitch_circle(table, elements, [ball_diameter, pitch_diameter])?;
+    }
     check_moving_elements(table, model, geometry.as_ref())?;
     Ok(Bearing {
         name: table.required("name", expected)?.text(expected)?.to_owned(),
-        station: station(table, on_system)?,
+        station: station(table, root)?,
         facing: table.read("facing", facing)?.unwrap_or(Facing::Both),
         model,
         elements,
         first_element_azimuth: table.optional_quantity("first_element_azimuth")?.unwrap_or(0.0),
         cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
+        kinematics,
         axial: table.read("axial", axial)?,
         outer_ring: outer_ring(table)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
@@ -112,23 +120,19 @@ pub(super) fn read(table: &Table<'_>, on_system: bool) -> Read<Bearing> {
 }
 
 /// `model`
-pub(super) fn all_models() -> [(&'static str, Model); Model::ALL.len()] {
-    Model::ALL.map(|model| (model.name(), model))
+pub(super) fn all_models() -> Vec<(&'static str, Model)> {
+    Model::with_forces().map(|model| (model.name(), model)).collect()
 }
 
 fn model(table: &Table<'_>) -> Read<Model> {
-    table.required("model", &choice_of(Model::ALL))?.choice(&all_models())
+    match table.optional("model") {
+        Some(node) => node.choice(&all_models()),
+        None => kinematics::check_without_model(table).map(|()| Model::Kinematics),
+    }
 }
 
 fn facing(node: &Node<'_>) -> Read<Facing> {
     node.choice(&FACINGS)
-}
-
-fn elements(table: &Table<'_>) -> Read<usize> {
-    let expected = "a whole number from 3 to 64 (rolling elements)";
-    let node = table.required("elements", expected)?;
-    let number = node.integer(expected)?;
-    usize::try_from(number).map_err(|_| node.refuse(expected))
 }
 
 /// Returns the values that determine required and rejected keys.
@@ -230,12 +234,13 @@ fn check_two_spring(table: &Table<'_>, elements: usize, linear: Option<&Linear>)
 }
 
 fn geometry(table: &Table<'_>, required: ModelInput) -> Read<Option<Geometry>> {
-    if required != ModelInput::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key)) {
+    let is_absent = required != ModelInput::ContactAngle && !GEOMETRY.iter().any(|key| table.has(key));
+    if is_absent || required == ModelInput::Orders {
         return Ok(None);
     }
     check_complete(table)?;
     let ball_diameter = table.quantity("ball_diameter")?;
-    let pitch_diameter = pitch_diameter(table, ball_diameter)?;
+    let pitch_diameter = pitch_diameter(table, ("ball_diameter", ball_diameter))?;
     let inner_conformity = conformity(table, "inner_conformity")?;
     let outer_conformity = conformity(table, "outer_conformity")?;
     let groove_centres = (inner_conformity + outer_conformity - 1.0) * ball_diameter;
@@ -268,13 +273,6 @@ fn check_complete(table: &Table<'_>) -> Read<()> {
     Err(table.missing(first, &expected))
 }
 
-fn pitch_diameter(table: &Table<'_>, ball: f64) -> Read<f64> {
-    let range = format!("above ball_diameter ({} mm)", (ball * 1e9).round() / 1e6);
-    let expected = Dimension::Length.expected(&range);
-    let node = table.required("pitch_diameter", &expected)?;
-    node.within(&range, |x| x > ball)
-}
-
 fn conformity(table: &Table<'_>, key: &str) -> Read<f64> {
     let range = "a number above 0.5 and at most 1 (groove radius / ball diameter), usually 0.51 to 0.54";
     table.required(key, range)?.number(range)
@@ -292,12 +290,6 @@ fn fit(table: &Table<'_>, required: ModelInput, groove_centres: f64) -> Read<Fre
         (Some(_), Some(clearance)) => Err(clearance.fail("both contact_angle and diametral_clearance", choice)),
         (None, None) => Err(table.fail("neither contact_angle nor diametral_clearance", choice)),
     }
-}
-
-fn contact_angle(node: &Node<'_>) -> Read<f64> {
-    // 60 degrees converted may be a rounding above pi/3.
-    let angle = node.within("from 0 to 60 deg", |x| (0.0..=FRAC_PI_3 * (1.0 + 1e-12)).contains(&x))?;
-    Ok(angle.min(FRAC_PI_3))
 }
 
 /// The clearance s gives the free contact angle by `cos(alpha_0) = 1 - s/(2 A)`; s below A keeps it below 60 degrees,
@@ -425,25 +417,6 @@ fn outer_ring(table: &Table<'_>) -> Read<Option<OuterRing>> {
     }))
 }
 
-/// Rejects balls that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
-fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, geometry: Option<&Geometry>) -> Read<()> {
-    let Some(geometry) = geometry else {
-        return Ok(());
-    };
-    let fits = |n: i64| geometry.pitch_diameter * (PI / n as f64).sin() > geometry.ball_diameter;
-    // The chord between neighbours shrinks with their number from 3 on.
-    let most = ELEMENTS.rev().find(|n| fits(*n)).unwrap_or(0);
-    if usize::try_from(most).is_ok_and(|most| elements <= most) {
-        return Ok(());
-    }
-    let expected = if most == 0 {
-        "a larger pitch_diameter or smaller balls: not even 3 of this ball_diameter fit on the pitch circle".to_owned()
-    } else {
-        format!("3 to {most}: more balls of this ball_diameter do not fit on the pitch circle")
-    };
-    Err(table.required("elements", &expected)?.refuse(expected))
-}
-
 fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<Option<f64>> {
     let range = "0 or more and below 1 (cage speed / shaft speed)";
     let given = table.read("cage_ratio", |n| n.number(range))?;
@@ -454,10 +427,13 @@ fn cage_ratio(table: &Table<'_>, model: Model, has_rolling_speed: bool) -> Read<
     Err(table.missing("cage_ratio", &expected))
 }
 
-/// Reads the station along a rigid rotor; on a system the coordinates define the position.
-fn station(table: &Table<'_>, on_system: bool) -> Read<f64> {
-    if !on_system {
+/// Reads the station along a rotor; on a system the coordinates define the position.
+fn station(table: &Table<'_>, root: &Table<'_>) -> Read<f64> {
+    if root.has("rotor") {
         return table.quantity("station");
+    }
+    if !root.has("system") {
+        return Ok(table.optional_quantity("station")?.unwrap_or(0.0));
     }
     let why = "no station or support on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
     refuse(table, &["station", "support"], why)?;

@@ -7,10 +7,10 @@ mod bearing;
 mod recording;
 mod rotor;
 
-use super::METHODS;
+use super::{METHODS, SUPPORTS};
 use crate::Indicator;
 use crate::key::Choice::{AtMostOne, One};
-use crate::key::Kind::{Either, Integer, List, Number, Quantity, Table, Text, Words};
+use crate::key::Kind::{Either, Integer, List, Number, Quantity, Table, Text, Tuple, Words};
 use crate::key::{ANY, BELOW_ONE, Bounds, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, key, words};
 use crate::units::Dimension;
 use std::ops::Bound::Excluded;
@@ -38,6 +38,7 @@ pub(crate) static SCENE: Keys = Keys {
             ""),
         key("system", Table(&SYSTEM), "[matrices](#system) of a rotor", "none", "not together with `rotor`", ""),
         key("bearing", List(&Table(&bearing::BEARING)), "[bearings](#bearing)", REQUIRED, "1 to 8", ""),
+        key("machine", Table(&MACHINE), "[class](#machine) of the machine, for the vibration of its housings", "none", "", ""),
         key("recording", Table(&recording::RECORDING), "[recording](#recording) of the machine", "none", "", ""),
         key("integration", Table(&INTEGRATION), "[integration](#integration) in time", "defaults of its keys", "", ""),
         key("observer", Table(&OBSERVER), "[observer](#observer) of the twin", "defaults of its keys", "", ""),
@@ -100,6 +101,22 @@ static SYSTEM_UNBALANCE: Keys = Keys {
         key("y", Integer(1, 128), "number of the coordinate along Y", REQUIRED, "", "6"),
     ]])],
     choices: &[],
+};
+
+static MACHINE: Keys = Keys {
+    name: "machine",
+    #[rustfmt::skip] // a table
+    sections: &[("machine", &[&[
+        key("group", Integer(1, 2), "group of ISO 20816-3: 1 above 300 kW, 2 from 15 to 300 kW",
+            "this and `support`, or `velocity_limits`", "", "2"),
+        key("support", Words(|| words(&SUPPORTS)),
+            "support; rigid: its natural frequencies are above 1.25 times the shaft speed",
+            "this and `group`, or `velocity_limits`", "", "\"rigid\""),
+        key("velocity_limits", Tuple(&[Quantity(Dimension::Velocity, POSITIVE); 3]),
+            "limits of the zones A, B and C, rms from 10 to 1000 Hz", "those of `group` and `support`", "rising",
+            "[\"1.4 mm/s\", \"2.8 mm/s\", \"4.5 mm/s\"]"),
+    ]])],
+    choices: &[One(&[&["group", "support"], &["velocity_limits"]])],
 };
 
 static INTEGRATION: Keys = Keys {

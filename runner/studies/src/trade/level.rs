@@ -45,7 +45,7 @@ impl FidelityLevel {
         let effects = named(scene);
         let springs_alone = scene.bearings.iter().all(given_as_springs);
         let is_own = |model: Model| scene.bearings.iter().any(|of| of.model == model);
-        let mut models: Vec<Model> = Model::ALL.into_iter().filter(|model| !springs_alone || is_own(*model)).collect();
+        let mut models: Vec<Model> = Model::with_forces().filter(|model| !springs_alone || is_own(*model)).collect();
         models.sort_unstable_by_key(|model| model.properties().cost);
         let levels = models.into_iter().map(|model| (model, bearing_model(model).levels(scene, &effects)));
         levels.flat_map(|(model, all)| all.into_iter().map(move |options| Self { model, options })).collect()

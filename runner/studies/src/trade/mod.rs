@@ -20,6 +20,7 @@ pub use response::MotionErrors;
 pub use timing::TimingSpread;
 
 use crate::effect_significance::{self, EffectSignificance};
+use ballrace_models::build::check_forces;
 use ballrace_plant::Plant;
 use ballrace_plant::error::{Result, TradeError, with_causes};
 use ballrace_scene::{Method, Scene};
@@ -201,6 +202,7 @@ pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String, TradeEr
 }
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
+    check_forces(scene)?;
     if scene.rotor.is_none() && scene.system.is_none() {
         return Err(TradeError::NoRotor { file: scene.path.clone() }.into());
     }

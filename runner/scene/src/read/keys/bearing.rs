@@ -1,9 +1,8 @@
 //! Keys of `[[bearing]]`.
 
-use super::super::bearing::{
-    DEFECT_SHAPES, ELEMENTS, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models,
-};
+use super::super::bearing::{DEFECT_SHAPES, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models};
 use super::super::effects::{EFFECTS, FRICTION_SHARINGS, RACE_CONTROLS};
+use super::super::pitch_circle::ELEMENTS;
 use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, SPEED};
 use crate::PreloadState;
 use crate::key::Choice::{Any, AtMostOne, One};
@@ -45,14 +44,15 @@ pub(super) static BEARING: Keys = Keys {
             key("bearing", Text("designation"),
                 "bearing of the [catalogue](#catalogue), whose values stand for keys that the scene does not have",
                 "none", "", "\"6309 C3\""),
-            key("station", LENGTH, "position along Z", "required without `system`",
-                "not with `system`; any value in a scene of vibration sensors without `rotor`", "\"-100 mm\""),
+            key("station", LENGTH, "position along Z", "required with `rotor`; 0 without",
+                "not with `system`", "\"-100 mm\""),
             key("facing", Words(|| words(&FACINGS)),
                 "thrust direction that the bearing carries; `\"both\"`: deep groove", "`\"both\"`", "", "\"+z\""),
-            key("model", Words(|| words(&all_models())), "model of the forces", "required without `bearing`", "",
+            key("model", Words(|| words(&all_models())), "model of the forces",
+                "that of the catalogue; none for [vibration alone](#bearing-for-vibration-alone)", "",
                 "\"angular\""),
             key("elements", Integer(*ELEMENTS.start(), *ELEMENTS.end()), "number of rolling elements",
-                "required without `bearing`", "as many as fit on the pitch circle", "9"),
+                "required without `bearing` and `orders`", "as many as fit on the pitch circle", "9"),
             key("first_element_azimuth", ANGLE, "azimuth of the first element at shaft angle 0", "0", "", "\"10 deg\""),
             key("cage_ratio", Number(BELOW_ONE), "cage speed over shaft speed, also where the outer ring turns",
                 "pure rolling at the free contact angle; required without geometry, except for `linear`", "", "0.4"),
@@ -72,6 +72,12 @@ pub(super) static BEARING: Keys = Keys {
             key("youngs_modulus", PRESSURE, "Young's modulus of balls and races", "206 GPa", "", "\"206 GPa\""),
             key("poissons_ratio", POISSONS_RATIO, "their Poisson's ratio", "0.3", "", "0.3"),
             key("density", DENSITY, "density of the balls", "7800 kg/m^3", "", "\"3200 kg/m^3\""),
+        ]]),
+        ("Bearing for vibration alone", &[&[
+            key("roller_diameter", POSITIVE_LENGTH, "diameter of the rollers, in place of `ball_diameter`", "none",
+                "only without `model`", "\"7.5 mm\""),
+            key("orders", Table(&ORDERS), "orders as on a data sheet, in place of diameters and angle", "none",
+                "only without `model`", "{ outer = 3.585, inner = 5.415, element = 2.357, cage = 0.398 }"),
         ]]),
         ("Keys of `lumped`", &[&[
             key("stiffness", CONTACT_STIFFNESS, "`K` of `F = K Delta^n`", "from the geometry", "",
@@ -146,11 +152,27 @@ pub(super) static BEARING: Keys = Keys {
         ("Keys of one model", &OWN_KEYS),
     ],
     choices: &[
-        Any(&[&["model", "elements"], &["bearing"]]),
+        Any(&[&["model", "elements"], &["bearing"], &["elements", "pitch_diameter", "contact_angle"], &["orders"]]),
         AtMostOne(&["contact_angle", "diametral_clearance"]),
         AtMostOne(&["stiffness_matrix", "two_spring", "linearise"]),
         AtMostOne(&["housing_displacement", "outer_ring"]),
     ],
+};
+
+static ORDERS: Keys = Keys {
+    name: "orders",
+    #[rustfmt::skip] // a table
+    sections: &[("", &[&[
+        key("outer", Number(POSITIVE), "passes of an element over a point of the outer ring (BPFO)", REQUIRED,
+            "below `inner`", "3.585"),
+        key("inner", Number(POSITIVE), "passes of an element over a point of the inner ring (BPFI)", REQUIRED,
+            "`outer` and `inner` together are the number of elements", "5.415"),
+        key("element", Number(POSITIVE), "spin of an element about its own axis (BSF)", REQUIRED,
+            "not the double, with which damage of an element strikes both races", "2.357"),
+        key("cage", Number(BELOW_ONE), "revolutions of the cage (FTF)", REQUIRED, "`outer` over the number of elements",
+            "0.398"),
+    ]])],
+    choices: &[],
 };
 
 static AXIAL: Keys = Keys {

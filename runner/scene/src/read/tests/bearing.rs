@@ -9,7 +9,7 @@ fn angular_bearing_out_of_range() {
     let angle = "contact_angle = \"15 deg\"";
     assert_refused(MINIMAL, &[
         ("name = \"A\"", "", &["bearing[0].name: missing key"]),
-        ("model = \"angular\"", "", &["bearing[0].model", &choice_of(Model::ALL)]),
+        ("model = \"angular\"", "", &["bearing[0].model", &choice_of(Model::with_forces()), "because of inner_conformity; for vibration alone no model"]),
         ("model = \"angular\"", "model = \"anguler\"", &["invalid value: \"anguler\", expected \"linear\" or ", " or \"angular\" or "]),
         ("elements = 8", "elements = 2", &["invalid value: 2, expected a whole number from 3 to 64"]),
         ("elements = 8", "elements = 65", &["from 3 to 64"]),
@@ -229,5 +229,77 @@ fn effects_and_preload() {
         ("{ force = \"500 N\" }", "{ force = \"500 N\", displacement = 0 }", &["preload: invalid value: { force", "exactly one of"]),
         ("{ force = \"500 N\" }", "{}", &["exactly one of"]),
         ("\"quasi-static\"", "\"angular\"", &["only with model = \"quasi-static\" or \"tabulated\"; remove it"]),
+    ]);
+}
+
+/// A bearing without model, by its diameters and by the orders of a data sheet.
+const DIAMETERS: &str = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nelements = 9\nball_diameter = \"7.94 mm\"\n\
+                         pitch_diameter = \"39.04 mm\"\ncontact_angle = \"0 deg\"\n";
+const ORDERS: &str = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\n\
+                      orders = { outer = 3.585, inner = 5.415, element = 2.357, cage = 0.398 }\n";
+
+#[test]
+fn bearings_without_model_have_orders() {
+    let of = |text: &str| {
+        let bearing = read(text).unwrap().bearings.remove(0);
+        assert_eq!((bearing.model, bearing.elements, bearing.station), (Model::Kinematics, 9, 0.0));
+        assert!(bearing.geometry.is_none() && !bearing.model.has_forces());
+        bearing.kinematics.unwrap().orders(bearing.elements)
+    };
+    let (computed, given) = (of(DIAMETERS), of(ORDERS));
+    for (computed, given) in [
+        (computed.outer_race, given.outer_race),
+        (computed.inner_race, given.inner_race),
+        (computed.ball_spin, given.ball_spin),
+        (computed.cage, given.cage),
+    ] {
+        assert!((computed - given).abs() < 1e-3, "{computed} {given}");
+    }
+    let rollers = with(DIAMETERS, "ball_diameter", "roller_diameter");
+    assert_eq!(of(&rollers), computed);
+    of(&with(ORDERS, "name", "elements = 9\nname"));
+    // A thrust angle of 40 degrees: the spin falls with its cosine.
+    let angled = of(&with(DIAMETERS, "contact_angle = \"0 deg\"", "contact_angle = \"40 deg\""));
+    let text = format!(
+        "orders = {{ outer = {}, inner = {}, element = {}, cage = {} }}\n",
+        angled.outer_race, angled.inner_race, angled.ball_spin, angled.cage
+    );
+    assert!(
+        (of(&format!("{}{text}", ORDERS.lines().take(4).map(|line| format!("{line}\n")).collect::<String>()))
+            .ball_spin
+            - angled.ball_spin)
+            .abs()
+            < 1e-12
+    );
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn bearings_without_model_that_are_none() {
+    let angle = "contact_angle = \"0 deg\"\n";
+    assert_refused(DIAMETERS, &[
+        (angle, "", &["bearing[0].contact_angle: missing key", "missing here: contact_angle)", "or orders"]),
+        ("ball_diameter", "# ball_diameter", &["bearing[0].ball_diameter: missing key"]),
+        ("elements = 9", "elements = 16", &["invalid value: 16, expected 3 to 15"]),
+        ("name", "roller_diameter = \"8 mm\"\nname", &["roller_diameter: misplaced key", "either ball_diameter or roller_diameter"]),
+        ("pitch_diameter = \"39.04 mm\"", "pitch_diameter = \"7 mm\"", &["above ball_diameter (7.94 mm)"]),
+        (angle, "contact_angle = \"0 deg\"\ninner_conformity = 0.52\n", &["bearing[0].model: missing key", "because of inner_conformity"]),
+        (angle, "diametral_clearance = \"5 um\"\n", &["bearing[0].model: missing key", "because of diametral_clearance"]),
+        (angle, "contact_angle = \"0 deg\"\ndefect = []\n", &["bearing[0].model: missing key", "because of defect"]),
+        (angle, "contact_angle = \"0 deg\"\norders = {}\n", &["ball_diameter: misplaced key", "not together with orders"]),
+        (angle, "contact_angle = \"0 deg\"\nmodel = \"kinematics\"\n", &["invalid value: \"kinematics\", expected \"linear\""]),
+        (angle, "contact_angle = \"0 deg\"\nmodel = \"lumped\"\nroller_diameter = \"8 mm\"\n", &["roller_diameter: misplaced key", "only without model"]),
+        (angle, "contact_angle = \"0 deg\"\n[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n", &["bearing[0].station: missing key"]),
+    ]);
+    assert_refused(ORDERS, &[
+        ("outer = 3.585", "outer = 3.7", &["bearing[0].orders: invalid value: outer + inner = 9.115", "a whole number from 3 to 64"]),
+        ("outer = 3.585, inner = 5.415", "outer = 5.415, inner = 3.585", &["outer = 5.415, inner = 3.585, expected outer below inner"]),
+        ("cage = 0.398", "cage = 0.602", &["cage = 0.602, expected 0.398, which is outer over 9 elements"]),
+        ("element = 2.357", "element = 4.714", &["element = 4.714, expected 1.179 to 2.357", "(BSF)"]),
+        ("element = 2.357, ", "", &["bearing[0].orders.element: missing key"]),
+        ("element = 2.357", "ball = 2.357", &["bearing[0].orders.ball: unknown key"]),
+        ("name", "elements = 8\nname", &["outer + inner = 9.000 with elements = 8"]),
+        ("name", "cage_ratio = 0.4\nname", &["cage_ratio: misplaced key", "not together with orders"]),
+        ("name", "bearing = \"6205\"\nname", &["orders: misplaced key", "only without model and bearing"]),
     ]);
 }
