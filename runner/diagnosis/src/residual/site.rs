@@ -29,9 +29,6 @@ const INTERMODULATION: f64 = 0.02;
 const DEFLECTION: f64 = 2e-6;
 /// Lines of a sound machine recur with up to this multiple of their amplitude.
 const RECURRENCE: f64 = 1.5;
-/// Lines that two bearings have at one order add to another amplitude in every recording, over that: they may have cancelled in the one that
-/// was learned.
-const BEATS: f64 = 2.0;
 /// Relative change of the order of a line between recordings, by the slip of a cage.
 const MOVED: f64 = 0.012;
 /// Amplitude of the waves of races and of the difference of elements of a sound bearing of ordinary class, m, at order 1; it falls with the
@@ -84,13 +81,12 @@ impl Evidence<'_> {
             self.transform.lines.iter().map(|w| w / self.motion.mean_speed().abs().max(f64::MIN_POSITIVE)).collect();
         let apart = orders.get(1).copied().unwrap_or(0.0);
         let products = self.products();
-        let is_shared = self.shared_lines(&orders);
         let probe = |(p, _): (usize, &ballrace_scene::Probe)| {
             let learned = |k: usize| {
                 let near = |line: &&[f64; 2]| (line[0] - orders[k]).abs() < (MOVED * line[0]).max(2.5 * apart);
                 let lines = known.learned.get(p).map(|learned| learned.lines.as_slice()).unwrap_or_default();
                 let amplitude = lines.iter().filter(near).map(|line| line[1]).fold(0.0, f64::max);
-                (amplitude * if is_shared[k] { BEATS } else { 1.0 } * 0.5 * sum).powi(2)
+                (amplitude * 0.5 * sum).powi(2)
             };
             let mut variance = basis.variance(&known.deviations[p]);
             variance
@@ -117,17 +113,6 @@ impl Evidence<'_> {
         let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
         self.subtracted = Arc::new(self.pretended(&basis, subtracted));
         self.site = Some(Arc::new(Site { basis, expected, waves }));
-    }
-
-    /// Returns true for each line that two bearings may have.
-    fn shared_lines(&self, orders: &[f64]) -> Vec<bool> {
-        let apart = orders.get(1).copied().unwrap_or(0.0);
-        let ranges: Vec<Vec<[f64; 2]>> =
-            self.plant.bearings.iter().map(|b| orders_of_bearing(b).map(|(_, range)| range).collect()).collect();
-        let has = |ranges: &Vec<[f64; 2]>, order: f64| {
-            ranges.iter().any(|[low, high]| (low - 2.0 * apart..=high + 2.0 * apart).contains(&order))
-        };
-        orders.iter().map(|order| ranges.iter().filter(|ranges| has(ranges, *order)).count() > 1).collect()
     }
 
     /// Returns the square of each line that a bearing makes of others: of the second and third power of the motion over the displacement
