@@ -6,7 +6,7 @@ use super::fit::{Fitted, MODEL_ERROR, Prior, changed, evaluate, fit_whole};
 use super::machine::Machine;
 use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
-use super::result::UNEXPLAINED_AT_SITE;
+use super::residual::site::{DEPENDENT, UNEXPLAINED};
 use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
@@ -38,9 +38,6 @@ const HOPEFUL: (usize, f64) = (3, 6.0);
 /// Least gap that shows a site, m: the parameters of a machine are fitted so that they leave less of a position.
 const SHOWN_GAP: f64 = 1.5e-6;
 
-/// Values of a residual of a site that one error of the model changes together: those of all probes at the lines about one motion. A value
-/// is evidence of so much less.
-pub(super) const DEPENDENT: f64 = 100.0;
 /// Distance of two lines that are one, in orders of the shaft.
 const SAME_LINE: f64 = 0.02;
 
@@ -64,6 +61,8 @@ pub struct Calibrated {
     pub(crate) ended_early: bool,
     /// True where the readings have the errors of a site.
     pub(crate) shows_errors: bool,
+    /// False where the readings would have errors that no probe has: of a machine whose bearings carry nothing, say.
+    is_plausible: bool,
 }
 
 /// Bounds and progress of a calibration.
@@ -137,10 +136,11 @@ impl Calibrated {
     pub fn learning(&self, scene: &Scene) -> Learning {
         let noise = largest_chi_square(self.values.max(1) as f64) + MODEL_ERROR;
         // At a site the noise contains what is expected.
-        let largest = if self.calibration.readings.is_empty() { noise } else { noise.max(UNEXPLAINED_AT_SITE) };
+        let largest = if self.calibration.readings.is_empty() { noise } else { noise.max(UNEXPLAINED) };
         let learning = learning(&self.calibration, scene, largest);
         let (taken, stored) =
             (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
+        let (taken, stored) = (taken && self.is_plausible, stored && self.is_plausible);
         Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
     }
 }
@@ -419,7 +419,16 @@ pub(super) fn calibrate(
     readings.iter_mut().zip(known).for_each(|(readings, known)| unite(readings, known));
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
     let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
-    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })
+    let is_plausible = of.site.as_ref().is_none_or(SiteRecording::is_plausible);
+    Ok(Calibrated {
+        calibration,
+        values: now.residual.len(),
+        rounds,
+        not_converged,
+        ended_early,
+        shows_errors,
+        is_plausible,
+    })
 }
 
 #[cfg(test)]

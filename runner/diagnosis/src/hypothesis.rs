@@ -1,13 +1,12 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
 use super::cage::SLIPS;
-use super::calibration::DEPENDENT;
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
-use super::residual::site::GAIN_ERROR;
+use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::residual::{Evidence, dot};
 use super::{Prepared, Result, cage};
 use ballrace_base::parallel;

@@ -1,7 +1,6 @@
 //! Reported faults: kind, bearing, position, size, odds and a sentence.
 
 use super::cage::unknowns;
-use super::calibration::DEPENDENT;
 use super::estimates::{Estimates, around, with_uncertain_parameters};
 use super::fault_figures::Contrast;
 use super::faults::AnyFault;
@@ -9,6 +8,7 @@ use super::fit::{Fitted, fit};
 use super::hypothesis::{IdentifiedFault, MIN_GAIN};
 use super::parameter::{CAGE_PHASE, CAGE_SLIP, union};
 use super::residual::Evidence;
+use super::residual::site::{self, DEPENDENT};
 use super::site::SiteRecording;
 use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
@@ -24,8 +24,6 @@ const LARGEST_ODDS: f64 = 1e12;
 const LEAST_ODDS: f64 = 19.0;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
 const UNEXPLAINED: f64 = 9.0;
-/// The same at a site, where the noise contains what is expected.
-pub(super) const UNEXPLAINED_AT_SITE: f64 = 1.25;
 /// The same up to which it is: what the model of a bearing leaves of the motion of another one.
 const EXPLAINED: f64 = 1.5;
 /// Share of the unexplained motion from which a fault of a site is named without "possibly", and one that moves the shaft.
@@ -150,7 +148,7 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     }
     let strength = |diagnosis: &Diagnosis| diagnosis.parameters.log_likelihood_gain.unwrap_or(0.0);
     diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-    let most = if e.site.is_some() { UNEXPLAINED_AT_SITE } else { UNEXPLAINED };
+    let most = if e.site.is_some() { site::UNEXPLAINED } else { UNEXPLAINED };
     if after > most && faults.is_empty() {
         diagnoses.push(estimates.unexplained(after));
     }

@@ -25,6 +25,9 @@ const SAG: f64 = 20e-6;
 pub const UNBALANCE_ERROR: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
 
+/// Standard deviations of an unmeasured reading from which its error is none of a probe.
+const IMPLAUSIBLE: f64 = 5.0;
+
 /// Distance of two lines from which a record tells them apart, over the inverse of its duration.
 const RESOLUTION: f64 = 3.0;
 
@@ -89,6 +92,15 @@ impl<'a> SiteRecording<'a> {
             input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect();
         let known = SiteKnowledge { deviations: deviations.clone(), learned };
         Self { input, weighting, highest, raw, knowledge, known, deviations, centre, errors, basis: None }
+    }
+
+    /// Returns true where no error of a reading is beyond what a probe and the surface of a shaft may have.
+    pub fn is_plausible(&self) -> bool {
+        let is_plausible = |(error, probe): (&ReadingError, &Probe)| {
+            let usual = Knowledge::First.deviations(probe.direction);
+            error.iter().zip(usual).all(|(x, deviation)| x.abs() < IMPLAUSIBLE * deviation)
+        };
+        self.errors.iter().zip(self.input.probes).all(is_plausible)
     }
 
     /// Returns true where neither a slow roll nor a baseline tells the run-out from the motion of the shaft.

@@ -60,6 +60,12 @@ pub fn orders_of_bearing(bearing: &MountedBearing) -> impl Iterator<Item = (usiz
     })
 }
 
+/// Values of a residual of a site that one error of the model changes together: those of all probes at the lines about one motion. A value
+/// is evidence of so much less.
+pub const DEPENDENT: f64 = 100.0;
+/// Mean square of the residual, in units of its noise with what is expected, beyond which a recording of a site is not explained.
+pub const UNEXPLAINED: f64 = 1.25;
+
 /// Standard deviations of a change of a site that is significant.
 const SIGNIFICANT: f64 = 4.0;
 
