@@ -42,7 +42,11 @@ impl Fault for Looseness {
         (0..machine.bearings.len()).map(|bearing| Self { bearing }).collect()
     }
 
+    /// A play is searched at a site alone: with exact readings it imitates a tilt of a ring whose clearance differs.
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
+        if search.e.site.is_none() {
+            return Ok(None);
+        }
         let unknown = SEAT_PLAY.of_bearing(self.bearing);
         let of = |play: f64| {
             let mut machine = search.now.machine.clone();
