@@ -61,8 +61,6 @@ pub struct Calibrated {
     pub(crate) ended_early: bool,
     /// True where the readings have the errors of a site.
     pub(crate) shows_errors: bool,
-    /// False where the readings would have errors that no probe has: of a machine whose bearings carry nothing, say.
-    is_plausible: bool,
 }
 
 /// Bounds and progress of a calibration.
@@ -140,7 +138,6 @@ impl Calibrated {
         let learning = learning(&self.calibration, scene, largest);
         let (taken, stored) =
             (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
-        let (taken, stored) = (taken && self.is_plausible, stored && self.is_plausible);
         Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
     }
 }
@@ -420,15 +417,14 @@ pub(super) fn calibrate(
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
     let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
     let is_plausible = of.site.as_ref().is_none_or(SiteRecording::is_plausible);
-    Ok(Calibrated {
-        calibration,
-        values: now.residual.len(),
-        rounds,
-        not_converged,
-        ended_early,
-        shows_errors,
-        is_plausible,
-    })
+    let not_converged = not_converged.or_else(|| {
+        (!is_plausible).then(|| {
+            "the search does not converge on a machine of the scene: the readings would have errors that no probe has; check units and \
+             offsets of the probes, and that the bearings carry a load"
+                .to_owned()
+        })
+    });
+    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })
 }
 
 #[cfg(test)]

@@ -238,14 +238,8 @@ impl Evaluated {
     /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
     fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
-        // The force presses a loose ring against its seat, along the displacement.
-        let share = self.left_by_play(&u);
-        Displacement { u: share * u.u, v: share * u.v, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
-    }
-
-    /// Returns the share of a radial displacement that the play of a ring leaves to the elements.
-    fn left_by_play(&self, u: &Displacement<f64>) -> f64 {
-        (1.0 - self.seat_play / u.u.hypot(u.v).max(f64::MIN_POSITIVE)).max(0.0)
+        let ([x, y], _) = left_by_play([u.u, u.v], self.seat_play);
+        Displacement { u: x, v: y, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
     }
 
     /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
@@ -370,21 +364,29 @@ impl Evaluated {
         let of_rotor = self.displaced[t] + self.offset;
         let u = self.displacement(&self.displaced[t]);
         let (_, k) = self.bearing.reaction_and_stiffness(&u, &self.state(motion, t));
-        let k = Tangent::from_fn(|i, j| k[(i, j)]);
-        if self.seat_play == 0.0 {
-            return k;
-        }
-        // Across the displacement, a loose ring rolls in its seat.
-        let share = self.left_by_play(&of_rotor);
-        let radius = of_rotor.u.hypot(of_rotor.v).max(f64::MIN_POSITIVE);
-        let along = [of_rotor.u / radius, of_rotor.v / radius];
+        let (_, by_rotor) = left_by_play([of_rotor.u, of_rotor.v], self.seat_play);
         let mut moved = Tangent::identity();
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let unit = f64::from(u8::from(i == j));
-            moved[(i, j)] = if share > 0.0 { share * unit + (1.0 - share) * along[i] * along[j] } else { 0.0 };
+            moved[(i, j)] = by_rotor[i][j];
         }
-        k * moved
+        Tangent::from_fn(|i, j| k[(i, j)]) * moved
     }
+}
+
+/// Returns the part of a radial displacement that the elements have where a ring is free to move by `play` in its seat, and its derivatives: the
+/// force presses the ring against its seat along the displacement, and across it the ring rolls.
+fn left_by_play(displacement: [f64; 2], play: f64) -> ([f64; 2], [[f64; 2]; 2]) {
+    if play == 0.0 {
+        return (displacement, [[1.0, 0.0], [0.0, 1.0]]);
+    }
+    let radius = displacement[0].hypot(displacement[1]);
+    if radius <= play {
+        return ([0.0; 2], [[0.0; 2]; 2]);
+    }
+    let share = 1.0 - play / radius;
+    let along = displacement.map(|x| x / radius);
+    let derivative = |i: usize, j: usize| share * f64::from(u8::from(i == j)) + (1.0 - share) * along[i] * along[j];
+    (displacement.map(|x| share * x), [0, 1].map(|i| [0, 1].map(|j| derivative(i, j))))
 }
 
 /// Returns the diametral clearance of a bearing, m.
@@ -428,6 +430,25 @@ mod tests {
         outer_conformity = 0.52
         diametral_clearance = "10 um"
     "#;
+
+    /// Shorter by the play along the displacement, with the derivatives of difference quotients.
+    #[test]
+    fn a_loose_ring_gives_way_by_its_play() {
+        let (play, step) = (3e-6, 1e-10);
+        let at = [4e-6, -6e-6];
+        let ([x, y], derivative) = left_by_play(at, play);
+        assert!((x.hypot(y) - (at[0].hypot(at[1]) - play)).abs() < 1e-18);
+        assert!((x * at[1] - y * at[0]).abs() < 1e-24, "not along the displacement");
+        for (j, unit) in [[step, 0.0], [0.0, step]].into_iter().enumerate() {
+            let side = |sign: f64| left_by_play([at[0] + sign * unit[0], at[1] + sign * unit[1]], play).0;
+            for (i, row) in derivative.iter().enumerate() {
+                let quotient = (side(1.0)[i] - side(-1.0)[i]) / (2.0 * step);
+                assert!((row[j] - quotient).abs() < 1e-6, "{i} {j}: {} and {quotient}", row[j]);
+            }
+        }
+        assert_eq!(left_by_play([1e-6, 2e-6], play), ([0.0; 2], [[0.0; 2]; 2]));
+        assert_eq!(left_by_play(at, 0.0).0, at);
+    }
 
     #[test]
     fn unbalance_and_clearance_of_a_machine_make_a_scene() {
