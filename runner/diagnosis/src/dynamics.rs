@@ -11,6 +11,7 @@
 //!
 //! For a rigid rotor on fixed bearings all of these are constant but for the inertia.
 
+use super::machine::CouplingForce;
 use super::motion::{C, D};
 use ballrace::Displacement;
 use ballrace_plant::probes::PoseSolver;
@@ -194,17 +195,33 @@ impl Dynamics {
             let pair = unit[0].iter().zip(&unit[1]);
             pair.map(|(p, q)| (x * p - y * q, x * q + y * p)).unzip::<C, C, Vec<C>, Vec<C>>().into()
         };
-        let none = || vec![C::new(0.0, 0.0); unit[0].len()];
         let Some(elastic) = &self.elastic else {
-            let ([fx, fy], [mx, my]) = (turned(ex, ey), turned(cx, cy));
-            return [fx, fy, none(), my.into_iter().map(|m| -m).collect(), mx];
+            return about_centre(turned(ex, ey), turned(cx, cy));
         };
+        let none = || vec![C::new(0.0, 0.0); unit[0].len()];
         let mut sum: [Vec<C>; D] = std::array::from_fn(|_| none());
         for (place, [x, y]) in elastic.at_planes.iter().zip(elastic.in_planes([ex, ey, cx, cy])) {
             let [fx, fy] = turned(x, y);
             add(place, &[fx, fy, none(), none(), none()], &mut sum);
         }
         sum
+    }
+
+    /// Returns the force of a coupling on a rigid rotor as spectra about the centre of mass; `harmonics` are the spectra of cosine and sine of
+    /// the shaft angle and of twice that.
+    pub(crate) fn coupling(of: &CouplingForce, harmonics: &[[Vec<C>; 2]; 2]) -> [Vec<C>; D] {
+        let along = |direction: usize| {
+            let mut sum = vec![C::new(0.0, 0.0); harmonics[0][0].len()];
+            for (force, [cosine, sine]) in of.force.iter().zip(harmonics) {
+                let parts = cosine.iter().zip(sine);
+                let [c, s] = [force[2 * direction], force[2 * direction + 1]];
+                sum.iter_mut().zip(parts).for_each(|(sum, (p, q))| *sum += c * p + s * q);
+            }
+            sum
+        };
+        let force = [along(0), along(1)];
+        let moment = force.clone().map(|f| f.into_iter().map(|f| f * of.station).collect());
+        about_centre(force, moment)
     }
 
     /// Returns the force of a constant load and weight as spectra about the centre of mass; `constant` is the spectrum of 1.
@@ -271,6 +288,12 @@ impl Dynamics {
             }
         }
     }
+}
+
+/// Returns a force along X and Y on a rigid rotor, with its first moment along Z, as one about the centre of mass.
+fn about_centre([fx, fy]: [Vec<C>; 2], [mx, my]: [Vec<C>; 2]) -> [Vec<C>; D] {
+    let axial = vec![C::new(0.0, 0.0); fx.len()];
+    [fx, fy, axial, my.into_iter().map(|m| -m).collect(), mx]
 }
 
 fn add(place: &ByLine, spectra: &[Vec<C>; D], sum: &mut [Vec<C>; D]) {

@@ -56,7 +56,7 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
             spectra = e.changed(&spectra, machine, ForceSource::Bearing(i))?;
         }
     }
-    let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance);
+    let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance, m.coupling);
     if of_rotor(&before.machine) != of_rotor(machine) {
         // A change of the rotor may also move the bearings.
         spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;

@@ -49,6 +49,15 @@ pub(crate) struct MachineBearing {
     pub seat_play: f64,
 }
 
+/// Force of a misaligned coupling on the shaft, once and twice per turn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CouplingForce {
+    /// Once and twice per turn: cosine and sine along X, then along Y, N.
+    pub force: [[f64; 4]; 2],
+    /// Station from the centre of mass, m.
+    pub station: f64,
+}
+
 /// A machine under a hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
@@ -59,6 +68,8 @@ pub struct Machine {
     pub damping: [f64; D],
     /// Static unbalance (kg m) and couple (kg m^2), each along X and Y at shaft angle 0.
     pub unbalance: [f64; 4],
+    /// Force of a coupling.
+    pub coupling: CouplingForce,
     /// Errors of the probes' readings beyond those that are expected.
     pub readings: Vec<ReadingError>,
 }
@@ -83,7 +94,7 @@ impl Machine {
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
         let probes = scene.recording.as_ref().map_or(0, |recording| recording.probes.len());
         let readings = vec![[0.0; COEFFICIENTS]; probes];
-        Some(Self { bearings, load: rotor.load, damping, unbalance, readings })
+        Some(Self { bearings, load: rotor.load, damping, unbalance, coupling: CouplingForce::default(), readings })
     }
 }
 

@@ -47,6 +47,15 @@ impl Motion {
         (0..self.len()).map(force).collect()
     }
 
+    /// Returns cosine and sine of a multiple of the shaft angle, sample by sample.
+    pub(crate) fn harmonic(&self, order: usize) -> Vec<[f64; 2]> {
+        let of = |angle: &Phase| {
+            let (s, c) = (order as f64 * angle.radians()).sin_cos();
+            [c, s]
+        };
+        self.angle.iter().map(of).collect()
+    }
+
     /// Returns the motion of consecutive samples with a reading of every probe; the axial coordinate is `axial` where no probe
     /// measures it.
     pub fn new(samples: &[Sample], period: f64, solver: &PoseSolver, axial: f64) -> Self {

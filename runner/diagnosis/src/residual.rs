@@ -84,6 +84,8 @@ pub(super) struct Evidence<'a> {
     given: ([f64; 4], [f64; D]),
     /// Spectra of the force along X and Y of a unit unbalance at angle 0.
     unit_unbalance_lines: Arc<[Vec<C>; 2]>,
+    /// Spectra of cosine and sine of the shaft angle, and of twice that.
+    harmonic_lines: Arc<[[Vec<C>; 2]; 2]>,
     /// Spectrum of 1.
     constant: Arc<Vec<C>>,
     /// Per line: whitened displacement per unit of force about the centre of mass.
@@ -210,6 +212,10 @@ impl<'a> Evidence<'a> {
         let [gx, gy, gz] = rotor.gravity;
         let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
         let unit_unbalance = motion.unit_unbalance();
+        let harmonic_lines = [1, 2].map(|order| {
+            let of = motion.harmonic(order);
+            transform.pair(0, |t| of[t][0], |t| of[t][1])
+        });
         let Some(shaft) = Shaft::new(scene, plant, &weighting, &transform, (&motion, &filtered)) else {
             return Ok(None);
         };
@@ -230,6 +236,7 @@ impl<'a> Evidence<'a> {
             plant,
             rest_lines: Arc::new(transform.five(0, |t| rest[t])),
             unit_unbalance_lines: Arc::new(transform.pair(0, |t| unit_unbalance[t][0], |t| unit_unbalance[t][1])),
+            harmonic_lines: Arc::new(harmonic_lines),
             constant: Arc::new(transform.pair(0, |_| 1.0, |_| 0.0)[0].clone()),
             motion: Arc::new(motion),
             transform: Arc::new(transform),
@@ -436,6 +443,7 @@ impl<'a> Evidence<'a> {
         for part in [
             self.shaft.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines),
             self.shaft.dynamics.load(&machine.load, &self.gravity, &self.constant),
+            Dynamics::coupling(&machine.coupling, &self.harmonic_lines),
         ] {
             for (sum, part) in sum.iter_mut().zip(part) {
                 sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);

@@ -27,6 +27,8 @@ pub enum FaultKind {
     Load,
     /// A ring that is loose in its seat: no damage of the bearing.
     Looseness,
+    /// A misaligned coupling: no fault of a bearing.
+    Coupling,
     /// Changed run-out of the shaft's surface under a probe: no fault of the machine.
     RunOut,
     /// Another fault.
@@ -70,6 +72,12 @@ impl FaultKind {
                 "looseness",
                 "looseness",
                 "Check the fit of the rings on shaft and in housing, the lock nut, and the bolts of housing and foot. No bearing is to be ordered.",
+            ],
+            Self::Coupling => [
+                "coupling",
+                "coupling",
+                "Check the alignment of the coupling hot and cold, its elements and its bolts; look for a crack of the shaft where the line grows. No \
+                 bearing is to be ordered.",
             ],
             Self::RunOut => [
                 "run-out",
@@ -167,13 +175,16 @@ pub struct FaultParameters {
     /// Diametral play of a ring in its seat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seat_play_um: Option<Estimate>,
+    /// Largest force of a coupling during a turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling_force_n: Option<Estimate>,
     /// Unbalance of the whole rotor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moment_g_mm: Option<Estimate>,
     /// Its angle from the keyphasor mark.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<Estimate>,
-    /// Its station along Z as drawn.
+    /// Station along Z as drawn, of an unbalance or of a coupling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub station_mm: Option<Estimate>,
     /// Direction of the force of a spall, in the frame of its component: from +X, from the keyphasor mark, from element 1. It is
@@ -250,7 +261,7 @@ pub type FaultField = NumericField<FaultParameters, Option<Estimate>>;
 
 impl FaultParameters {
     /// Estimated fields in the order of texts.
-    pub const FIELDS: [(EstimateKind, FaultField); 11] = {
+    pub const FIELDS: [(EstimateKind, FaultField); 12] = {
         use EstimateKind::{MachineSize, Place, Size};
         [
             (Place, FaultField::new("azimuth_deg", "at", "deg", |p| p.azimuth_deg).decimals(1)),
@@ -261,6 +272,7 @@ impl FaultParameters {
             (Place, FaultField::new("axis_deg", "axis at", "deg from +X", |p| p.axis_deg).decimals(0)),
             (MachineSize, FaultField::new("clearance_um", "diametral clearance", "um", |p| p.clearance_um).decimals(2)),
             (Size, FaultField::new("seat_play_um", "play in the seat", "um", |p| p.seat_play_um).decimals(1)),
+            (Size, FaultField::new("coupling_force_n", "force", "N", |p| p.coupling_force_n).decimals(1)),
             (Size, FaultField::new("moment_g_mm", "moment", "g mm", |p| p.moment_g_mm).decimals(1)),
             (Place, FaultField::new("angle_deg", "at", "deg from the keyphasor mark", |p| p.angle_deg).decimals(1)),
             (Place, FaultField::new("station_mm", "station", "mm", |p| p.station_mm).decimals(1)),

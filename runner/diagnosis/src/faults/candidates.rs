@@ -107,8 +107,13 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Returns a candidate whose force depends linearly on its unknowns.
     pub fn linear(&self, fault: AnyFault, own: &[Unknown]) -> Result<Candidate> {
-        let (gain, start) = linear_step((self.e, self.now), own)?;
+        let (gain, start) = linear_step((self.e, self.now, &self.now.machine), own)?;
         Ok(self.found(fault, gain, vec![start], own))
+    }
+
+    /// Returns the fall of chi-squared by a step of linear least squares from another machine of the same residual, and the machine after it.
+    pub(crate) fn linear_from(&self, machine: &Machine, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+        linear_step((self.e, self.now, machine), unknowns)
     }
 
     /// Returns a candidate that moves the shaft, and whose force depends linearly on its unknowns.
@@ -119,7 +124,8 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Returns the machine after a step of linear least squares in unknowns that move the shaft, with its fall of chi-squared.
     pub(crate) fn shifted_step(&self, unknowns: &[Unknown]) -> Result<(f64, Machine)> {
-        let (gain, machine) = linear_step(self.shifted, unknowns)?;
+        let (e, now) = self.shifted;
+        let (gain, machine) = linear_step((e, now, &now.machine), unknowns)?;
         Ok((gain - self.cost_of_shift(), machine))
     }
 
@@ -143,17 +149,17 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 }
 
-/// Returns the machine after a step of linear least squares in `unknowns`, with its fall of chi-squared.
-fn linear_step((e, now): (&Evidence, &Fitted), unknowns: &[Unknown]) -> Result<(f64, Machine)> {
-    let slope = |u: &Unknown| e.slope(&now.spectra, &now.machine, *u);
+/// Returns the machine after a step of linear least squares in `unknowns` from a machine with the residual of `now`, with its fall of chi-squared.
+fn linear_step((e, now, from): (&Evidence, &Fitted, &Machine), unknowns: &[Unknown]) -> Result<(f64, Machine)> {
+    let slope = |u: &Unknown| e.slope(&now.spectra, from, *u);
     let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
     let n = slopes.len();
     let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
     let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));
-    let Some(x) = normal.lu().solve(&right) else { return Ok((0.0, now.machine.clone())) };
-    let mut machine = now.machine.clone();
+    let Some(x) = normal.lu().solve(&right) else { return Ok((0.0, from.clone())) };
+    let mut machine = from.clone();
     for (u, x) in unknowns.iter().zip(x.iter()) {
-        u.set(&mut machine, u.get(&now.machine) + x);
+        u.set(&mut machine, u.get(from) + x);
     }
     Ok((x.dot(&right), machine))
 }

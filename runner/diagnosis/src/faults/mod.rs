@@ -5,6 +5,7 @@
 
 pub mod candidates;
 mod clearance;
+mod coupling;
 mod load;
 mod looseness;
 mod misalignment;
@@ -162,6 +163,7 @@ registry!(
     clearance::Clearance,
     looseness::Looseness,
     misalignment::Misalignment,
+    coupling::Coupling,
     run_out::RunOut,
     spall::Spall,
     waviness::Waviness,
