@@ -27,6 +27,7 @@ fn examples_of_every_help_run() {
         ("healthy.csv", &recording),
         ("today.csv", &recording),
         ("u.csv", "u,v,w,thu,thv\n0,-15e-6,0,0,0\n"),
+        ("vectors.csv", include_str!("../../docs/src/vectors.csv")),
         ("machines.csv", "machine,scene\npump,machine.toml\n"),
     ] {
         sandbox.put(name, content);
@@ -72,7 +73,7 @@ fn exit_codes_are_in_the_help() {
 fn the_error_of_force_is_offered_only_where_it_counts() {
     let sandbox = Sandbox::empty();
     for name in commands() {
-        let counts = ["check", "verify", "fit", "new", "scenes", "schema", "completions", "man"]
+        let counts = ["check", "verify", "fit", "balance", "new", "scenes", "schema", "completions", "man"]
             .iter()
             .all(|other| *other != name);
         let help = sandbox.done(&[&name, "--help"]).out;

@@ -6,6 +6,7 @@ mod bad_recording;
 mod bad_scene;
 mod bake;
 mod bake_c;
+mod balance;
 mod bounds;
 mod browser;
 mod chromium;

@@ -1,5 +1,6 @@
 //! Reports: HTML pages, text for the terminal, JSON and CSV.
 
+pub mod balance;
 pub mod campbell;
 pub mod catalogue;
 pub mod check;

@@ -1,6 +1,7 @@
 //! Subcommands, one file each, and the exit codes of the program.
 
 pub mod bake;
+pub mod balance;
 pub mod campbell;
 pub mod check;
 pub mod completions;
@@ -117,6 +118,9 @@ pub enum Command {
     /// Estimate unbalance, clearance, damping, stiffness and offsets from a recording, with confidence intervals.
     #[command(after_help = help::FIT)]
     Fit(fit::Args),
+    /// Balance a rotor from vibration vectors: influence coefficients, unknown masses, correction masses, with intervals.
+    #[command(after_help = help::BALANCE)]
+    Balance(balance::Args),
     /// Evaluate the recordings of many machines on all processors: table of outcomes, trends, reports, overview.
     #[command(after_help = help::FLEET)]
     Fleet(fleet::Args),
@@ -225,6 +229,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Simulate(args) => simulate::run(args, cli.format, args.limit.error),
         Command::Campbell(args) => campbell::run(args, cli.format, args.limit.error),
         Command::Sweep(args) => sweep::run(args, cli.format, args.limit.error),
+        Command::Balance(args) => balance::run(args, cli.format),
         Command::Fit(args) => fit::run(args, cli.format),
         Command::Trade(args) => trade::run(args, cli.format, args.limit.error),
         Command::New(args) => new::run(args, cli.format),

@@ -6,10 +6,12 @@
 //! | [`campbell`] | natural frequencies over the speed |
 //! | [`effect_significance`] | what an effect changes that the scene omits |
 //! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
-//! | [`fit`], [`bake`] | parameters from a recording; constants for firmware |
+//! | [`fit`], [`balance`] | parameters from a recording; masses from vibration vectors |
+//! | [`bake`] | constants for firmware |
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod balance;
 pub mod campbell;
 pub mod effect_significance;
 pub mod equilibrium;

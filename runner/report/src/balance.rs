@@ -1,0 +1,162 @@
+//! Masses from vibration vectors: text for the terminal, and the table of blind conditions.
+
+use anyhow::Result;
+use ballrace_twin::balance::{Balance, Influence, MomentEstimate, PlaneCorrection};
+use ballrace_twin::output::cell_text;
+use std::fmt::Write;
+
+/// Condition number from which single planes are told to be known less than their sum.
+const ILL_CONDITIONED: f64 = 10.0;
+
+/// Returns the estimate as text for the terminal.
+///
+/// # Errors
+/// Returns an error if the text cannot be formatted.
+pub fn text(of: &Balance) -> Result<String> {
+    let mut out = String::new();
+    let unit = &of.unit;
+    writeln!(out, "INFLUENCE COEFFICIENTS, {unit} per g mm; angles in degrees")?;
+    write!(out, "{:<12} {:>8} {:>18}", "probe", "rpm", "no added mass")?;
+    for plane in &of.planes {
+        write!(out, " {plane:>26}")?;
+    }
+    writeln!(out, " {:>10} {:>10}", "drift", "error")?;
+    for Influence { probe, speed_rpm, baseline: [size, angle], coefficients, drift, error } in &of.influence {
+        write!(out, "{probe:<12} {speed_rpm:>8.1} {size:>10.4} at {angle:>4.0}")?;
+        for [size, angle, deviation] in coefficients {
+            write!(out, " {size:>9.6} +-{deviation:<8.6} {angle:>4.0}")?;
+        }
+        writeln!(out, " {drift:>10.4} {error:>10.4}")?;
+    }
+    match of.drift_time_s {
+        Some(time) => writeln!(out, "The vectors drift; a drift is lost within {}.", duration(time))?,
+        None => writeln!(
+            out,
+            "The runs have no times: each condition is taken to have drifted on its own. Times narrow the intervals where the drift is slow."
+        )?,
+    }
+    if of.condition_number > ILL_CONDITIONED {
+        writeln!(
+            out,
+            "The planes act alike on these probes (condition number {:.0}): the sum of their moments is known better than each.",
+            of.condition_number
+        )?;
+    }
+    let proof = &of.proof;
+    if proof.moments == 0 {
+        writeln!(
+            out,
+            "No proof: with one known condition less, the others do not determine the coefficients. Add a trial."
+        )?;
+    } else {
+        writeln!(
+            out,
+            "Proof: each known condition estimated from the others: mean error {:.2} g mm (largest {:.2}) and {:.1} deg; {} of {} intervals hold \
+         the true moment.",
+            proof.mean_error_g_mm, proof.largest_error_g_mm, proof.mean_angle_error_deg, proof.inside, proof.moments
+        )?;
+    }
+    if !of.conditions.is_empty() {
+        writeln!(out, "\nMASSES OF THE BLIND CONDITIONS, with 95 % intervals")?;
+        for condition in &of.conditions {
+            for (plane, moment) in of.planes.iter().zip(&condition.planes) {
+                writeln!(out, "{:<12} {plane:<8} {}", condition.condition, described(moment))?;
+            }
+            if condition.misfit > MISFIT {
+                writeln!(
+                    out,
+                    "{:<12} no masses on these planes explain its vectors: {:.1} times what drift and errors leave",
+                    condition.condition, condition.misfit
+                )?;
+            }
+        }
+    }
+    correction(&mut out, of)?;
+    Ok(out)
+}
+
+/// Share of a moment that masses in holes leave, from which other weights are needed.
+const LEFT: f64 = 0.1;
+/// Ratio of what moments leave to what is expected, from which they do not explain the vectors.
+const MISFIT: f64 = 3.0;
+
+fn described(of: &MomentEstimate) -> String {
+    if of.moment_low > 0.0 {
+        format!(
+            "{:>6.1} g mm ({:.1} to {:.1}) at {:>5.1} deg ({:.1} to {:.1})",
+            of.moment_g_mm, of.moment_low, of.moment_high, of.angle_deg, of.angle_low, of.angle_high
+        )
+    } else if of.loaded < 0.5 {
+        format!(" empty, or at most {:.1} g mm", of.moment_high)
+    } else {
+        format!("{:>6.1} g mm (0 to {:.1}) about {:.0} deg, or empty", of.moment_g_mm, of.moment_high, of.angle_deg)
+    }
+}
+
+fn correction(out: &mut String, of: &Balance) -> Result<()> {
+    writeln!(out, "\nCORRECTION of the rotor without added masses")?;
+    for PlaneCorrection { plane, moment_g_mm, angle_deg, deviation_g_mm, holes, left_g_mm } in &of.correction.planes {
+        write!(out, "{plane:<12} add {moment_g_mm:.1} +-{:.1} g mm at {angle_deg:.1} deg", 2.0 * deviation_g_mm)?;
+        let masses: Vec<String> = holes
+            .iter()
+            .map(|one| format!("{:.2} g in hole {} ({:.1} deg)", one.mass_g, one.hole, one.angle_deg))
+            .collect();
+        writeln!(out, "{}{}", if masses.is_empty() { "" } else { ": " }, masses.join(", "))?;
+        if *left_g_mm > LEFT * moment_g_mm {
+            writeln!(out, "{:<12} these weights leave {left_g_mm:.1} g mm: others are needed", "")?;
+        }
+    }
+    if of.correction.not_observed > 0 {
+        writeln!(
+            out,
+            "{} of {} combinations of the planes move the probes less than drift and errors do: they stay 0.",
+            of.correction.not_observed,
+            of.planes.len()
+        )?;
+    }
+    writeln!(out, "{:<12} {:>8} {:>10} {:>18}", "probe", "rpm", "before", "after, expected")?;
+    for one in &of.correction.predicted {
+        writeln!(
+            out,
+            "{:<12} {:>8.1} {:>10.4} {:>9.4} +-{:.4} {}",
+            one.probe,
+            one.speed_rpm,
+            one.before,
+            one.after,
+            2.0 * one.deviation,
+            of.unit
+        )?;
+    }
+    Ok(())
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 120.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 7200.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+/// Returns the moments of the blind conditions as CSV, a row a condition and plane.
+#[must_use]
+pub fn csv(of: &Balance) -> String {
+    let mut out = "condition,plane,moment_g_mm,moment_low,moment_high,angle_deg,angle_low,angle_high\n".to_owned();
+    for condition in &of.conditions {
+        for (plane, moment) in condition.planes.iter().enumerate() {
+            let figures = [
+                moment.moment_g_mm,
+                moment.moment_low,
+                moment.moment_high,
+                moment.angle_deg,
+                moment.angle_low,
+                moment.angle_high,
+            ];
+            let figures: Vec<String> = figures.iter().map(|x| format!("{x:.3}")).collect();
+            out += &format!("{},{},{}\n", cell_text(&condition.condition), plane + 1, figures.join(","));
+        }
+    }
+    out
+}

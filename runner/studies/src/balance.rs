@@ -1,0 +1,575 @@
+//! Masses of a rotor from vibration vectors: influence coefficients from trial runs, and the moments that other runs carry.
+//!
+//! The once-per-turn vector of probe `p` at a speed is `y_p = B_p + sum_k C_pk u_k + d_p(t) + e`, with the moment `u_k` on each plane, the
+//! influence coefficients `C`, the vector `B` of the rotor without added masses, and a [drift](drift) that moves all probes and speeds
+//! together. Trial runs give `B`, `C` and the drift; the moments of a blind run follow with them by least squares, all runs together.
+//!
+//! Coefficients of planes that lie side by side are nearly in proportion, and single moments then known far less than their sum. What a
+//! run carries is one of all choices of loaded planes, each as likely before as any other and with moments of the size of the trial
+//! masses: an estimate and its interval are those of all choices together, weighted by their evidence. An empty plane so gets an interval
+//! from 0.
+//!
+//! Source of influence coefficients: ISO 21940-12; of the evidence of choices: MacKay, Information Theory, Inference, and Learning
+//! Algorithms, chapter 28.
+
+mod correction;
+mod drift;
+mod moments;
+pub mod table;
+
+use ballrace_base::parallel;
+pub use correction::{Correction, HoleMass, Holes, PlaneCorrection, Predicted};
+use drift::{Drift, Observation, Solution};
+pub use moments::MomentEstimate;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use table::{C, Record, VectorTable};
+
+/// Runs that differ by less in speed are of one speed.
+const SAME_SPEED: f64 = 0.03;
+/// Steps of the search of all moments together, and the change of a moment over the trial moments at which it ends.
+const STEPS: (usize, f64) = (30, 1e-9);
+/// Logarithm of the likelihood ratio from which the angles are taken to be counted the other way: odds of 1000.
+const MIRRORED: f64 = 7.0;
+/// Times of a drift that are tried, over the time from the first to the last run.
+const DRIFT_TIMES: [f64; 7] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+
+/// Error of an estimate from vectors.
+#[derive(Debug, thiserror::Error)]
+pub enum BalanceError {
+    /// There are too few runs with known masses.
+    #[error(
+        "{found} conditions with known masses, expected at least {least}: a baseline and one trial for each of the {planes} planes, and one more to tell the errors"
+    )]
+    Few {
+        /// Conditions found.
+        found: usize,
+        /// Least number.
+        least: usize,
+        /// Planes.
+        planes: usize,
+    },
+    /// The trials do not tell the planes apart.
+    #[error(
+        "the trial masses do not tell the planes apart at {speed:.0} rpm, expected trials on each plane alone or in different proportions"
+    )]
+    Dependent {
+        /// Speed, rpm.
+        speed: f64,
+    },
+    /// No trial moves the probes by more than the errors of the vectors.
+    #[error(
+        "the trial masses change no probe by more than its scatter, expected larger masses, or planes and probes of this rotor"
+    )]
+    NoResponse,
+    /// The response turns against the masses.
+    #[error(
+        "the vectors turn against the masses: with the angles of all masses counted the other way, the trials fit far better, expected angles of masses and vectors in one direction (a phase lag grows with the angle of the mass against rotation)"
+    )]
+    Mirrored,
+    /// A blind run has a speed without trials.
+    #[error("condition {condition}: no trial at {speed:.0} rpm, expected trials at the speeds of the blind runs")]
+    Speed {
+        /// Condition.
+        condition: String,
+        /// Speed, rpm.
+        speed: f64,
+    },
+}
+
+/// A channel of the vectors: probe and speed.
+#[derive(Debug, Clone, Serialize)]
+pub struct Influence {
+    /// Probe.
+    pub probe: String,
+    /// Mean speed of the runs, rpm.
+    pub speed_rpm: f64,
+    /// Vector without added masses: size and angle in degrees.
+    pub baseline: [f64; 2],
+    /// Influence coefficient of each plane per g mm: size, angle in degrees and standard deviation.
+    pub coefficients: Vec<[f64; 3]>,
+    /// Standard deviation of the drift, and of the error of a run.
+    pub drift: f64,
+    /// The same of the error of a run beside the drift.
+    pub error: f64,
+}
+
+/// Moments that a condition carries.
+#[derive(Debug, Clone, Serialize)]
+pub struct Condition {
+    /// Name.
+    pub condition: String,
+    /// Moment on each plane.
+    pub planes: Vec<MomentEstimate>,
+    /// Vectors of the runs that the moments leave, over the standard deviation expected of them: about 1 where all is as modelled.
+    pub misfit: f64,
+}
+
+/// How well each known condition is estimated from the others.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Proof {
+    /// Moments estimated.
+    pub moments: usize,
+    /// Mean error of their size, g mm.
+    pub mean_error_g_mm: f64,
+    /// Largest error of their size, g mm.
+    pub largest_error_g_mm: f64,
+    /// Mean error of the angle of the moments that are not 0, degrees.
+    pub mean_angle_error_deg: f64,
+    /// Intervals of the size that hold the true moment.
+    pub inside: usize,
+}
+
+/// Result of an estimate.
+#[derive(Debug, Clone, Serialize)]
+pub struct Balance {
+    /// Names of the planes.
+    pub planes: Vec<String>,
+    /// Unit of the vectors.
+    pub unit: String,
+    /// Influence coefficients, by speed and probe.
+    pub influence: Vec<Influence>,
+    /// Largest over least singular value of the coefficients in units of their errors: how far the planes lie apart.
+    pub condition_number: f64,
+    /// Time within which the drift is lost, s; `None` where the runs have no times.
+    pub drift_time_s: Option<f64>,
+    /// Moments of the blind conditions, in the order of the table.
+    pub conditions: Vec<Condition>,
+    /// Each known condition estimated from the others.
+    pub proof: Proof,
+    /// Correction of the rotor without added masses.
+    pub correction: Correction,
+}
+
+/// Coefficients with their covariance.
+struct Vectors<'a> {
+    runs: &'a Runs,
+    planes: &'a [String],
+    probes: &'a [String],
+    drift: &'a Drift,
+    solution: Solution,
+}
+
+impl Vectors<'_> {
+    fn channels(&self) -> usize {
+        self.runs.channels()
+    }
+
+    fn probe(&self, channel: usize) -> &str {
+        &self.probes[channel % self.runs.probes]
+    }
+
+    fn speed(&self, channel: usize) -> f64 {
+        self.runs.speeds[channel / self.runs.probes]
+    }
+
+    /// Returns the vector of a channel without added masses.
+    fn baseline(&self, channel: usize) -> C {
+        self.solution.theta[self.runs.column(channel, 0)]
+    }
+
+    /// Returns the influence coefficient of plane `k`, per g mm.
+    fn coefficient(&self, channel: usize, k: usize) -> C {
+        self.solution.theta[self.runs.column(channel, 1 + k)]
+    }
+
+    /// Returns the standard deviation of a coefficient.
+    fn deviation(&self, channel: usize, k: usize) -> f64 {
+        let at = self.runs.column(channel, 1 + k);
+        self.solution.covariance[(at, at)].re.max(0.0).sqrt()
+    }
+
+    /// Returns the coefficients with the trial moments in units of drift and error.
+    fn weighted(&self) -> DMatrix<C> {
+        DMatrix::from_fn(self.channels(), self.planes.len(), |channel, k| {
+            let noise = self.drift.covariance[(channel, channel)].re + self.drift.variance[channel];
+            self.coefficient(channel, k) * C::new((self.runs.usual / noise.max(f64::MIN_POSITIVE)).sqrt(), 0.0)
+        })
+    }
+
+    /// Returns the covariance of the vectors with these moments: by the coefficients, by the drift and by the error of a run.
+    fn errors(&self, moments: &[C]) -> DMatrix<C> {
+        let channels = self.channels();
+        let mut design = DMatrix::<C>::zeros(channels, self.runs.coefficients());
+        for channel in 0..channels {
+            design[(channel, self.runs.column(channel, 0))] = C::new(1.0, 0.0);
+            for (k, moment) in moments.iter().enumerate() {
+                design[(channel, self.runs.column(channel, 1 + k))] = *moment;
+            }
+        }
+        let mut sum = &design * &self.solution.covariance * design.adjoint() + &self.drift.covariance;
+        for (channel, variance) in self.drift.variance.iter().enumerate() {
+            sum[(channel, channel)] += C::new(*variance, 0.0);
+        }
+        sum
+    }
+}
+
+/// Runs of one condition at one speed.
+#[derive(Debug, Clone)]
+struct Run {
+    condition: usize,
+    speed: usize,
+    time: f64,
+    count: usize,
+    response: DVector<C>,
+    moments: Option<Vec<C>>,
+}
+
+/// Runs of a table, in the order of time.
+struct Runs {
+    all: Vec<Run>,
+    conditions: Vec<String>,
+    /// Mean of each speed, rpm.
+    speeds: Vec<f64>,
+    probes: usize,
+    planes: usize,
+    /// Variance of one record about the mean of its run, by channel.
+    repeat: Vec<f64>,
+    has_times: bool,
+    /// Mean square of the trial moments that are not 0.
+    usual: f64,
+}
+
+impl Runs {
+    fn new(table: &VectorTable) -> Self {
+        let mut speeds: Vec<(f64, usize)> = vec![];
+        let mut conditions: Vec<String> = vec![];
+        let probes = table.probes.len();
+        let mut groups: Vec<(Run, Vec<&Record>)> = vec![];
+        for record in &table.records {
+            let is_same = |(sum, count): &(f64, usize)| (record.speed * *count as f64 / sum - 1.0).abs() < SAME_SPEED;
+            let speed = speeds.iter().position(is_same).unwrap_or_else(|| {
+                speeds.push((0.0, 0));
+                speeds.len() - 1
+            });
+            speeds[speed].0 += record.speed;
+            speeds[speed].1 += 1;
+            let condition = conditions.iter().position(|name| *name == record.condition).unwrap_or_else(|| {
+                conditions.push(record.condition.clone());
+                conditions.len() - 1
+            });
+            let of_run = |(run, _): &&mut (Run, Vec<&Record>)| run.condition == condition && run.speed == speed;
+            if let Some((_, records)) = groups.iter_mut().find(of_run) {
+                records.push(record);
+            } else {
+                let run = Run {
+                    condition,
+                    speed,
+                    time: 0.0,
+                    count: 0,
+                    response: DVector::zeros(probes),
+                    moments: record.moments.clone(),
+                };
+                groups.push((run, vec![record]));
+            }
+        }
+        let has_times = table.records.iter().all(|record| record.time.is_some());
+        let mut squares = vec![(0.0, 0usize); probes * speeds.len()];
+        let finished = |(mut run, records): (Run, Vec<&Record>)| {
+            run.count = records.len();
+            let n = C::new(run.count as f64, 0.0);
+            for record in &records {
+                run.response += DVector::from_column_slice(&record.response) / n;
+            }
+            run.time = if has_times {
+                records.iter().filter_map(|record| record.time).sum::<f64>() / run.count as f64
+            } else {
+                run.condition as f64
+            };
+            for p in 0..probes {
+                let (sum, count) = &mut squares[run.speed * probes + p];
+                *sum += records.iter().map(|record| (record.response[p] - run.response[p]).norm_sqr()).sum::<f64>();
+                *count += run.count - 1;
+            }
+            run
+        };
+        let mut all: Vec<Run> = groups.into_iter().map(finished).collect();
+        all.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let moments = all.iter().filter_map(|run| run.moments.as_ref()).flatten().filter(|u| u.norm_sqr() > 0.0);
+        let (sum, count) = moments.fold((0.0, 0), |(sum, count), u| (sum + u.norm_sqr(), count + 1));
+        Self {
+            conditions,
+            speeds: speeds.into_iter().map(|(sum, count)| sum / count as f64).collect(),
+            probes,
+            planes: table.planes.len(),
+            repeat: squares.into_iter().map(|(sum, count)| sum / count.max(1) as f64).collect(),
+            has_times,
+            usual: sum / f64::from(count.max(1)),
+            all,
+        }
+    }
+
+    fn channels(&self) -> usize {
+        self.probes * self.speeds.len()
+    }
+
+    /// Returns the number of known runs at the speed that has fewest.
+    fn known(&self) -> usize {
+        let at = |speed| self.all.iter().filter(|run| run.speed == speed && run.moments.is_some()).count();
+        (0..self.speeds.len()).map(at).min().unwrap_or_default()
+    }
+
+    /// Columns of the coefficients: of each channel the baseline and each plane.
+    fn coefficients(&self) -> usize {
+        self.channels() * (1 + self.planes)
+    }
+
+    /// Column of a channel: 0 the baseline, then the planes.
+    fn column(&self, channel: usize, of: usize) -> usize {
+        channel * (1 + self.planes) + of
+    }
+
+    /// Returns a run as an observation of the coefficients, with `further` columns after them.
+    fn observation(&self, run: &Run, moments: &[C], further: usize) -> Observation {
+        let first = run.speed * self.probes;
+        let mut design = DMatrix::zeros(self.probes, self.coefficients() + further);
+        for p in 0..self.probes {
+            design[(p, self.column(first + p, 0))] = C::new(1.0, 0.0);
+            for (k, moment) in moments.iter().enumerate() {
+                design[(p, self.column(first + p, 1 + k))] = *moment;
+            }
+        }
+        Observation { time: run.time, first, response: run.response.clone(), count: run.count, design }
+    }
+
+    /// Returns the times of a drift that are tried, s. Without times each condition has a drift of its own.
+    fn drift_times(&self) -> Vec<f64> {
+        let span = match self.all.as_slice() {
+            [first, .., last] if self.has_times => last.time - first.time,
+            _ => 0.0,
+        };
+        if span > 0.0 { DRIFT_TIMES.iter().map(|share| share * span).collect() } else { vec![f64::MIN_POSITIVE] }
+    }
+
+    /// Finds drift and coefficients from the known conditions, with one of `times` for the drift.
+    fn learned(&self, times: &[f64]) -> Option<(Drift, Solution)> {
+        let known = self.all.iter().filter_map(|run| Some(self.observation(run, run.moments.as_deref()?, 0)));
+        let known: Vec<Observation> = known.collect();
+        Drift::estimated(&known, &self.repeat, times)
+    }
+
+    /// Returns the runs with the angles of all masses counted the other way.
+    fn mirrored(&self) -> Self {
+        let mirrored = |run: &Run| {
+            let moments = run.moments.as_ref().map(|moments| moments.iter().map(C::conj).collect());
+            Run { moments, ..run.clone() }
+        };
+        self.with(self.all.iter().map(mirrored).collect())
+    }
+
+    /// Returns other runs of the same machine.
+    fn with(&self, all: Vec<Run>) -> Self {
+        Self {
+            all,
+            conditions: self.conditions.clone(),
+            speeds: self.speeds.clone(),
+            repeat: self.repeat.clone(),
+            ..*self
+        }
+    }
+
+    /// Estimates the moments of `asked` conditions together with the coefficients, from the known conditions and their own runs.
+    fn moments(&self, drift: &Drift, start: &DVector<C>, asked: &[usize]) -> Option<Vec<Condition>> {
+        let further = asked.len() * self.planes;
+        let of_condition = |run: &Run| asked.iter().position(|condition| *condition == run.condition);
+        let used: Vec<&Run> =
+            self.all.iter().filter(|run| of_condition(run).is_some() || run.moments.is_some()).collect();
+        let mut moments = vec![vec![C::new(0.0, 0.0); self.planes]; asked.len()];
+        let mut theta = start.clone();
+        let mut solution = None;
+        for _ in 0..STEPS.0 {
+            // About the coefficients and moments of the step before: y = B + C u + u' dC + C' du.
+            let observed = used.iter().map(|run| {
+                let Some(i) = of_condition(run) else {
+                    return self.observation(run, run.moments.as_deref().unwrap_or_default(), further);
+                };
+                let mut of = self.observation(run, &moments[i], further);
+                for p in 0..self.probes {
+                    for k in 0..self.planes {
+                        let coefficient = theta[self.column(of.first + p, 1 + k)];
+                        of.design[(p, self.coefficients() + i * self.planes + k)] = coefficient;
+                        of.response[p] += coefficient * moments[i][k];
+                    }
+                }
+                of
+            });
+            let observed: Vec<Observation> = observed.collect();
+            let next = drift.solve(&observed)?;
+            let mut change = 0.0_f64;
+            for (i, moments) in moments.iter_mut().enumerate() {
+                for (k, moment) in moments.iter_mut().enumerate() {
+                    let new = next.theta[self.coefficients() + i * self.planes + k];
+                    change = change.max((new - *moment).norm());
+                    *moment = new;
+                }
+            }
+            theta = next.theta.rows(0, self.coefficients()).into_owned();
+            solution = Some(next);
+            if change < STEPS.1 * self.usual.sqrt() {
+                break;
+            }
+        }
+        let solution = solution?;
+        let wider = few_values(self.known(), self.planes);
+        let condition = |(i, condition): (usize, &usize)| {
+            let at = self.coefficients() + i * self.planes;
+            let mean = solution.theta.rows(at, self.planes).into_owned();
+            let covariance =
+                solution.covariance.view((at, at), (self.planes, self.planes)) * C::new(wider * wider, 0.0);
+            Some(Condition {
+                condition: self.conditions[*condition].clone(),
+                planes: moments::estimates(&mean, &covariance, self.usual)?,
+                misfit: self.misfit(drift, &theta, &moments[i], *condition),
+            })
+        };
+        asked.iter().enumerate().map(condition).collect()
+    }
+
+    /// Returns the rms of the vectors of a condition that moments leave, over that expected by drift and error.
+    fn misfit(&self, drift: &Drift, theta: &DVector<C>, moments: &[C], condition: usize) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for run in self.all.iter().filter(|run| run.condition == condition) {
+            let of = self.observation(run, moments, 0);
+            let fitted = &of.design * theta;
+            for p in 0..self.probes {
+                let channel = of.first + p;
+                let expected =
+                    drift.covariance[(channel, channel)].re + drift.variance[channel] + drift.repeat[channel];
+                sum += (of.response[p] - fitted[p]).norm_sqr() / expected.max(f64::MIN_POSITIVE);
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// Estimates each known condition from the others.
+    fn proof(&self, time: f64) -> Proof {
+        let known: Vec<(usize, Vec<C>)> = {
+            let of = |condition: usize| {
+                let run = self.all.iter().find(|run| run.condition == condition)?;
+                Some((condition, run.moments.clone()?))
+            };
+            (0..self.conditions.len()).filter_map(of).collect()
+        };
+        let estimated = |(condition, truth): &(usize, Vec<C>)| {
+            let asked = |run: &Run| {
+                if run.condition == *condition { Run { moments: None, ..run.clone() } } else { run.clone() }
+            };
+            let others = self.with(self.all.iter().map(asked).collect());
+            if others.known() < self.planes + 2 {
+                return None;
+            }
+            let (drift, solution) = others.learned(&[time])?;
+            let found = others.moments(&drift, &solution.theta, &[*condition])?.pop()?;
+            Some((truth.clone(), found))
+        };
+        let mut proof = Proof::default();
+        let (mut errors, mut angles) = (vec![], vec![]);
+        for (truth, found) in parallel::map(&known, estimated).into_iter().flatten() {
+            for (truth, found) in truth.iter().zip(&found.planes) {
+                errors.push((found.moment_g_mm - truth.norm()).abs());
+                proof.inside += usize::from((found.moment_low..=found.moment_high).contains(&truth.norm()));
+                if truth.norm_sqr() > 0.0 {
+                    let turn = C::from_polar(1.0, found.angle_deg.to_radians()) / truth;
+                    angles.push(turn.arg().to_degrees().abs());
+                }
+            }
+        }
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+        proof.moments = errors.len();
+        proof.mean_error_g_mm = mean(&errors);
+        proof.largest_error_g_mm = errors.iter().copied().fold(0.0, f64::max);
+        proof.mean_angle_error_deg = mean(&angles);
+        proof
+    }
+}
+
+/// Estimates influence coefficients, the moments of the blind conditions of a table, and the correction of the rotor without added masses.
+///
+/// # Errors
+/// Returns an error if the trials do not determine the coefficients of every plane at every speed.
+pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, BalanceError> {
+    let runs = Runs::new(table);
+    check(&runs)?;
+    let dependent = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
+    let (drift, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
+    let theta = solution.theta.clone();
+    let mirrored = runs.mirrored().learned(&[drift.time]);
+    if mirrored.is_some_and(|(_, other)| other.log_likelihood > solution.log_likelihood + MIRRORED) {
+        return Err(BalanceError::Mirrored);
+    }
+    let vectors = Vectors { runs: &runs, planes: &table.planes, probes: &table.probes, drift: &drift, solution };
+    let singular = vectors.weighted().singular_values();
+    if singular.max() < correction::OBSERVED {
+        return Err(BalanceError::NoResponse);
+    }
+    let polar = |x: C| [x.norm(), x.arg().to_degrees().rem_euclid(360.0)];
+    let influence = |channel: usize| Influence {
+        probe: vectors.probe(channel).to_owned(),
+        speed_rpm: vectors.speed(channel),
+        baseline: polar(vectors.baseline(channel)),
+        coefficients: (0..runs.planes)
+            .map(|k| {
+                let [size, angle] = polar(vectors.coefficient(channel, k));
+                [size, angle, vectors.deviation(channel, k)]
+            })
+            .collect(),
+        drift: drift.covariance[(channel, channel)].re.sqrt(),
+        error: drift.variance[channel].sqrt(),
+    };
+    let is_blind = |condition: &usize| runs.all.iter().any(|run| run.condition == *condition && run.moments.is_none());
+    let blind: Vec<usize> = (0..runs.conditions.len()).filter(is_blind).collect();
+    Ok(Balance {
+        planes: table.planes.clone(),
+        unit: table.unit.clone(),
+        influence: (0..runs.channels()).map(influence).collect(),
+        condition_number: singular.max() / singular.min().max(f64::MIN_POSITIVE),
+        drift_time_s: runs.has_times.then_some(drift.time),
+        conditions: runs.moments(&drift, &theta, &blind).ok_or_else(dependent)?,
+        proof: runs.proof(drift.time),
+        correction: correction::correction(&vectors, holes).ok_or_else(dependent)?,
+    })
+}
+
+/// Returns how much wider an interval of 95 % is where its deviation comes from few runs: Student's t over the normal value, for two
+/// degrees of freedom (real and imaginary part) a run beyond the coefficients.
+///
+/// Source: expansion of Fisher and Cornish, Abramowitz and Stegun 26.7.5.
+fn few_values(known: usize, planes: usize) -> f64 {
+    const Z: f64 = 1.959_964;
+    let n = 2.0 * known.saturating_sub(1 + planes).max(1) as f64;
+    let (z3, z5, z7) = (Z.powi(3), Z.powi(5), Z.powi(7));
+    let t = Z
+        + (z3 + Z) / (4.0 * n)
+        + (5.0 * z5 + 16.0 * z3 + 3.0 * Z) / (96.0 * n * n)
+        + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * Z) / (384.0 * n * n * n);
+    t / Z
+}
+
+/// Checks that the known conditions determine every coefficient.
+fn check(runs: &Runs) -> Result<(), BalanceError> {
+    let least = runs.planes + 2;
+    for (speed, mean) in runs.speeds.iter().enumerate() {
+        let known: Vec<&Vec<C>> =
+            runs.all.iter().filter(|run| run.speed == speed).filter_map(|run| run.moments.as_ref()).collect();
+        if known.is_empty() {
+            let blind = runs.all.iter().find(|run| run.speed == speed);
+            let condition = blind.map_or(String::new(), |run| runs.conditions[run.condition].clone());
+            return Err(BalanceError::Speed { condition, speed: *mean });
+        }
+        if known.len() < least {
+            return Err(BalanceError::Few { found: known.len(), least, planes: runs.planes });
+        }
+        let scale = runs.usual.sqrt().max(f64::MIN_POSITIVE);
+        let design = DMatrix::from_fn(known.len(), 1 + runs.planes, |i, k| match k {
+            0 => C::new(1.0, 0.0),
+            _ => known[i][k - 1] / C::new(scale, 0.0),
+        });
+        let singular = design.singular_values();
+        if singular.min() < 1e-3 * singular.max() {
+            return Err(BalanceError::Dependent { speed: *mean });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,305 @@
+//! `ballrace balance`: masses of simulated rotors against an independent least-squares program, measured vectors, and wrong tables.
+
+use crate::support::Sandbox;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// Complex number as real and imaginary part.
+type Pair = [f64; 2];
+
+/// Pseudorandom numbers in -1 to 1 (Park and Miller).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0 * 48_271 % 0x7fff_ffff;
+        2.0 * self.0 as f64 / 2_147_483_647.0 - 1.0
+    }
+    fn pair(&mut self) -> Pair {
+        [self.next(), self.next()]
+    }
+}
+
+fn times(a: Pair, b: Pair) -> Pair {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+fn plus(a: Pair, b: Pair) -> Pair {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn at(moment: f64, degrees: f64) -> Pair {
+    let (s, c) = degrees.to_radians().sin_cos();
+    [moment * c, moment * s]
+}
+
+/// A rotor of planes and probes by its coefficients.
+struct Rotor {
+    baseline: Vec<Pair>,
+    /// By probe, then by plane.
+    coefficients: Vec<Vec<Pair>>,
+    random: Random,
+    noise: f64,
+}
+
+impl Rotor {
+    fn new(planes: usize, probes: usize, noise: f64) -> Self {
+        let mut random = Random(20_261_127);
+        let baseline = (0..probes).map(|_| random.pair().map(|x| 20.0 * x)).collect();
+        let coefficients = (0..probes).map(|_| (0..planes).map(|_| random.pair().map(|x| 0.1 * x)).collect()).collect();
+        Self { baseline, coefficients, random, noise }
+    }
+
+    fn vectors(&mut self, moments: &[Pair]) -> Vec<Pair> {
+        let of =
+            |(b, row): (&Pair, &Vec<Pair>)| row.iter().zip(moments).fold(*b, |sum, (c, u)| plus(sum, times(*c, *u)));
+        let exact: Vec<Pair> = self.baseline.iter().zip(&self.coefficients).map(of).collect();
+        let noise = self.noise;
+        exact.into_iter().map(|y| plus(y, self.random.pair().map(|x| noise * x))).collect()
+    }
+
+    fn table(&mut self, runs: &[(&str, &str, Vec<(f64, f64)>)]) -> String {
+        let planes = self.coefficients[0].len();
+        let mut out = "id,set,speed_rpm".to_owned();
+        (1..=planes).for_each(|k| write!(out, ",p{k}_g_mm,p{k}_deg").unwrap());
+        (1..=self.baseline.len()).for_each(|p| write!(out, ",s{p}_re_um,s{p}_im_um").unwrap());
+        out.push('\n');
+        for (id, set, masses) in runs {
+            for repeat in 1..=2 {
+                write!(out, "{id}_N1_a{repeat},{set},3000").unwrap();
+                for (moment, angle) in masses {
+                    match *set {
+                        "blind" => out += ",,",
+                        _ => write!(out, ",{moment},{angle}").unwrap(),
+                    }
+                }
+                let moments: Vec<Pair> = masses.iter().map(|(moment, angle)| at(*moment, *angle)).collect();
+                for [re, im] in self.vectors(&moments) {
+                    write!(out, ",{re:.9},{im:.9}").unwrap();
+                }
+                out.push('\n');
+            }
+        }
+        out
+    }
+
+    /// Returns the moments with the least sum of squares: real normal equations by Gauss elimination.
+    fn optimum(&self) -> Vec<Pair> {
+        let planes = self.coefficients[0].len();
+        let n = 2 * planes;
+        // Rows of the real system: the real and the imaginary part of each vector.
+        let rows = self.coefficients.iter().zip(&self.baseline).flat_map(|(row, b)| {
+            let re: Vec<f64> = row.iter().flat_map(|c| [c[0], -c[1]]).collect();
+            let im: Vec<f64> = row.iter().flat_map(|c| [c[1], c[0]]).collect();
+            [(re, b[0]), (im, b[1])]
+        });
+        let mut system = vec![vec![0.0; n + 1]; n];
+        for (row, b) in rows {
+            for i in 0..n {
+                for j in 0..n {
+                    system[i][j] += row[i] * row[j];
+                }
+                system[i][n] -= row[i] * b;
+            }
+        }
+        for i in 0..n {
+            let pivot = system[i].clone();
+            for (k, row) in system.iter_mut().enumerate().filter(|(k, _)| *k != i) {
+                let factor = row[i] / pivot[i];
+                row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+                let _ = k;
+            }
+        }
+        let solved: Vec<f64> = (0..n).map(|i| system[i][n] / system[i][i]).collect();
+        solved.chunks(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+}
+
+const RUNS: [(&str, &str); 9] = [
+    ("BASE", "baseline"),
+    ("T1", "trial"),
+    ("T2", "trial"),
+    ("T3", "trial"),
+    ("T4", "trial"),
+    ("T5", "trial"),
+    ("T6", "trial"),
+    ("X1", "blind"),
+    ("X2", "blind"),
+];
+
+/// Masses on four planes of each run.
+fn runs() -> Vec<(&'static str, &'static str, Vec<(f64, f64)>)> {
+    let masses: [[(f64, f64); 4]; 9] = [
+        [(0.0, 0.0); 4],
+        [(40.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)],
+        [(0.0, 0.0), (40.0, 90.0), (0.0, 0.0), (0.0, 0.0)],
+        [(0.0, 0.0), (0.0, 0.0), (40.0, 45.0), (0.0, 0.0)],
+        [(0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (40.0, 200.0)],
+        [(40.0, 120.0), (0.0, 0.0), (40.0, 300.0), (0.0, 0.0)],
+        [(0.0, 0.0), (40.0, 270.0), (0.0, 0.0), (40.0, 10.0)],
+        [(25.0, 70.0), (0.0, 0.0), (10.0, 250.0), (0.0, 0.0)],
+        [(0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)],
+    ];
+    RUNS.iter().zip(masses).map(|((id, set), masses)| (*id, *set, masses.to_vec())).collect()
+}
+
+fn moment(of: &Value) -> Pair {
+    at(of["moment_g_mm"].as_f64().unwrap(), of["angle_deg"].as_f64().unwrap())
+}
+
+fn apart(a: Pair, b: Pair) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[test]
+fn four_planes_and_twelve_probes_are_balanced_as_by_another_program() {
+    let sandbox = Sandbox::empty();
+    let mut rotor = Rotor::new(4, 12, 0.02);
+    sandbox.put("vectors.csv", rotor.table(&runs()));
+    let out: Value =
+        sandbox.done(&["balance", "--vectors", "vectors.csv", "-o", "masses.csv", "--format", "json"]).json();
+    let optimum = rotor.optimum();
+    let largest = optimum.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    for (found, optimum) in out["correction"]["planes"].as_array().unwrap().iter().zip(&optimum) {
+        let off = apart(moment(found), *optimum);
+        assert!(off < 0.02 * largest, "{found}: {optimum:?}");
+        assert!(off < 4.0 * found["deviation_g_mm"].as_f64().unwrap(), "{found}: {optimum:?}");
+    }
+    // The table of the blind conditions: what was put on, and what was not.
+    let table = sandbox.read("masses.csv");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        rows[0],
+        ["condition", "plane", "moment_g_mm", "moment_low", "moment_high", "angle_deg", "angle_low", "angle_high"]
+    );
+    assert_eq!(rows.len(), 9, "{table}");
+    let known = runs();
+    for row in &rows[1..] {
+        let (_, _, masses) = known.iter().find(|run| run.0 == row[0]).unwrap();
+        let (truth, angle) = masses[row[1].parse::<usize>().unwrap() - 1];
+        let [value, low, high, found, from, to]: [f64; 6] =
+            row[2..].iter().map(|x| x.parse().unwrap()).collect::<Vec<_>>().try_into().unwrap();
+        assert!((low..=high).contains(&truth), "{row:?}: {truth}");
+        assert!((value - truth).abs() < 0.5, "{row:?}: {truth}");
+        if truth > 0.0 {
+            assert!(low > 0.0 && from < found && found < to, "{row:?}");
+            assert!((found - angle).abs() < 3.0, "{row:?}: {angle}");
+        } else {
+            assert_eq!(low, 0.0, "{row:?}");
+        }
+    }
+}
+
+/// Holes and stock: what is put in has nearly the moment, and the predicted vibration is that of what is put in.
+#[test]
+fn masses_in_holes() {
+    let sandbox = Sandbox::empty();
+    let mut rotor = Rotor::new(4, 12, 0.02);
+    sandbox.put("vectors.csv", rotor.table(&runs()));
+    let args = ["balance", "--vectors", "vectors.csv", "--holes", "16", "--radius", "30 mm", "--format", "json"];
+    let any: Value = sandbox.done(&args).json();
+    for plane in any["correction"]["planes"].as_array().unwrap() {
+        let holes = plane["holes"].as_array().unwrap();
+        let of = |hole: &Value| at(30.0 * hole["mass_g"].as_f64().unwrap(), hole["angle_deg"].as_f64().unwrap());
+        let sum = holes.iter().map(of).fold([0.0; 2], plus);
+        assert!(apart(sum, moment(plane)) < 1e-6 * sum[0].hypot(sum[1]), "{plane}");
+    }
+    let stock: Value = sandbox.done(&[&args[..], &["--stock", "1 g,2 g"]].concat()).json();
+    for plane in stock["correction"]["planes"].as_array().unwrap() {
+        for hole in plane["holes"].as_array().unwrap() {
+            assert!([1.0, 2.0].contains(&hole["mass_g"].as_f64().unwrap()), "{hole}");
+        }
+    }
+    let text = sandbox.done(&args[..args.len() - 2]).out;
+    assert!(text.contains("CORRECTION") && text.contains(" g in hole "), "{text}");
+}
+
+#[test]
+fn wrong_tables_have_one_clear_error() {
+    let sandbox = Sandbox::empty();
+    let good = Rotor::new(4, 3, 0.02).table(&runs());
+    let wrong = |text: &str| {
+        sandbox.put("vectors.csv", text);
+        let output = sandbox.run(&["balance", "--vectors", "vectors.csv"]);
+        assert_eq!(output.code, Some(2), "{}{}", output.out, output.err);
+        output.err
+    };
+    for (from, to, message) in [
+        ("s2_re_um,s2_im_um", "s2_re_mil,s2_im_mil", "another unit than that of the column before"),
+        ("s1_re_um", "s1_re_furlong", "unknown unit"),
+        ("p1_deg", "p1_angle", "column p1_deg: missing, expected the angle of the plane's mass"),
+        ("speed_rpm", "speed", "column speed_rpm: missing"),
+        (
+            "BASE_N1_a1,baseline,3000,0",
+            "BASE_N1_a1,baseline,3000,5",
+            "line 2: p1_g_mm: value out of range: \"5\", expected 0 in a baseline",
+        ),
+        ("T1_N1_a1,trial,3000,40", "T1_N1_a1,trial,3000,-40", "line 4: p1_g_mm: value out of range: \"-40\""),
+        (
+            "T1_N1_a1,trial,3000,40",
+            "T1_N1_a1,test,3000,40",
+            "line 4: set: value out of range: \"test\", expected baseline, trial or blind",
+        ),
+        ("T1_N1_a1,trial,3000", "T1_N1_a1,trial,0", "line 4: speed_rpm: value out of range: \"0\""),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let err = wrong(&good.replacen(from, to, 1));
+        assert!(err.contains(message), "{message}: {err}");
+    }
+    let without = |names: &[&str]| -> String {
+        let keeps = |line: &&str| names.iter().all(|name| !line.starts_with(name));
+        good.lines().filter(keeps).map(|line| format!("{line}\n")).collect()
+    };
+    let err = wrong(&without(&["T3", "T4", "T5", "T6"]));
+    assert!(err.contains("3 conditions with known masses, expected at least 6"), "{err}");
+    // Planes 3 and 4 are never loaded by themselves.
+    let mut runs = runs();
+    for (_, _, masses) in runs.iter_mut().filter(|run| run.1 == "trial") {
+        masses[3] = masses[2];
+    }
+    let err = wrong(&Rotor::new(4, 3, 0.02).table(&runs));
+    assert!(err.contains("do not tell the planes apart"), "{err}");
+    // Angles counted against the vectors.
+    let mut rotor = Rotor::new(4, 3, 0.02);
+    let mirrored: Vec<_> = self::runs();
+    let table = rotor.table(&mirrored);
+    let turned: String = table
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            for angle in [4, 6, 8, 10] {
+                if let Ok(x) = cells[angle].parse::<f64>() {
+                    cells[angle] = format!("{}", (360.0 - x) % 360.0);
+                }
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    let err = wrong(&turned);
+    assert!(err.contains("the vectors turn against the masses"), "{err}");
+    // Masses that no probe shows.
+    let mut deaf = Rotor::new(4, 3, 0.5);
+    deaf.coefficients.iter_mut().flatten().for_each(|c| *c = c.map(|x| 1e-4 * x));
+    let err = wrong(&deaf.table(&self::runs()));
+    assert!(err.contains("change no probe by more than its scatter"), "{err}");
+    let err = wrong(&good.replacen("X1_N1_a1,blind,3000", "X1_N1_a1,blind,6000", 1));
+    assert!(err.contains("condition X1: no trial at 6000 rpm"), "{err}");
+}
+
+/// Measured vectors of a rotor kit with two disks, where they are at hand: the known conditions, each from the others, within 3.5 g mm and
+/// 5 degrees on average, and runs without a mass said to be empty.
+#[test]
+fn measured_vectors_of_a_rotor_kit() {
+    let vectors = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings/real/rk4_rotor_kit/vectors.csv");
+    if !std::path::Path::new(vectors).is_file() {
+        return;
+    }
+    let sandbox = Sandbox::empty();
+    let out: Value = sandbox.done(&["balance", "--vectors", vectors, "-o", "estimates.csv", "--format", "json"]).json();
+    let proof = &out["proof"];
+    assert!(proof["mean_error_g_mm"].as_f64().unwrap() < 2.5, "{proof}");
+    assert!(proof["mean_angle_error_deg"].as_f64().unwrap() < 5.0, "{proof}");
+    let share = proof["inside"].as_f64().unwrap() / proof["moments"].as_f64().unwrap();
+    assert!((0.9..=1.0).contains(&share), "{proof}");
+    assert_eq!(sandbox.read("estimates.csv").lines().count(), 21);
+}
