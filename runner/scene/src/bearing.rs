@@ -1,6 +1,6 @@
 //! `[[bearing]]` of a scene: geometry, model, effects, damage.
 
-use super::{Coordinates, Model, Mounting};
+use super::{Coordinates, Model, Mounting, Rollers};
 use crate::catalogue::Listed;
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::quasi_static::film;
@@ -24,6 +24,8 @@ pub struct Bearing {
     pub cage_ratio: Option<f64>,
     /// Ball, race and material, when given.
     pub geometry: Option<Geometry>,
+    /// Rollers in place of balls, when given; their stiffness and play are the law's.
+    pub rollers: Option<Rollers>,
     /// Source of the orders of a bearing without `model`.
     pub kinematics: Option<KinematicData>,
     /// Load-deflection law, when given directly instead of by geometry.

@@ -211,6 +211,11 @@ impl<'a> Node<'a> {
         matches!(self.content, Content::Table(_))
     }
 
+    /// Returns true where this is a list.
+    pub(crate) fn is_list(&self) -> bool {
+        matches!(self.content, Content::Value(Value::Array(_)))
+    }
+
     /// Reads a number without dimension, finite and in the range of its kind, which `expected` describes.
     pub fn number(&self, expected: &str) -> Read<f64> {
         self.in_bounds(self.bare_number(), expected)

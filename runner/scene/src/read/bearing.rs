@@ -12,6 +12,7 @@ use super::super::{
 };
 use super::kinematics;
 use super::pitch_circle::{check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
+use super::rollers::{self, ROLLER_DIAMETER};
 
 /// `facing`
 pub(super) const FACINGS: [(&str, Facing); 3] = [("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)];
@@ -80,11 +81,19 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
     };
     let linear = linear(table, model)?;
     let required = required_input(model, linear.as_ref());
-    let (geometry, law) = (geometry(table, required)?, law(table, required)?);
-    check_law(table, required, geometry.as_ref(), law.as_ref())?;
+    let evaluated = if let Some(Linear::Of(source)) = linear { source } else { model };
+    let (rollers, geometry, law) = if rollers::has_rollers(table, required) {
+        let (rollers, law) = rollers::read(table, evaluated, elements)?;
+        (Some(rollers), None, Some(law))
+    } else {
+        rollers::check_without_rollers(table, required)?;
+        let (geometry, law) = (geometry(table, required)?, law(table, required)?);
+        check_law(table, required, geometry.as_ref(), law.as_ref())?;
+        (None, geometry, law)
+    };
     check_two_spring(table, elements, linear.as_ref())?;
     if let Some(Geometry { ball_diameter, pitch_diameter, .. }) = geometry {
-        check_fit_on_pitch_circle(table, elements, [ball_diameter, pitch_diameter])?;
+        check_fit_on_pitch_circle(table, elements, ("ball_diameter", ball_diameter), pitch_diameter)?;
     }
     check_moving_elements(table, model, geometry.as_ref())?;
     Ok(Bearing {
@@ -94,8 +103,9 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
         model,
         elements,
         first_element_azimuth: table.optional_quantity("first_element_azimuth")?.unwrap_or(0.0),
-        cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
+        cage_ratio: cage_ratio(table, model, geometry.is_some() || rollers.is_some() || table.has(DESIGNATION))?,
         kinematics,
+        rollers,
         axial: table.read("axial", axial)?,
         outer_ring: outer_ring(table)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
@@ -126,7 +136,10 @@ pub(super) fn all_models() -> Vec<(&'static str, Model)> {
 
 fn model(table: &Table<'_>) -> Read<Model> {
     match table.optional("model") {
-        Some(node) => node.choice(&all_models()),
+        Some(node) => {
+            let model = node.choice(&all_models())?;
+            Ok(if table.has(ROLLER_DIAMETER) { model.for_rollers() } else { model })
+        }
         None => kinematics::check_without_model(table).map(|()| Model::Kinematics),
     }
 }
@@ -158,7 +171,7 @@ fn models_with_law() -> String {
 }
 
 /// Rejects each of `keys` that is present, because it excludes others.
-fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
+pub(super) fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
     match keys.iter().find_map(|key| table.optional(key)) {
         Some(node) => Err(node.misplaced(why)),
         None => Ok(()),
@@ -178,7 +191,8 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    Ok(table.read("linearise", |n| n.choice(&linearised_models()))?.map(Linear::Of))
+    let source = table.read("linearise", |n| n.choice(&linearised_models()))?;
+    Ok(source.map(|of| Linear::Of(if table.has(ROLLER_DIAMETER) { of.for_rollers() } else { of })))
 }
 
 /// `linearise`
