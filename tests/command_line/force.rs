@@ -392,7 +392,7 @@ fn golden_forces_of_rollers() {
         let mut worst = [0.0_f64; 2];
         for case in ballrace_tests::rollers::cases() {
             let sandbox = Sandbox::empty();
-            sandbox.put("scene.toml", &roller_scene(&case));
+            sandbox.put("scene.toml", roller_scene(&case));
             let u = format!("u,v,w,thu,thv\n{}\n", case.displacement.map(|x| format!("{x:?}")).join(","));
             let rows = forces(&sandbox, &u, digits, &["--precision", precision, "--math", math]);
             let error = relative_to_largest(&rows[0].0, &case.force);

@@ -2,7 +2,7 @@
 
 use crate::construction::{BuildError, facing, invalid, kinematics, named, places, uneven};
 use crate::handle::BearingHandle;
-use crate::model::{BearingModel, FirmwareModel, LevelOptions, NotCounted};
+use crate::model::{self as firmware, BearingModel, Constants, FirmwareModel, LevelOptions, NotCounted, c, rust};
 use crate::simd::OnWideRegisters;
 use ballrace::bearing::lumped::Combined;
 use ballrace::bearing::roller::{
@@ -14,6 +14,7 @@ use ballrace::bearing::{ElementLayout, ElementPosition};
 use ballrace::{BearingKinematicState, Displacement, Exact, Math, Phase, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Facing, Model, RollerKind, Rollers, Scene};
 use std::f64::consts::PI;
+use std::fmt::Write;
 
 /// Laminae of a roller that are compared.
 const COMPARED_LAMINAE: [i64; 3] = [5, 11, 21];
@@ -34,11 +35,70 @@ impl BearingModel for RollerModel {
         };
         COMPARED_LAMINAE.map(with).into_iter().chain([LevelOptions::plain(self.model())]).collect()
     }
-    fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
-        None
+    /// Firmware has bearings with one row.
+    fn firmware(&self, of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
+        let has_two_rows = of.rollers.as_ref().is_some_and(|rollers| rollers.kind == RollerKind::Spherical);
+        if has_two_rows { None } else { Some(&Self) }
     }
     fn cortex_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
         Err(NotCounted::Rollers)
+    }
+}
+
+impl FirmwareModel for RollerModel {
+    fn constant_bytes(&self, of: &BearingScene) -> usize {
+        let laminae = of.rollers.as_ref().map_or(0, |rollers| rollers.laminae);
+        firmware::element_bytes(of) + size_of::<RollerConstants<f32>>() + laminae * size_of::<Lamina<f32>>()
+    }
+
+    fn write_rust(&self, out: &mut String, constants: &Constants<'_>) -> Result<(), BuildError> {
+        let of = constants.of;
+        let (surface, with) = rust::surface(of);
+        rust::imports(out, of, "    use ballrace::bearing::roller::{Lamina, LaminaRoller, RollerConstants};")?;
+        rust::position_constants(out, constants)?;
+        let RollerConstants { stiffness, arm, axis, play } = self::constants(of, 1.0)?.rounded::<f32>();
+        writeln!(
+            out,
+            "    const CONSTANTS: RollerConstants<f32> = RollerConstants {{ stiffness: {stiffness:?}, arm: {arm:?}, axis: {axis:?}, play: {play:?} }};"
+        )?;
+        let laminae = laminae::<f32>(of)?;
+        let count = laminae.len();
+        writeln!(out, "    /// Laminae of each roller.\n    pub const LAMINAE: [Lamina<f32>; {count}] = [")?;
+        for Lamina { position, drop } in laminae {
+            writeln!(out, "        Lamina {{ position: {position:?}, drop: {drop:?} }},")?;
+        }
+        writeln!(out, "    ];")?;
+        rust::feature_constants(out, of)?;
+        let kind = format!(
+            "LaminaRoller<f32, Exact, [ElementPosition<f32>; {}], [Lamina<f32>; {count}]{surface}>",
+            of.elements
+        );
+        let value = format!("LaminaRoller::from_constants(POSITIONS, CONSTANTS, LAMINAE){with}");
+        rust::function(out, of, &kind, &value)
+    }
+
+    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+        let of = constants.of;
+        let laminae = laminae::<f32>(of)?;
+        writeln!(out, "static const ballrace_lamina {name}_laminae[{}] = {{", laminae.len())?;
+        for Lamina { position, drop } in &laminae {
+            writeln!(out, "    {},", c::list(&[*position, *drop]))?;
+        }
+        writeln!(out, "}};\n")?;
+        let model = format!("ballrace_roller{}_model", c::facing(of));
+        c::open(out, (name, "ballrace_roller", &model), constants)?;
+        let RollerConstants { stiffness, arm, axis: [cos, sin], play } = self::constants(of, 1.0)?.rounded::<f32>();
+        let members = [
+            ("stiffness", c::single(stiffness)),
+            ("arm", c::single(arm)),
+            ("axis_cos", c::single(cos)),
+            ("axis_sin", c::single(sin)),
+            ("play", c::single(play)),
+            ("lamina_count", laminae.len().to_string()),
+            ("laminae", format!("{name}_laminae")),
+        ];
+        c::close(out, &members)?;
+        Ok("ballrace_roller")
     }
 }
 
@@ -246,12 +306,19 @@ impl RollerStates for TwoRows {
     }
 }
 
-/// Returns the number of rollers in all rows, and the bearing with the states of its rollers; `None` for a bearing whose model has
-/// no rollers by laminae.
+/// Rollers of a bearing in all rows.
+pub struct BearingRollers {
+    /// Number of rollers.
+    pub count: usize,
+    /// States of the rollers.
+    pub states: Box<dyn RollerStates>,
+}
+
+/// Returns the rollers of a bearing; `None` for a bearing whose model has no rollers by laminae.
 ///
 /// # Errors
 /// Returns an error if the scene lacks a value of the model or the kernel rejects one.
-pub fn roller_states(scene: &Scene, of: &BearingScene) -> Result<Option<(usize, Box<dyn RollerStates>)>, BuildError> {
+pub fn roller_states(scene: &Scene, of: &BearingScene) -> Result<Option<BearingRollers>, BuildError> {
     let model = of.evaluated_model();
     let Some(rollers) = of.rollers.as_ref().filter(|_| matches!(model, Model::Roller | Model::QuasiStaticRoller))
     else {
@@ -273,5 +340,6 @@ pub fn roller_states(scene: &Scene, of: &BearingScene) -> Result<Option<(usize, 
     } else {
         (of.elements, row(1.0)?)
     };
-    Ok(Some((count, if of.facing == Facing::MinusZ { Box::new(MirroredRollers(states)) } else { states })))
+    let states = if of.facing == Facing::MinusZ { Box::new(MirroredRollers(states)) } else { states };
+    Ok(Some(BearingRollers { count, states }))
 }

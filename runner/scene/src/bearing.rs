@@ -97,6 +97,13 @@ impl Bearing {
         self.housing_displacement.is_empty() && self.outer_ring.is_none()
     }
 
+    /// Returns the diameters of an element and of the pitch circle of its geometry, m.
+    #[must_use]
+    pub fn diameters(&self) -> Option<[f64; 2]> {
+        let of_rollers = || self.rollers.as_ref().map(|rollers| [rollers.diameter, rollers.pitch_diameter]);
+        self.geometry.map(|geometry| [geometry.ball_diameter, geometry.pitch_diameter]).or_else(of_rollers)
+    }
+
     /// Returns true where a spring keeps the force of the preload, or nothing changes it.
     #[must_use]
     pub fn has_constant_preload_force(&self) -> bool {
@@ -354,6 +361,9 @@ pub enum Facing {
     /// `"both"`: a deep groove bearing
     Both,
 }
+
+/// Density of bearing steel, kg/m^3.
+pub(crate) const STEEL_DENSITY: f64 = 7800.0;
 
 /// Ball, races and material of one bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -497,6 +497,14 @@ impl<'a> Table<'a> {
         self.source.error(self.span.start, &self.path, found, expected)
     }
 
+    /// Rejects each of `keys` that is present, because it excludes others.
+    pub fn check_without(&self, keys: &[&str], why: &str) -> Read<()> {
+        match keys.iter().find_map(|key| self.optional(key)) {
+            Some(node) => Err(node.misplaced(why)),
+            None => Ok(()),
+        }
+    }
+
     /// Returns true where the table has the key.
     pub fn has(&self, key: &str) -> bool {
         self.optional(key).is_some()

@@ -415,7 +415,9 @@ fn rollers(
     at: &BearingKinematicState<f64>,
     contact: Option<&ElementContact>,
 ) -> Result<Option<Vec<Element>>> {
-    let Some((count, bearing)) = build::roller_states(scene, of)? else { return Ok(None) };
+    let Some(build::BearingRollers { count, states: bearing }) = build::roller_states(scene, of)? else {
+        return Ok(None);
+    };
     let laminae = of.rollers.as_ref().map_or(0, |rollers| rollers.laminae);
     let mut states = vec![RollerState::default(); count];
     bearing.roller_states(u, at, &mut states);

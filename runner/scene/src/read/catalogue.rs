@@ -2,7 +2,8 @@
 
 use super::super::table::{Read, Table};
 use super::bearing::{self, DESIGNATION, LUMPED};
-use super::rollers::{ROLLER_DIAMETER, ROLLERS};
+use super::pitch_circle::ROLLER_DIAMETER;
+use super::rollers::ROLLERS;
 use crate::FromCatalogue;
 use crate::catalogue::{find, roller_keys, scene_keys};
 use toml_edit::Value;

@@ -2,11 +2,13 @@
 
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
-use super::rollers::ROLLER_DIAMETER;
 use std::f64::consts::{FRAC_PI_3, PI};
 
 /// Numbers of rolling elements that the kernel supports.
 pub(super) const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
+
+/// The key whose presence makes the elements of a bearing rollers.
+pub(super) const ROLLER_DIAMETER: &str = "roller_diameter";
 
 /// Reads the number of elements.
 pub(super) fn elements(table: &Table<'_>) -> Read<usize> {

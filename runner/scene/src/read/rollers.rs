@@ -1,15 +1,13 @@
 //! Keys of rollers in `[[bearing]]`.
 
+use super::super::bearing::STEEL_DENSITY;
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{Law, Model, ModelInput, RollerKind, RollerProfile, Rollers};
-use super::bearing::{DENSITY, refuse};
-use super::pitch_circle::{check_fit_on_pitch_circle, contact_angle, pitch_diameter};
+use super::pitch_circle::{ROLLER_DIAMETER, check_fit_on_pitch_circle, contact_angle, pitch_diameter};
 use crate::model::{choice_of, models_with};
 use ballrace::contact::line::roller_stiffness;
 
-/// The key whose presence makes the elements of a bearing rollers.
-pub(super) const ROLLER_DIAMETER: &str = "roller_diameter";
 /// Keys that only rollers have.
 pub(super) const ROLLERS: [&str; 5] = [ROLLER_DIAMETER, "roller_length", "kind", "laminae", "profile"];
 /// Keys of balls and of their models.
@@ -52,12 +50,15 @@ pub(super) fn check_without_rollers(table: &Table<'_>, input: ModelInput) -> Rea
     // A bearing without model has a diameter of its rollers too.
     let keys = if input == ModelInput::Orders { ROLLERS.get(1..).unwrap_or_default() } else { &ROLLERS };
     let models = choice_of(models_with(|of| of.input == ModelInput::Rollers));
-    refuse(table, keys, &format!("only with rollers: model = {models}, or \"lumped\" with roller_diameter; remove it"))
+    table.check_without(
+        keys,
+        &format!("only with rollers: model = {models}, or \"lumped\" with roller_diameter; remove it"),
+    )
 }
 
 /// Reads rollers of a bearing that is evaluated by `model`, with their stiffness and play.
 pub(super) fn read(table: &Table<'_>, model: Model, elements: usize) -> Read<(Rollers, Law)> {
-    refuse(table, &OF_BALLS, "not with rollers (roller_diameter); remove it")?;
+    table.check_without(&OF_BALLS, "not with rollers (roller_diameter); remove it")?;
     let diameter = table.quantity(ROLLER_DIAMETER)?;
     let length = table.quantity("roller_length")?;
     let pitch = pitch_diameter(table, (ROLLER_DIAMETER, diameter))?;
@@ -72,7 +73,7 @@ pub(super) fn read(table: &Table<'_>, model: Model, elements: usize) -> Read<(Ro
         contact_angle,
         laminae,
         profile,
-        density: table.optional_quantity("density")?.unwrap_or(DENSITY),
+        density: table.optional_quantity("density")?.unwrap_or(STEEL_DENSITY),
     };
     let given = table.read("stiffness", |n| n.quantity_in(Dimension::ContactStiffness(LINE_EXPONENT)))?;
     let law = Law {
