@@ -16,7 +16,7 @@ pub mod twin;
 
 pub use bearing::{
     AngularContact, Bearing, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial,
-    LumpedRadialAxial, LumpedRoller, QuasiStaticBearing, TabulatedBearing,
+    LumpedRadialAxial, LumpedRoller, QuasiStaticBearing, QuasiStaticRollerBearing, RollerBearing, TabulatedBearing,
 };
 pub use frame::{Displacement, Stiffness, Wrench};
 pub use kinematic_state::BearingKinematicState;

@@ -188,7 +188,7 @@ fn scenes_without_firmware_constants_are_rejected() {
         let scene = DIRECT.replacen("radial_play = \"2 um\"", &format!("radial_play = \"2 um\"\n{ring}"), 1);
         let scene = scene.lines().filter(|line| !line.starts_with("defect")).collect::<Vec<_>>().join("\n");
         sandbox.put("scene.toml", scene);
-        let message = "bearing A: model with a displaced housing, a bending outer ring or balls that move: lumped, expected any other";
+        let message = "bearing A: model with a displaced housing, a bending outer ring, balls that move or two rows: lumped, expected any other";
         sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &[message]);
     }
     assert!(!sandbox.files().contains(&"out.rs".to_owned()));

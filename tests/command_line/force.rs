@@ -357,3 +357,48 @@ fn invalid_cells_of_a_log_are_refused() {
     let both = "u,v,w,thu,thv,cage_phase,cage_angle\n0,0,0,0,0,0,0\n";
     refused(both, 2, "both cage_angle and cage_phase are given, expected at most one");
 }
+
+/// A golden case of rollers as a scene.
+fn roller_scene(case: &ballrace_tests::rollers::Case) -> String {
+    let ballrace_tests::rollers::Case {
+        model,
+        kind,
+        elements,
+        roller_diameter,
+        roller_length,
+        pitch_diameter,
+        contact_angle,
+        laminae,
+        profile,
+        radial_play,
+        first_azimuth,
+        stiffness,
+        speed,
+        ..
+    } = case;
+    format!(
+        "[shaft]\nspeed = {speed:?}\n[[bearing]]\nname = \"A\"\nmodel = {model:?}\nkind = {kind:?}\nelements = {elements}\n\
+         roller_diameter = {roller_diameter:?}\nroller_length = {roller_length:?}\npitch_diameter = {pitch_diameter:?}\n\
+         contact_angle = {contact_angle:?}\nlaminae = {laminae}\nprofile = {{ coefficient = {profile:?} }}\n\
+         radial_play = {radial_play:?}\nfirst_element_azimuth = {first_azimuth:?}\nstiffness = {stiffness:?}\n"
+    )
+}
+
+#[test]
+fn golden_forces_of_rollers() {
+    let precisions =
+        [("f64", "exact", 17, [1e-12, 1e-9]), ("f32", "exact", 9, [5e-6, 2e-4]), ("f32", "fast", 9, [5e-6, 2e-4])];
+    for (precision, math, digits, tolerances) in precisions {
+        let mut worst = [0.0_f64; 2];
+        for case in ballrace_tests::rollers::cases() {
+            let sandbox = Sandbox::empty();
+            sandbox.put("scene.toml", roller_scene(&case));
+            let u = format!("u,v,w,thu,thv\n{}\n", case.displacement.map(|x| format!("{x:?}")).join(","));
+            let rows = forces(&sandbox, &u, digits, &["--precision", precision, "--math", math]);
+            let error = relative_to_largest(&rows[0].0, &case.force);
+            let worst = &mut worst[usize::from(case.is_in_equilibrium())];
+            *worst = worst.max(error);
+        }
+        assert!(worst[0] <= tolerances[0] && worst[1] <= tolerances[1], "{precision} {math}: {worst:?}");
+    }
+}

@@ -350,7 +350,7 @@ fn preload_unbalance_and_waviness_of_the_angular_pair() {
 fn all_of_them_run() {
     let listed: Value = Sandbox::empty().done(&["scenes", "--format", "json"]).json();
     let listed = listed.as_array().unwrap();
-    assert_eq!(listed.len(), 13);
+    assert_eq!(listed.len(), 15);
     for one in listed {
         let name = one["name"].as_str().unwrap();
         assert!(one["shows"].as_str().unwrap().len() > 20, "{one}");
@@ -363,4 +363,59 @@ fn all_of_them_run() {
         }
     }
     Sandbox::empty().refused(&["scenes", "tiwary"], 2, &["unknown scene: \"tiwary\"", "tiwari-balanced"]);
+}
+
+/// Force of a bearing by its name.
+fn force_of(settled: &Value, name: &str) -> [f64; 5] {
+    let bearings = settled["bearings"].as_array().unwrap();
+    let bearing = bearings.iter().find(|bearing| bearing["name"] == name).unwrap();
+    std::array::from_fn(|i| bearing["force"][i].as_f64().unwrap())
+}
+
+/// Tapered pair: equilibrium of the thrusts; preload raises stiffness and the load of the relieved bearing.
+#[test]
+fn preload_of_the_tapered_pair() {
+    let preloads = ["2 um", "8 um", "20 um"].map(|preload| {
+        let preload = format!("\"{preload}\"");
+        let swaps = [("\"8 um\"", preload.as_str()); 2];
+        let settled = equilibrium(&shipped("tapered-32008-pair", &swaps), &[]);
+        let (left, right) = (force_of(&settled, "left"), force_of(&settled, "right"));
+        assert!((left[2] + right[2] + 800.0).abs() < 1e-3, "{left:?} {right:?}");
+        assert!((left[0] + right[0] + 2000.0).abs() < 1e-3 && left[2] > 0.0 && right[2] < 0.0);
+        let stiffness = settled["stiffness"][0][0].as_f64().unwrap();
+        [stiffness, left[2], -settled["displacement"][4].as_f64().unwrap().abs()]
+    });
+    for pair in preloads.windows(2) {
+        assert!(pair[0].iter().zip(&pair[1]).all(|(less, more)| less < more), "{preloads:?}");
+    }
+}
+
+/// Spherical rollers: no moment by tilt; one row carries the thrust.
+#[test]
+fn spherical_rollers_align_themselves() {
+    let settled = equilibrium(&shipped("spherical-22210-fan", &[]), &[]);
+    let rows = |settled: &Value| {
+        let load = |element: &Value| element["inner_load"].as_f64().unwrap();
+        let de: Vec<f64> =
+            settled["elements"].as_array().unwrap().iter().filter(|e| e["bearing"] == "DE").map(load).collect();
+        assert_eq!(de.len(), 34);
+        let (first, second) = de.split_at(17);
+        [first.iter().sum::<f64>(), second.iter().sum::<f64>()]
+    };
+    let [first, second] = rows(&settled);
+    assert!(first > 0.0 && second == 0.0, "{first} {second}");
+    let force = force_of(&settled, "DE");
+    assert!(force[3].abs() < 1e-9 && force[4].abs() < 1e-9, "{force:?}");
+    let without = equilibrium(&shipped("spherical-22210-fan", &[("[0, 0, \"400 N\", 0, 0]", "[0, 0, 0, 0, 0]")]), &[]);
+    let [first, second] = rows(&without);
+    assert!((first / second - 1.0).abs() < 0.02, "{first} {second}");
+    // A tilted ring has the same force.
+    let scene = shipped("spherical-22210-fan", &[]);
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", &scene);
+    sandbox.put("u.csv", "u,v,w,thu,thv\n5e-6,-2e-5,1e-5,0,0\n5e-6,-2e-5,1e-5,2e-3,-3e-3\n");
+    let args = ["force", "scene.toml", "--bearing", "DE", "--displacements", "u.csv", "--format", "csv"];
+    let out = sandbox.done(&args).out;
+    let rows: Vec<&str> = out.lines().skip(1).collect();
+    assert_eq!(rows[0], rows[1]);
 }

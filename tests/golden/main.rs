@@ -5,3 +5,4 @@ mod hertz;
 mod lumped;
 mod published;
 mod quasi_static;
+mod rollers;

@@ -10,6 +10,7 @@ mod general;
 mod indicators;
 mod pairs;
 mod quasi_static;
+mod rollers;
 mod rotor;
 mod solver;
 mod status;

@@ -3,6 +3,7 @@
 pub mod bearings;
 pub mod compare;
 pub mod lumped;
+pub mod rollers;
 pub mod states;
 
 /// Examples of the firmware guide, compiled and run as tests of this documentation.

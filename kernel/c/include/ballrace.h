@@ -909,6 +909,20 @@ typedef struct ballrace_axis {
 } ballrace_axis;
 
 /**
+ * One lamina of a roller.
+ */
+typedef struct ballrace_lamina {
+    /**
+     * Position of its centre along the axis of the roller, m.
+     */
+    float position;
+    /**
+     * Profile drop at both contacts together, m.
+     */
+    float drop;
+} ballrace_lamina;
+
+/**
  * Springs about a reference state: `f = force - stiffness (u - reference)`. The head has no elements.
  */
 typedef struct ballrace_linear {
@@ -971,6 +985,46 @@ typedef struct ballrace_lumped_radial_axial {
      */
     float radius;
 } ballrace_lumped_radial_axial;
+
+/**
+ * A cylindrical, needle or tapered roller bearing by laminae.
+ *
+ * Models: `ballrace_roller_model`, and `ballrace_roller_mirrored_model` for a bearing that carries thrust towards -Z.
+ */
+typedef struct ballrace_roller {
+    /**
+     * Head.
+     */
+    struct ballrace_bearing head;
+    /**
+     * K/n, stiffness of one lamina with both contacts in series, N/m^(10/9).
+     */
+    float stiffness;
+    /**
+     * R, pitch radius, m.
+     */
+    float arm;
+    /**
+     * Cosine of the contact angle.
+     */
+    float axis_cos;
+    /**
+     * Sine of the contact angle.
+     */
+    float axis_sin;
+    /**
+     * Radial play times the cosine of the contact angle, m; negative is preload.
+     */
+    float play;
+    /**
+     * Number of laminae.
+     */
+    uint32_t lamina_count;
+    /**
+     * Laminae of each roller.
+     */
+    const struct ballrace_lamina *laminae;
+} ballrace_roller;
 
 /**
  * A ball bearing with interpolated ball forces. `ballrace bake --language c` writes it.
@@ -1310,6 +1364,16 @@ extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_7_pr
  * Observer of a rotor on 4 bearings by 8 probes.
  */
 extern const struct ballrace_observer_model ballrace_observer_of_4_bearings_8_probes;
+
+/**
+ * Model of `ballrace_roller`, which carries thrust where the inner ring moves towards +Z.
+ */
+extern const struct ballrace_model ballrace_roller_model;
+
+/**
+ * As `ballrace_roller_model` for a bearing that carries thrust towards -Z.
+ */
+extern const struct ballrace_model ballrace_roller_mirrored_model;
 
 /**
  * Rotor on one bearing.

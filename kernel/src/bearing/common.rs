@@ -9,6 +9,7 @@ use super::lumped::{Axial, Combined, Radial};
 use super::quasi_static::QuasiStatic;
 use super::quasi_static::film::HamrockDowson;
 use super::quasi_static::inertia::OuterControlled;
+use super::roller::{Lamina, LaminaRoller, QuasiStaticRoller};
 use super::tabulated::{Node, Tabulated};
 use crate::contact::law::{LineContactLaw, PointContactLaw};
 use crate::math::Exact;
@@ -114,3 +115,12 @@ pub type LubricatedBearing<T, const N: usize> =
 /// Constructor: [`Tabulated::new`], usually in the output of `ballrace bake`.
 pub type TabulatedBearing<T, const N: usize, const F: usize = 3> =
     Tabulated<T, Exact, ElementPositions<T, N>, &'static [Node<T, F>], F>;
+
+/// A bearing with `N` rollers of `K` laminae, both contacts in series. Constructor: [`LaminaRoller::try_new`].
+pub type RollerBearing<T, const N: usize, const K: usize> =
+    LaminaRoller<T, Exact, ElementPositions<T, N>, [Lamina<T>; K]>;
+
+/// A cylindrical roller bearing with each of its `N` rollers of `K` laminae in equilibrium. Constructor:
+/// [`QuasiStaticRoller::try_new`].
+pub type QuasiStaticRollerBearing<T, const N: usize, const K: usize> =
+    QuasiStaticRoller<T, Exact, ElementPositions<T, N>, [Lamina<T>; K]>;

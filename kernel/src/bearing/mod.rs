@@ -1,5 +1,5 @@
 //! Bearing models, one module per model in the order of their cost: [`linear`], [`lumped`], [`angular`], [`tabulated`],
-//! [`quasi_static`].
+//! [`quasi_static`]; rollers by laminae: [`roller`].
 
 pub mod angular;
 pub mod batch;
@@ -15,12 +15,13 @@ pub mod linear;
 pub mod lumped;
 pub mod quasi_static;
 mod ring;
+pub mod roller;
 pub mod surface;
 pub mod tabulated;
 
 pub use common::{
     AngularContact, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial, LumpedRadialAxial,
-    LumpedRoller, QuasiStaticBearing, TabulatedBearing,
+    LumpedRoller, QuasiStaticBearing, QuasiStaticRollerBearing, RollerBearing, TabulatedBearing,
 };
 pub use element_position::{
     BLOCK_SIZE, BlockedPositions, ElementBlock, ElementLayout, ElementPosition, ElementPositions, OpposedPairs,

@@ -59,6 +59,17 @@ pub struct ContactStiffness<T> {
     pub(super) axial: T,
 }
 
+/// Symmetric stiffness of one element by radial and axial displacement and by the tilt `thu sin p - thv cos p`.
+#[derive(Debug, Clone, Copy)]
+pub struct TiltingStiffness<T> {
+    pub(super) radial: T,
+    pub(super) radial_axial: T,
+    pub(super) radial_tilting: T,
+    pub(super) axial: T,
+    pub(super) axial_tilting: T,
+    pub(super) tilting: T,
+}
+
 impl<T: Scalar, P: ElementLayout<T>> Ring<T, P> {
     /// Returns the displacement with tilts multiplied by the lever arm.
     #[inline(always)]
@@ -373,6 +384,23 @@ impl<T: Scalar> StiffnessSum<T> {
         self.axial.add(position, axial);
         add(&mut self.cross_first, cross);
         add(&mut self.axial_first, axial);
+        self.axial_sum += k.axial;
+    }
+
+    /// Adds an element with a stiffness against tilt of its own; [`StiffnessSum::finish`] then takes the lever arm 1.
+    #[inline(always)]
+    pub(super) fn add_tilting(&mut self, position: &ElementPosition<T>, k: &TiltingStiffness<T>) {
+        let along = |k: T| [k * position.cos, k * position.sin];
+        let add = |sum: &mut [T; 2], [x, y]: [T; 2]| {
+            let [sx, sy] = sum;
+            *sx += x;
+            *sy += y;
+        };
+        self.radial.add(position, along(k.radial));
+        self.cross.add(position, along(k.radial_tilting));
+        self.axial.add(position, along(k.tilting));
+        add(&mut self.cross_first, along(k.radial_axial));
+        add(&mut self.axial_first, along(k.axial_tilting));
         self.axial_sum += k.axial;
     }
 

@@ -17,6 +17,7 @@ mod lumped;
 pub mod model;
 mod preload;
 mod quasi_static;
+mod roller;
 pub mod simd;
 mod solved;
 mod tabulated;
@@ -29,7 +30,7 @@ pub use model::{BearingModel, LevelOptions};
 
 /// Defines what is chosen by a model: its interface and its construction.
 macro_rules! registry {
-    ($($model:ident: $module:ident::$entry:ident,)+) => {
+    ($($model:ident: $module:ident::$entry:ident by $build:ident,)+) => {
         /// Returns the model.
         #[must_use]
         pub fn bearing_model(model: Model) -> &'static dyn BearingModel {
@@ -44,19 +45,22 @@ macro_rules! registry {
             of: &Bearing,
             model: Model,
         ) -> Result<H, BuildError> {
-            match model {
-                $(Model::$model => $module::build::<T, M, H>(scene, of),)+
+            // A bearing with rollers has models of its own.
+            match if of.rollers.is_some() { model.for_rollers() } else { model } {
+                $(Model::$model => $module::$build::<T, M, H>(scene, of),)+
             }
         }
     };
 }
 
 registry! {
-    Kinematics: kinematics::KinematicsModel,
-    Linear: linear::LinearModel,
-    Lumped: lumped::LumpedModel,
-    Angular: angular::AngularModel,
-    Tabulated: tabulated::TabulatedModel,
-    QuasiStatic: quasi_static::QuasiStaticModel,
-    Dynamic: dynamic::DynamicModel,
+    Kinematics: kinematics::KinematicsModel by build,
+    Linear: linear::LinearModel by build,
+    Lumped: lumped::LumpedModel by build,
+    Angular: angular::AngularModel by build,
+    Roller: roller::RollerModel by build,
+    QuasiStaticRoller: roller::QuasiStaticRollerModel by build_solved,
+    Tabulated: tabulated::TabulatedModel by build,
+    QuasiStatic: quasi_static::QuasiStaticModel by build,
+    Dynamic: dynamic::DynamicModel by build,
 }

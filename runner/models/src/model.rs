@@ -63,6 +63,8 @@ pub struct LevelOptions {
     pub steps: Option<u8>,
     /// Intervals of the table.
     pub intervals: Option<[i64; 3]>,
+    /// Laminae of each roller.
+    pub laminae: Option<i64>,
 }
 
 impl LevelOptions {
@@ -139,6 +141,8 @@ pub enum NotCounted {
     Law,
     /// The effects are not counted together.
     Effects,
+    /// The bearing has rollers by laminae.
+    Rollers,
 }
 
 impl NotCounted {
@@ -152,6 +156,7 @@ impl NotCounted {
             }
             Self::Law => "the axial load law is counted together with a radial one of power 3/2 alone",
             Self::Effects => "these effects are not counted together",
+            Self::Rollers => "rollers by laminae are not counted",
         }
     }
 }

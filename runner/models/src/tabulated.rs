@@ -43,6 +43,7 @@ impl BearingModel for TabulatedModel {
             effects: effects.to_vec(),
             steps: None,
             intervals: Some([intervals, intervals, span]),
+            laminae: None,
         };
         COMPARED_INTERVALS.map(level).into()
     }

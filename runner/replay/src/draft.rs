@@ -190,7 +190,7 @@ fn bearing(page: &mut Page, i: usize, listed: &Listed, of: &Draft) {
 /// Writes the keys that vibration needs without a designation.
 fn kinematics(page: &mut Page, listed: &Listed) {
     let entry = listed.entry;
-    let element = if entry.kind == BearingKind::CylindricalRoller { "roller_diameter" } else { "ball_diameter" };
+    let element = if entry.kind.rollers().is_some() { "roller_diameter" } else { "ball_diameter" };
     page.comment("In place of the designation, for a bearing that is not in the catalogue:");
     page.by_default("elements", &entry.elements.to_string(), entry.source);
     page.by_default(element, &format!("\"{} mm\"", entry.element_diameter), "of one element");

@@ -128,7 +128,7 @@ fn element_table(out: &mut String, settled: &StaticEquilibrium, name: &str) {
             if has_film { "  in  out" } else { "" }
         ),
     );
-    for e in elements {
+    for e in &elements {
         let degrees = |a: Option<f64>| a.map_or("-".to_owned(), |a| format!("{:.2}", a.to_degrees()));
         let mpa = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{:.0}", p / 1e6));
         let film = if has_film {
@@ -150,6 +150,37 @@ fn element_table(out: &mut String, settled: &StaticEquilibrium, name: &str) {
             mpa(e.outer_pressure),
             "#".repeat(filled.min(BAR))
         );
+        line(out, text.trim_end());
+    }
+    let pressed = |e: &&&Element| e.roller.as_ref().map_or(0.0, |roller| roller.largest_lamina_load);
+    if let Some(roller) = elements.iter().max_by(|a, b| pressed(a).total_cmp(&pressed(b))) {
+        pressure_along(out, roller);
+    }
+}
+
+/// Largest number of lines for the pressure along a roller.
+const PRESSURE_LINES: usize = 15;
+
+/// Draws the pressure along a roller at the inner race; nothing for other elements.
+fn pressure_along(out: &mut String, element: &Element) {
+    let Some(roller) = element.roller.as_ref().filter(|roller| roller.largest_lamina_load > 0.0) else { return };
+    let pressures = &roller.lamina_pressures;
+    let most = pressures.iter().copied().fold(0.0, f64::max);
+    let tilt = with_sign(roller.tilt * 1e3, 3);
+    let heading = format!(
+        "  pressure along roller {}, inner race, from -Z to +Z ({} laminae, largest load {} N, tilt {tilt} mrad):",
+        element.number,
+        pressures.len(),
+        alone(roller.largest_lamina_load)
+    );
+    line(out, &heading);
+    let shown = pressures.len().min(PRESSURE_LINES);
+    for i in 0..shown {
+        // The first and the last lamina are shown in any case.
+        let lamina = if shown > 1 { i * (pressures.len() - 1) / (shown - 1) } else { 0 };
+        let pressure = pressures.get(lamina).copied().unwrap_or(0.0);
+        let filled = if most > 0.0 { (pressure / most * BAR as f64).round() as usize } else { 0 };
+        let text = format!("  {:>3} {:>6.0} MPa {}", lamina + 1, pressure / 1e6, "#".repeat(filled.min(BAR)));
         line(out, text.trim_end());
     }
 }

@@ -1,6 +1,6 @@
 //! `[[bearing]]` of a scene: geometry, model, effects, damage.
 
-use super::{Coordinates, Model, Mounting};
+use super::{Coordinates, Model, Mounting, Rollers};
 use crate::catalogue::Listed;
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::quasi_static::film;
@@ -24,6 +24,8 @@ pub struct Bearing {
     pub cage_ratio: Option<f64>,
     /// Ball, race and material, when given.
     pub geometry: Option<Geometry>,
+    /// Rollers in place of balls, when given; their stiffness and play are the law's.
+    pub rollers: Option<Rollers>,
     /// Source of the orders of a bearing without `model`.
     pub kinematics: Option<KinematicData>,
     /// Load-deflection law, when given directly instead of by geometry.
@@ -93,6 +95,13 @@ impl Bearing {
     #[must_use]
     pub fn has_rigid_outer_ring(&self) -> bool {
         self.housing_displacement.is_empty() && self.outer_ring.is_none()
+    }
+
+    /// Returns the diameters of an element and of the pitch circle of its geometry, m.
+    #[must_use]
+    pub fn diameters(&self) -> Option<[f64; 2]> {
+        let of_rollers = || self.rollers.as_ref().map(|rollers| [rollers.diameter, rollers.pitch_diameter]);
+        self.geometry.map(|geometry| [geometry.ball_diameter, geometry.pitch_diameter]).or_else(of_rollers)
     }
 
     /// Returns true where a spring keeps the force of the preload, or nothing changes it.
@@ -352,6 +361,9 @@ pub enum Facing {
     /// `"both"`: a deep groove bearing
     Both,
 }
+
+/// Density of bearing steel, kg/m^3.
+pub(crate) const STEEL_DENSITY: f64 = 7800.0;
 
 /// Ball, races and material of one bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,6 +17,7 @@ mod recording;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod reference;
+mod rollers;
 mod schema;
 mod table;
 pub mod units;
@@ -34,6 +35,7 @@ pub use recording::{
     Clock, Direction, FileLayout, KeyphasorSignal, Orientation, Probe, PulseDetection, Recording, RotationSource,
     Sensor, Sequence, Slope, TemperatureChannel,
 };
+pub use rollers::{RollerKind, RollerProfile, Rollers};
 pub use schema::json_schema;
 
 use std::path::PathBuf;

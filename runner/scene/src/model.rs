@@ -41,6 +41,7 @@ const NO_KEYS: ModelProperties = ModelProperties {
     solver_steps: false,
     moving_elements: false,
     linearise: false,
+    inclined_rollers: false,
     own_keys: &[],
 };
 
@@ -53,10 +54,28 @@ models! {
     Lumped: ModelProperties { name: "lumped", cost: 1, input: ModelInput::Law, linearise: true, ..NO_KEYS },
     /// Closed-form variable contact angle (`docs/src/models.md#angular-contact-bearing`).
     Angular: ModelProperties { name: "angular", cost: 2, input: ModelInput::ContactAngle, linearise: true, ..NO_KEYS },
+    /// Rollers by laminae, both contacts in series (`docs/src/models.md#rollers-by-laminae`).
+    Roller: ModelProperties {
+        name: "roller",
+        cost: 3,
+        input: ModelInput::Rollers,
+        linearise: true,
+        inclined_rollers: true,
+        ..NO_KEYS
+    },
+    /// Every roller in equilibrium between both races (`docs/src/models.md#rollers-in-equilibrium`). `quasi-static` with
+    /// `roller_diameter` is this model.
+    QuasiStaticRoller: ModelProperties {
+        name: "quasi-static-roller",
+        cost: 6,
+        input: ModelInput::Rollers,
+        linearise: true,
+        ..NO_KEYS
+    },
     /// Every ball in equilibrium between both races, solved ball by ball (`docs/src/models.md#quasi-static-bearing`).
     QuasiStatic: ModelProperties {
         name: "quasi-static",
-        cost: 4,
+        cost: 5,
         input: ModelInput::ContactAngle,
         effects: true,
         solver_steps: true,
@@ -74,7 +93,7 @@ models! {
     /// The quasi-static model interpolated in a table, at a small fixed cost.
     Tabulated: ModelProperties {
         name: "tabulated",
-        cost: 3,
+        cost: 4,
         input: ModelInput::ContactAngle,
         effects: true,
         ..NO_KEYS
@@ -82,7 +101,7 @@ models! {
     /// Elements with a mass of their own that moves along their radius (`docs/src/models.md#balls-with-mass`).
     Dynamic: ModelProperties {
         name: "dynamic",
-        cost: 5,
+        cost: 7,
         input: ModelInput::Law,
         moving_elements: true,
         own_keys: &[key(
@@ -114,6 +133,8 @@ pub struct ModelProperties {
     pub moving_elements: bool,
     /// `linearise` may name it.
     pub linearise: bool,
+    /// It takes tapered and spherical rollers.
+    pub inclined_rollers: bool,
     /// Keys of numbers that only this model takes. [`Bearing::own`](super::Bearing::own) returns their values.
     pub(crate) own_keys: &'static [Key],
 }
@@ -129,6 +150,8 @@ pub enum ModelInput {
     Law,
     /// A geometry with a free contact angle. It carries a preload and has no interference.
     ContactAngle,
+    /// Rollers with a geometry, and their radial play, which may be negative.
+    Rollers,
 }
 
 impl Model {
@@ -152,7 +175,13 @@ impl Model {
     /// Returns true for a model whose forces follow from rolling elements.
     #[must_use]
     pub fn has_elements(self) -> bool {
-        matches!(self.properties().input, ModelInput::Law | ModelInput::ContactAngle)
+        matches!(self.properties().input, ModelInput::Law | ModelInput::ContactAngle | ModelInput::Rollers)
+    }
+
+    /// Returns the model for a bearing with rollers: each model of elements in equilibrium has one for balls and one for rollers.
+    #[must_use]
+    pub fn for_rollers(self) -> Self {
+        if self == Self::QuasiStatic { Self::QuasiStaticRoller } else { self }
     }
 
     /// Returns true for a model with forces, which a scene may name.

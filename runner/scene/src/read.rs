@@ -11,6 +11,7 @@ mod kinematics;
 mod mounting;
 mod pitch_circle;
 mod recording;
+mod rollers;
 mod rotor;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]

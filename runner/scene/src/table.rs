@@ -211,6 +211,11 @@ impl<'a> Node<'a> {
         matches!(self.content, Content::Table(_))
     }
 
+    /// Returns true where this is a list.
+    pub(crate) fn is_list(&self) -> bool {
+        matches!(self.content, Content::Value(Value::Array(_)))
+    }
+
     /// Reads a number without dimension, finite and in the range of its kind, which `expected` describes.
     pub fn number(&self, expected: &str) -> Read<f64> {
         self.in_bounds(self.bare_number(), expected)
@@ -490,6 +495,14 @@ impl<'a> Table<'a> {
     /// Returns an error about the table as a whole whose problem `found` describes.
     pub fn fail(&self, found: impl Into<String>, expected: impl Into<String>) -> SceneError {
         self.source.error(self.span.start, &self.path, found, expected)
+    }
+
+    /// Rejects each of `keys` that is present, because it excludes others.
+    pub fn check_without(&self, keys: &[&str], why: &str) -> Read<()> {
+        match keys.iter().find_map(|key| self.optional(key)) {
+            Some(node) => Err(node.misplaced(why)),
+            None => Ok(()),
+        }
     }
 
     /// Returns true where the table has the key.

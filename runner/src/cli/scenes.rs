@@ -20,7 +20,7 @@ macro_rules! built_in {
 }
 
 /// Name and text of each scene.
-pub const SCENES: [(&str, &str); 13] = built_in![
+pub const SCENES: [(&str, &str); 15] = built_in![
     "jones-1960",
     "tiwari-balanced",
     "tiwari-unbalanced",
@@ -34,6 +34,8 @@ pub const SCENES: [(&str, &str); 13] = built_in![
     "hajzman-bending-ring",
     "two-spring-rotor",
     "wang-angular-pair",
+    "tapered-32008-pair",
+    "spherical-22210-fan",
 ];
 
 /// Returns the description of a scene: the first sentence of its opening comment.

@@ -6,6 +6,7 @@ use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
 use ballrace::bearing::quasi_static::film::{minimum_film, thermal_reduction};
+use ballrace::bearing::roller::RollerState;
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_models::build::{self, AnyBearing, ElementContact, Kinematics, rolling_speed};
@@ -14,6 +15,7 @@ use ballrace_plant::error::{NoLoad, Result};
 use ballrace_plant::{LARGEST_RESIDUAL, Plant};
 use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, PreloadAmount, Scene};
 use serde::Serialize;
+use std::f64::consts::PI;
 use std::time::Instant;
 
 /// Result of `equilibrium`, SI units.
@@ -131,6 +133,22 @@ pub struct Element {
     pub centrifugal: f64,
     /// Gyroscopic moment, N m.
     pub gyroscopic_moment: f64,
+    /// Distribution of the load along a roller; `None` for other elements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roller: Option<RollerLoads>,
+}
+
+/// Distribution of the load along a roller at the inner race.
+#[derive(Debug, Clone, Serialize)]
+pub struct RollerLoads {
+    /// Tilt of the roller relative to the outer ring, rad.
+    pub tilt: f64,
+    /// Moment of the loads about the centre of the roller, N m.
+    pub moment: f64,
+    /// Largest load of a lamina, N.
+    pub largest_lamina_load: f64,
+    /// Maximum Hertzian pressure of each lamina in the order of +Z, Pa.
+    pub lamina_pressures: Vec<f64>,
 }
 
 /// Change of the equilibrium when one effect is switched off.
@@ -206,7 +224,7 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
         }
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
-    let elements = elements(of, &built, &u, &at)?;
+    let elements = elements(scene, of, &built, &u, &at)?;
     let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
@@ -331,7 +349,7 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
             *sum += f;
         }
         let plain = build::bearing(scene, of, of.evaluated_model())?;
-        let elements = elements(of, &plain, &total, &at)?;
+        let elements = elements(scene, of, &plain, &total, &at)?;
         bearings.push(one.with_kinematics(scene, of, &elements)?);
         all.extend(elements);
     }
@@ -362,12 +380,16 @@ fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f6
 
 /// Returns load, angle, pressure and film of each element for the ring displacement `u`.
 fn elements(
+    scene: &Scene,
     of: &BearingScene,
     bearing: &AnyBearing<f64>,
     u: &Displacement<f64>,
     at: &BearingKinematicState<f64>,
 ) -> Result<Vec<Element>> {
     let (geometry, contact) = (build::geometry(of)?, ElementContact::of(of)?);
+    if let Some(rollers) = rollers(scene, of, u, at, contact.as_ref())? {
+        return Ok(rollers);
+    }
     let states = if of.model.has_contact_angle() {
         let mut states = vec![BallState::default(); of.elements];
         build::quasi_static(of)?.ball_states(u, at, &mut states);
@@ -383,6 +405,48 @@ fn elements(
         element(of, (j + 1, azimuth), load, state, (geometry.as_ref(), contact.as_ref()), at)
     };
     Ok(loads.iter().enumerate().map(element).collect())
+}
+
+/// Returns the rollers of a bearing by laminae, those of a second row after the first; `None` for other elements.
+fn rollers(
+    scene: &Scene,
+    of: &BearingScene,
+    u: &Displacement<f64>,
+    at: &BearingKinematicState<f64>,
+    contact: Option<&ElementContact>,
+) -> Result<Option<Vec<Element>>> {
+    let Some(build::BearingRollers { count, states: bearing }) = build::roller_states(scene, of)? else {
+        return Ok(None);
+    };
+    let laminae = of.rollers.as_ref().map_or(0, |rollers| rollers.laminae);
+    let mut states = vec![RollerState::default(); count];
+    bearing.roller_states(u, at, &mut states);
+    // A lamina has its share of the length.
+    let pressure = |race, load: f64| contact.map(|contact| contact.pressure(race, laminae as f64 * load));
+    let half_pitch = PI / of.elements.max(1) as f64;
+    let roller = |(j, state): (usize, &RollerState<f64>)| {
+        let (row, place) = (j / of.elements.max(1), j % of.elements.max(1));
+        let azimuth = build::place::<f64>(of, place).azimuth().wrapping_add(at.cage);
+        let azimuth = azimuth.wrapping_add(Phase::from_radians(row as f64 * half_pitch)).radians();
+        let mut loads = vec![0.0; laminae];
+        bearing.lamina_loads(u, at, j, &mut loads);
+        let lamina_pressures = loads.iter().filter_map(|load| pressure(Race::Inner, *load)).collect();
+        let (inner_load, outer_load) = (state.inner.load, state.outer.load);
+        Element {
+            outer_load,
+            inner_pressure: pressure(Race::Inner, state.inner.largest_lamina_load),
+            outer_pressure: pressure(Race::Outer, state.outer.largest_lamina_load),
+            centrifugal: outer_load - inner_load,
+            roller: Some(RollerLoads {
+                tilt: state.tilt,
+                moment: state.inner.moment,
+                largest_lamina_load: state.inner.largest_lamina_load,
+                lamina_pressures,
+            }),
+            ..element(of, (j + 1, azimuth), inner_load, None, (None, None), at)
+        }
+    };
+    Ok(Some(states.iter().enumerate().map(roller).collect()))
 }
 
 fn element(
@@ -411,6 +475,7 @@ fn element(
         film_ratio: state.zip(geometry).zip(of.effects.film).and_then(|((s, g), oil)| film_ratio(s, g, oil, at)),
         centrifugal: state.map_or(0.0, |s| s.centrifugal),
         gyroscopic_moment: state.map_or(0.0, |s| s.gyroscopic_moment),
+        roller: None,
     }
 }
 

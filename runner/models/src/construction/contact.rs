@@ -41,7 +41,7 @@ pub enum ElementContact {
 }
 
 impl ElementContact {
-    /// Returns the contact of balls with a geometry, and of the rollers of the catalogue with the length that their stiffness has by
+    /// Returns the contact of balls or rollers with a geometry, and of the rollers of the catalogue with the length that their stiffness has by
     /// [`roller_stiffness`]; none where the contact is not known.
     ///
     /// # Errors
@@ -49,6 +49,12 @@ impl ElementContact {
     pub fn of(of: &BearingScene) -> Result<Option<Self>, BuildError> {
         if let Some(geometry) = super::geometry(of)? {
             return Ok(Some(Self::Ball(geometry)));
+        }
+        if let Some(rollers) = &of.rollers {
+            let (curvature, gamma) = (2.0 / rollers.diameter, rollers.gamma());
+            // 1/R = 2/D (1 + gamma/(1 - gamma)) at the inner race, 2/D (1 - gamma/(1 + gamma)) at the outer.
+            let radius = [(1.0 - gamma) / curvature, (1.0 + gamma) / curvature];
+            return Ok(Some(Self::Roller { length: rollers.length, radius }));
         }
         let entry = of.catalogue.as_ref().map(|catalogue| catalogue.listed.entry);
         let stiffness = of.law.and_then(|law| law.stiffness);

@@ -78,7 +78,7 @@ pub fn rolling_speed(gamma: f64, inner_speed: f64, outer_speed: f64) -> f64 {
     outer_speed + 0.5 * (inner_speed - outer_speed) * (1.0 - gamma)
 }
 
-/// Returns the orders of pure rolling with the outer ring at rest, by the geometry, by those of a bearing without model or by
+/// Returns the orders of pure rolling with the outer ring at rest, by the geometry of balls or rollers, by those of a bearing without model or by
 /// the diameters of the catalogue.
 fn rolling(bearing: &BearingScene, geometry: Option<BallBearingGeometry>) -> Option<Orders> {
     let of_geometry = |g: BallBearingGeometry| orders(bearing.elements, g.gamma(), g.ball_diameter / g.pitch_diameter);
@@ -89,8 +89,12 @@ fn rolling(bearing: &BearingScene, geometry: Option<BallBearingGeometry>) -> Opt
         // Orders of a roller's spin are not used.
         Some(Orders { ball_spin: 0.0, ..orders(bearing.elements, gamma, ratio) })
     };
+    let of_rollers = || {
+        let rollers = bearing.rollers.as_ref()?;
+        Some(orders(bearing.elements, rollers.gamma(), rollers.diameter / rollers.pitch_diameter))
+    };
     let without_model = || bearing.kinematics.map(|kinematics| kinematics.orders(bearing.elements));
-    geometry.map(of_geometry).or_else(without_model).or_else(of_catalogue)
+    geometry.map(of_geometry).or_else(of_rollers).or_else(without_model).or_else(of_catalogue)
 }
 
 /// Returns the kinematics of a bearing: with the scene's `cage_ratio`, or by pure rolling at the free contact angle.
@@ -113,7 +117,9 @@ pub fn kinematics_of(
 ) -> Result<Kinematics, BuildError> {
     let n = bearing.elements as f64;
     let rolling = rolling(bearing, geometry);
-    let spin = rolling.filter(|_| geometry.is_some() || bearing.kinematics.is_some()).map(|o| o.ball_spin);
+    let spin = rolling
+        .filter(|_| geometry.is_some() || bearing.rollers.is_some() || bearing.kinematics.is_some())
+        .map(|o| o.ball_spin);
     let outer = outer_ratio(scene)?;
     let cage = CageSpeed::new(bearing, rolling.as_ref());
     let cage_ratio = cage.inner + outer * cage.outer;

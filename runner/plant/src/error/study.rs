@@ -326,7 +326,7 @@ pub struct MotionOverflow {
 pub enum BakeError {
     /// A model without constants.
     #[error(
-        "{}: bearing {bearing}: model with a displaced housing, a bending outer ring or balls that move: {found}, expected any other in bake",
+        "{}: bearing {bearing}: model with a displaced housing, a bending outer ring, balls that move or two rows: {found}, expected any other in bake",
         file.display()
     )]
     Model {

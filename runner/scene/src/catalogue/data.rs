@@ -1,7 +1,11 @@
 //! Entries of the catalogue.
 
+use crate::RollerKind;
 use ballrace::bearing::kinematics::{Orders, orders};
 use std::sync::LazyLock;
+
+/// Length of a cylindrical roller over the width of the bearing, times its effective share without the rounded edges.
+const SHARE_OF_WIDTH: f64 = 0.62 * 0.9;
 
 /// Kind of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,19 +16,40 @@ pub enum BearingKind {
     AngularContact,
     /// Cylindrical-roller bearing.
     CylindricalRoller,
+    /// Drawn-cup needle-roller bearing with cage; its bore is the diameter of the shaft, on which the needles roll.
+    Needle,
+    /// Single-row tapered-roller bearing.
+    TaperedRoller,
+    /// Double-row spherical-roller bearing.
+    SphericalRoller,
 }
 
 impl BearingKind {
-    const NAMED: [(Self, &'static str); 3] = [
+    const NAMED: [(Self, &'static str); 6] = [
         (Self::DeepGroove, "deep-groove"),
         (Self::AngularContact, "angular-contact"),
         (Self::CylindricalRoller, "cylindrical-roller"),
+        (Self::Needle, "needle"),
+        (Self::TaperedRoller, "tapered-roller"),
+        (Self::SphericalRoller, "spherical-roller"),
     ];
 
     /// Returns its name.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMED.iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
+    }
+
+    /// Returns the kind of its rollers; `None` for balls.
+    #[must_use]
+    pub const fn rollers(self) -> Option<RollerKind> {
+        match self {
+            Self::DeepGroove | Self::AngularContact => None,
+            Self::CylindricalRoller => Some(RollerKind::Cylindrical),
+            Self::Needle => Some(RollerKind::Needle),
+            Self::TaperedRoller => Some(RollerKind::Tapered),
+            Self::SphericalRoller => Some(RollerKind::Spherical),
+        }
     }
 
     pub(super) fn of_name(name: &str) -> Self {
@@ -42,11 +67,17 @@ pub enum Provenance {
     /// Number and diameter are printed or solved from printed load ratings; the pitch diameter is the mean of the diameters of
     /// the rings.
     Ratings,
+    /// Estimated from the boundary dimensions (`docs/src/scene.md#catalogue`).
+    Dimensions,
 }
 
 impl Provenance {
-    const NAMED: [(Self, &'static str); 3] =
-        [(Self::Published, "published"), (Self::Derived, "derived"), (Self::Ratings, "ratings")];
+    const NAMED: [(Self, &'static str); 4] = [
+        (Self::Published, "published"),
+        (Self::Derived, "derived"),
+        (Self::Ratings, "ratings"),
+        (Self::Dimensions, "dimensions"),
+    ];
 
     /// Returns its name.
     #[must_use]
@@ -72,7 +103,7 @@ pub struct Entry {
     pub outer_diameter: f64,
     /// Width, mm.
     pub width: f64,
-    /// Number of rolling elements.
+    /// Number of rolling elements of a row.
     pub elements: usize,
     /// Diameter of the elements, mm.
     pub element_diameter: f64,
@@ -86,6 +117,8 @@ pub struct Entry {
     pub source: &'static str,
     /// Frequencies that a maker publishes, for the check of the entry.
     pub published: Option<PublishedFactors>,
+    /// Effective length of the rollers, mm; `None` for balls.
+    pub roller_length: Option<f64>,
 }
 
 /// Frequencies over the shaft frequency with a stationary outer ring, as a maker publishes them.
@@ -136,7 +169,7 @@ fn entry(line: &'static str) -> Entry {
         std::array::from_fn(|_| number(Some(text())));
     let (status, source) = (Provenance::of_name(text()), text());
     let factors: [Option<f64>; 4] = std::array::from_fn(|_| text().trim().parse().ok());
-    let maker = text();
+    let (maker, length) = (text(), text().trim().parse().ok());
     let [cage, outer_race, inner_race, ball_spin] = factors;
     let published =
         (!maker.is_empty()).then_some(PublishedFactors { cage, outer_race, inner_race, ball_spin, source: maker });
@@ -153,5 +186,6 @@ fn entry(line: &'static str) -> Entry {
         status,
         source,
         published,
+        roller_length: length.or_else(|| kind.rollers().map(|_| SHARE_OF_WIDTH * width)),
     }
 }

@@ -2,12 +2,13 @@
 
 use super::clearance::range;
 use super::{BearingKind, Listed, Provenance};
+use crate::RollerKind;
 use ballrace::contact::line::roller_stiffness;
 
 /// Conformity of both races: makers use 0.515 to 0.53 and do not publish it.
 const CONFORMITY: f64 = 0.52;
-/// Length of a cylindrical roller over the width of the bearing, and its effective share without the rounded edges.
-const ROLLER_LENGTH: [f64; 2] = [0.62, 0.9];
+/// Diametral clearance of a needle bearing in operation over the diameter of the shaft.
+const NEEDLE_CLEARANCE: f64 = 1e-3;
 
 /// A key of `[[bearing]]` with its value in TOML.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,26 +29,53 @@ pub fn clearance_range(listed: &Listed) -> Option<[f64; 2]> {
     range(listed.entry, listed.class)
 }
 
-/// Returns the scene keys of a bearing of the catalogue before mounting.
+/// Returns the scene keys of a bearing of the catalogue before mounting; of a cylindrical-roller bearing those of its line contact.
 #[must_use]
 pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {
+    keys(listed, false)
+}
+
+/// Returns the scene keys of a bearing with rollers by laminae.
+pub(crate) fn roller_keys(listed: &Listed) -> Vec<SceneKey> {
+    keys(listed, true)
+}
+
+fn keys(listed: &Listed, by_laminae: bool) -> Vec<SceneKey> {
     let Listed { entry, class } = listed;
     let mut keys = Vec::new();
     let mut add = |key, value: String, origin: &str, is_estimated| {
         keys.push(SceneKey { key, value, origin: origin.to_owned(), is_estimated });
     };
-    let (source, estimated) = (entry.source, entry.status == Provenance::Ratings);
+    let (source, estimated) = (entry.source, matches!(entry.status, Provenance::Ratings | Provenance::Dimensions));
     let middle = range(entry, *class).map(|[least, most]| 0.5 * (least + most));
     let clearance = |[least, most]: [f64; 2]| {
         format!("class {}, {:.0} to {:.0} um before mounting (ISO 5753-1)", class.name(), least * 1e6, most * 1e6)
     };
     let clearance = range(entry, *class).map_or_else(String::new, clearance);
+    if let Some(kind) = entry.kind.rollers().filter(|kind| by_laminae || *kind != RollerKind::Cylindrical) {
+        let length = entry.roller_length.unwrap_or(0.0);
+        add("model", "\"roller\"".to_owned(), "kind of the bearing", false);
+        add("kind", format!("\"{}\"", kind.name()), "kind of the bearing", false);
+        add("elements", entry.elements.to_string(), source, estimated);
+        add("roller_diameter", mm(entry.element_diameter), source, estimated);
+        add("roller_length", format!("\"{length:.2} mm\""), "effective length, from the width of the bearing", true);
+        add("pitch_diameter", mm(entry.pitch_diameter), source, estimated);
+        if !kind.is_radial() {
+            let is_standard = kind == RollerKind::Tapered;
+            add("contact_angle", format!("\"{} deg\"", entry.contact_angle), source, !is_standard);
+        } else if let Some(middle) = middle {
+            add("radial_play", um(0.5 * middle), &format!("half of the mean of {clearance}"), true);
+        } else {
+            let play = 0.5 * NEEDLE_CLEARANCE * entry.bore * 1e-3;
+            add("radial_play", um(play), "half of a clearance of a thousandth of the shaft, mounted", true);
+        }
+        return keys;
+    }
     let is_roller = entry.kind == BearingKind::CylindricalRoller;
     add("model", if is_roller { "\"lumped\"" } else { "\"angular\"" }.to_owned(), "kind of the bearing", false);
     add("elements", entry.elements.to_string(), source, estimated);
     if is_roller {
-        let [share, effective] = ROLLER_LENGTH;
-        let length = share * entry.width * effective;
+        let length = entry.roller_length.unwrap_or(0.0);
         let stiffness = roller_stiffness(length * 1e-3);
         let origin =
             format!("Palmgren, rollers of an effective length of {length:.1} mm, from the width of the bearing");

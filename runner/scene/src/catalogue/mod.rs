@@ -1,6 +1,7 @@
 //! Catalogue of rolling bearings: designation such as `6309` or `NU205 C3` to geometry, with the source of every entry.
 //!
-//! The numbers of an entry are published, confirmed by published frequencies, or solved from load ratings; [`Provenance`] states which.
+//! The numbers of an entry are published, confirmed by published frequencies, solved from load ratings, or estimated from the boundary
+//! dimensions; [`Provenance`] states which.
 //! Conformities and lengths of rollers are estimated for all entries, because makers do not publish them. Makers differ: an entry is
 //! one design.
 
@@ -13,6 +14,7 @@ mod tests;
 
 pub use clearance::ClearanceClass;
 pub use data::{BearingKind, Entry, Provenance, PublishedFactors, all};
+pub(crate) use defaults::roller_keys;
 pub use defaults::{SceneKey, clearance_range, scene_keys};
 
 use ballrace_base::printable;

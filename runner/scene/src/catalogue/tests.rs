@@ -17,7 +17,9 @@ fn entries_are_complete_and_distinct() {
         let circle = std::f64::consts::PI * entry.pitch_diameter;
         assert!(entry.elements >= 3 && entry.elements as f64 * entry.element_diameter < circle, "{entry:?}");
         assert!(!entry.source.is_empty(), "{name}");
-        assert_eq!(entry.contact_angle > 0.0, entry.kind == BearingKind::AngularContact, "{name}");
+        let inclined = [BearingKind::AngularContact, BearingKind::TaperedRoller, BearingKind::SphericalRoller];
+        assert_eq!(entry.contact_angle > 0.0, inclined.contains(&entry.kind), "{name}");
+        assert_eq!(entry.roller_length.is_some(), entry.kind.rollers().is_some(), "{name}");
     }
 }
 
@@ -61,6 +63,9 @@ fn designations() {
         ("N206", "NU206", ClearanceClass::Normal),
         ("NSK 6805ZZ", "61805", ClearanceClass::Normal),
         ("61805", "61805", ClearanceClass::Normal),
+        ("SKF 32008 X/Q", "32008", ClearanceClass::Normal),
+        ("22210 EK/C3", "22210", ClearanceClass::C3),
+        ("HK 2020", "HK2020", ClearanceClass::Normal),
     ] {
         let listed = find(text).unwrap();
         assert_eq!((listed.entry.designation, listed.class), (entry, class), "{text}");
@@ -93,5 +98,15 @@ fn every_entry_gives_a_scene() {
         );
         let scene = read_str(&text, std::path::Path::new("listed.toml")).unwrap();
         assert_eq!(scene.bearings[0].elements, entry.elements, "{}", entry.designation);
+        if let Some(kind) = entry.kind.rollers() {
+            let text = text.clone() + "model = \"roller\"\n";
+            let scene = read_str(&text, std::path::Path::new("rollers.toml")).unwrap();
+            let rollers = scene.bearings[0].rollers.as_ref().unwrap();
+            assert_eq!(rollers.kind, kind, "{}", entry.designation);
+            // Both models have the same length of the rollers, but for the digits of the stiffness.
+            let law = scene.bearings[0].law.unwrap();
+            assert!((rollers.length * 1e3 - entry.roller_length.unwrap()).abs() < 0.006, "{}", entry.designation);
+            assert!(law.radial_play.unwrap() > 0.0 || rollers.contact_angle > 0.0, "{}", entry.designation);
+        }
     }
 }

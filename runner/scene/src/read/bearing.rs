@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::super::bearing::STEEL_DENSITY;
 use super::super::key::Key;
 use super::super::model::{ModelProperties, choice_of, models_with};
 use super::super::table::{Node, Read, Table};
@@ -11,7 +12,8 @@ use super::super::{
     ModelInput, OuterRing, Support, Surface, Wave,
 };
 use super::kinematics;
-use super::pitch_circle::{check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
+use super::pitch_circle::{ROLLER_DIAMETER, check_fit_on_pitch_circle, contact_angle, elements, pitch_diameter};
+use super::rollers;
 
 /// `facing`
 pub(super) const FACINGS: [(&str, Facing); 3] = [("+z", Facing::PlusZ), ("-z", Facing::MinusZ), ("both", Facing::Both)];
@@ -53,8 +55,6 @@ pub(super) const YOUNGS_MODULUS: f64 = 206e9;
 pub(super) const POISSONS_RATIO: f64 = 0.3;
 /// Exponent of the point contact of Hertz, which is also the default of a law given directly.
 const HERTZ_EXPONENT: f64 = 1.5;
-/// Density of bearing steel, kg/m^3.
-pub(super) const DENSITY: f64 = 7800.0;
 /// Largest thickness of a thin ring over its radius.
 const THIN: f64 = 0.4;
 /// Highest order of the shape of an outer ring that bends, where the scene gives none. The stiffness grows with the fourth power: higher ones
@@ -80,11 +80,19 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
     };
     let linear = linear(table, model)?;
     let required = required_input(model, linear.as_ref());
-    let (geometry, law) = (geometry(table, required)?, law(table, required)?);
-    check_law(table, required, geometry.as_ref(), law.as_ref())?;
+    let evaluated = if let Some(Linear::Of(source)) = linear { source } else { model };
+    let (rollers, geometry, law) = if rollers::has_rollers(table, required) {
+        let (rollers, law) = rollers::read(table, evaluated, elements)?;
+        (Some(rollers), None, Some(law))
+    } else {
+        rollers::check_without_rollers(table, required)?;
+        let (geometry, law) = (geometry(table, required)?, law(table, required)?);
+        check_law(table, required, geometry.as_ref(), law.as_ref())?;
+        (None, geometry, law)
+    };
     check_two_spring(table, elements, linear.as_ref())?;
     if let Some(Geometry { ball_diameter, pitch_diameter, .. }) = geometry {
-        check_fit_on_pitch_circle(table, elements, [ball_diameter, pitch_diameter])?;
+        check_fit_on_pitch_circle(table, elements, ("ball_diameter", ball_diameter), pitch_diameter)?;
     }
     check_moving_elements(table, model, geometry.as_ref())?;
     Ok(Bearing {
@@ -94,8 +102,9 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
         model,
         elements,
         first_element_azimuth: table.optional_quantity("first_element_azimuth")?.unwrap_or(0.0),
-        cage_ratio: cage_ratio(table, model, geometry.is_some() || table.has(DESIGNATION))?,
+        cage_ratio: cage_ratio(table, model, geometry.is_some() || rollers.is_some() || table.has(DESIGNATION))?,
         kinematics,
+        rollers,
         axial: table.read("axial", axial)?,
         outer_ring: outer_ring(table)?,
         housing_displacement: table.read("housing_displacement", |n| housing(n, elements))?.unwrap_or_default(),
@@ -126,7 +135,10 @@ pub(super) fn all_models() -> Vec<(&'static str, Model)> {
 
 fn model(table: &Table<'_>) -> Read<Model> {
     match table.optional("model") {
-        Some(node) => node.choice(&all_models()),
+        Some(node) => {
+            let model = node.choice(&all_models())?;
+            Ok(if table.has(ROLLER_DIAMETER) { model.for_rollers() } else { model })
+        }
         None => kinematics::check_without_model(table).map(|()| Model::Kinematics),
     }
 }
@@ -149,20 +161,12 @@ fn check_only_with(table: &Table<'_>, keys: &[&str], model: Model, has: impl Fn(
     if has(model.properties()) {
         return Ok(());
     }
-    refuse(table, keys, &format!("only with model = {}; remove it", choice_of(models_with(has))))
+    table.check_without(keys, &format!("only with model = {}; remove it", choice_of(models_with(has))))
 }
 
 /// Returns the models with a load-deflection law of their own keys.
 fn models_with_law() -> String {
     choice_of(models_with(|of| of.input == ModelInput::Law && !of.moving_elements))
-}
-
-/// Rejects each of `keys` that is present, because it excludes others.
-fn refuse(table: &Table<'_>, keys: &[&str], why: &str) -> Read<()> {
-    match keys.iter().find_map(|key| table.optional(key)) {
-        Some(node) => Err(node.misplaced(why)),
-        None => Ok(()),
-    }
 }
 
 fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
@@ -178,7 +182,8 @@ fn linear(table: &Table<'_>, model: Model) -> Read<Option<Linear>> {
     if let Some(two_spring) = table.read("two_spring", two_spring)? {
         return Ok(Some(two_spring));
     }
-    Ok(table.read("linearise", |n| n.choice(&linearised_models()))?.map(Linear::Of))
+    let source = table.read("linearise", |n| n.choice(&linearised_models()))?;
+    Ok(source.map(|of| Linear::Of(if table.has(ROLLER_DIAMETER) { of.for_rollers() } else { of })))
 }
 
 /// `linearise`
@@ -254,7 +259,7 @@ fn geometry(table: &Table<'_>, required: ModelInput) -> Read<Option<Geometry>> {
         poissons_ratio: table
             .read("poissons_ratio", |n| n.number("0 or more and below 0.5"))?
             .unwrap_or(POISSONS_RATIO),
-        density: table.optional_quantity("density")?.unwrap_or(DENSITY),
+        density: table.optional_quantity("density")?.unwrap_or(STEEL_DENSITY),
     }))
 }
 
@@ -315,7 +320,7 @@ fn law(table: &Table<'_>, required: ModelInput) -> Read<Option<Law>> {
     if required != ModelInput::Law {
         let models = models_with_law();
         let why = format!("only with model = {models} (or linearise = {models}); remove it");
-        return refuse(table, &LUMPED, &why).map(|()| None);
+        return table.check_without(&LUMPED, &why).map(|()| None);
     }
     if !LUMPED.iter().take(3).any(|key| table.has(key)) {
         return Ok(None);
@@ -436,7 +441,7 @@ fn station(table: &Table<'_>, root: &Table<'_>) -> Read<f64> {
         return Ok(table.optional_quantity("station")?.unwrap_or(0.0));
     }
     let why = "no station or support on a [system], whose matrices contain the supports and whose coordinates define the position; remove it";
-    refuse(table, &["station", "support"], why)?;
+    table.check_without(&["station", "support"], why)?;
     table.required("coordinates", COORDINATES)?;
     Ok(0.0)
 }
@@ -518,7 +523,7 @@ fn check_moving_elements(table: &Table<'_>, model: Model, geometry: Option<&Geom
     let keys =
         ["stiffness", "exponent", "axial", "housing_displacement", "outer_ring", "defect", "waviness", "preload"];
     let why = format!("none with model = \"{name}\", whose balls move in one plane on round races; remove it");
-    refuse(table, &keys, &why)
+    table.check_without(&keys, &why)
 }
 
 fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {

@@ -2,12 +2,17 @@
 
 use super::super::table::{Read, Table};
 use super::bearing::{self, DESIGNATION, LUMPED};
+use super::pitch_circle::ROLLER_DIAMETER;
+use super::rollers::ROLLERS;
 use crate::FromCatalogue;
-use crate::catalogue::{find, scene_keys};
+use crate::catalogue::{find, roller_keys, scene_keys};
 use toml_edit::Value;
 
 /// Exactly one of these defines the fit of a bearing.
 const FIT: [&str; 2] = ["contact_angle", "diametral_clearance"];
+
+/// One of these defines the play of rollers.
+const PLAY: [&str; 2] = ["radial_play", "diametral_clearance"];
 
 /// A bearing of the catalogue and the keys that it stands for.
 pub(super) struct Expansion {
@@ -31,8 +36,20 @@ fn expansion(table: &Table<'_>) -> Read<Option<Expansion>> {
     let is = |key: &str, name: &str| table.read(key, |node| Ok(node.text("").is_ok_and(|text| text == name)));
     let is_lumped = is("model", "lumped")?.unwrap_or(true) || is("linearise", "lumped")? == Some(true);
     let (mut defaults, mut estimated) = (toml_edit::Table::new(), Vec::new());
-    for key in scene_keys(&listed) {
-        let is_replaced = has_fit && FIT.contains(&key.key) || !is_lumped && LUMPED.contains(&key.key);
+    let has_rollers = listed.entry.kind.rollers().is_some();
+    let by_laminae = ["roller", "quasi-static", "quasi-static-roller"].iter().any(|name| {
+        [is("model", name), is("linearise", name)].into_iter().any(|is| is.is_ok_and(|is| is == Some(true)))
+    });
+    let by_laminae = has_rollers && (by_laminae || ROLLERS.iter().any(|key| table.has(key)));
+    let keys = if by_laminae { roller_keys(&listed) } else { scene_keys(&listed) };
+    let is_roller = keys.iter().any(|key| key.key == ROLLER_DIAMETER);
+    let has_play = PLAY.iter().any(|key| table.has(key));
+    for key in keys {
+        let is_replaced = if is_roller {
+            has_play && PLAY.contains(&key.key)
+        } else {
+            has_fit && FIT.contains(&key.key) || !is_lumped && LUMPED.contains(&key.key)
+        };
         if !is_replaced && let Ok(value) = key.value.parse::<Value>() {
             defaults.insert(key.key, value.into());
             if key.is_estimated && !table.has(key.key) {

@@ -30,6 +30,9 @@ pub(super) const FRICTION_SHARINGS: [(&str, FrictionSharing); 3] = [
 
 /// Reads `effects`, `race_control`, `friction_sharing` and `lubricant`.
 pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
+    if model == Model::QuasiStaticRoller {
+        return of_rollers(table);
+    }
     if !model.properties().effects {
         let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
         return match keys.iter().find_map(|key| table.optional(key)) {
@@ -50,6 +53,15 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
         control: control?.unwrap_or_default(),
         sharing: table.read("friction_sharing", |n| n.choice(&FRICTION_SHARINGS))?.unwrap_or_default(),
     })
+}
+
+/// Reads `effects` of rollers in equilibrium: their centrifugal force, which is one of their equations in any case.
+fn of_rollers(table: &Table<'_>) -> Read<Effects> {
+    let named = table.read("effects", effects)?.unwrap_or_default();
+    match table.optional("effects").filter(|_| named.iter().any(|effect| *effect != Effect::Centrifugal)) {
+        Some(node) => Err(node.refuse("[\"centrifugal\"] with rollers")),
+        None => Ok(Effects { centrifugal: true, ..Effects::default() }),
+    }
 }
 
 fn effects(node: &Node<'_>) -> Read<Vec<Effect>> {
@@ -110,8 +122,8 @@ pub(super) fn preload(table: &Table<'_>, model: Model) -> Read<Option<Preload>> 
     let Some(node) = table.optional("preload") else {
         return Ok(None);
     };
-    if !model.has_contact_angle() {
-        let models = choice_of(models_with(|of| of.input == ModelInput::ContactAngle));
+    if !model.has_contact_angle() && !model.properties().inclined_rollers {
+        let models = choice_of(models_with(|of| of.input == ModelInput::ContactAngle || of.inclined_rollers));
         let expected = format!("only with model = {models} (lumped: a negative radial_play); remove it");
         return Err(node.misplaced(expected));
     }

@@ -44,7 +44,7 @@ pub(super) fn check_without_model(table: &Table<'_>) -> Read<()> {
 /// Reads number of elements and kinematics of a bearing without model; none with one.
 pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Option<(usize, KinematicData)>> {
     if model.has_forces() {
-        return match ["orders", "roller_diameter"].iter().find_map(|key| table.optional(key)) {
+        return match table.optional("orders") {
             Some(node) => Err(node.misplaced("only without model and bearing; remove it or those")),
             None => Ok(None),
         };
@@ -74,7 +74,7 @@ fn of_diameters(table: &Table<'_>) -> Read<(usize, KinematicData)> {
     let element = table.quantity(key)?;
     let pitch = pitch_diameter(table, (key, element))?;
     let contact_angle = contact_angle(&table.required("contact_angle", "an angle from 0 to 60 deg")?)?;
-    check_fit_on_pitch_circle(table, elements, [element, pitch])?;
+    check_fit_on_pitch_circle(table, elements, (key, element), pitch)?;
     Ok((elements, KinematicData::Diameters { element, pitch, contact_angle }))
 }
 

@@ -7,6 +7,9 @@ use std::f64::consts::{FRAC_PI_3, PI};
 /// Numbers of rolling elements that the kernel supports.
 pub(super) const ELEMENTS: std::ops::RangeInclusive<i64> = 3..=64;
 
+/// The key whose presence makes the elements of a bearing rollers.
+pub(super) const ROLLER_DIAMETER: &str = "roller_diameter";
+
 /// Reads the number of elements.
 pub(super) fn elements(table: &Table<'_>) -> Read<usize> {
     let expected = "a whole number from 3 to 64 (rolling elements)";
@@ -30,18 +33,24 @@ pub(super) fn contact_angle(node: &Node<'_>) -> Read<f64> {
     Ok(angle.min(FRAC_PI_3))
 }
 
-/// Rejects balls that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
-pub(super) fn check_fit_on_pitch_circle(table: &Table<'_>, elements: usize, [ball, pitch]: [f64; 2]) -> Read<()> {
-    let fits = |n: i64| pitch * (PI / n as f64).sin() > ball;
+/// Rejects elements that touch each other on the pitch circle, which leave no room for a cage, and overlapping ones.
+pub(super) fn check_fit_on_pitch_circle(
+    table: &Table<'_>,
+    elements: usize,
+    (key, diameter): (&str, f64),
+    pitch: f64,
+) -> Read<()> {
+    let fits = |n: i64| pitch * (PI / n as f64).sin() > diameter;
     // The chord between neighbours shrinks with their number from 3 on.
     let most = ELEMENTS.rev().find(|n| fits(*n)).unwrap_or(0);
     if usize::try_from(most).is_ok_and(|most| elements <= most) {
         return Ok(());
     }
+    let elements_of = if key == ROLLER_DIAMETER { "rollers" } else { "balls" };
     let expected = if most == 0 {
-        "a larger pitch_diameter or smaller balls: not even 3 of this ball_diameter fit on the pitch circle".to_owned()
+        format!("a larger pitch_diameter or smaller {elements_of}: not even 3 of this {key} fit on the pitch circle")
     } else {
-        format!("3 to {most}: more balls of this ball_diameter do not fit on the pitch circle")
+        format!("3 to {most}: more {elements_of} of this {key} do not fit on the pitch circle")
     };
     Err(table.required("elements", &expected)?.refuse(expected))
 }

@@ -1,9 +1,10 @@
 //! `[rotor]`: a rigid rotor by its mass and inertia, or a flexible one by its drawing.
 
+use super::super::bearing::STEEL_DENSITY;
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{Disk, FlexibleRotor, Rotor, Section, Unbalance, load_at};
-use super::bearing::{DENSITY, POISSONS_RATIO, YOUNGS_MODULUS};
+use super::bearing::{POISSONS_RATIO, YOUNGS_MODULUS};
 use crate::flexible_rotor::rigid_body;
 
 /// Standard gravity along -Y, the default of `gravity`.
@@ -59,7 +60,7 @@ fn flexible(table: &Table<'_>, rotor: &mut Rotor, load_station: Option<f64>) -> 
     let expected = "a list of tables { from, to, outer_diameter }";
     let sections = sections(&table.required("sections", expected)?, expected)?;
     let ratio = "0 or more and below 0.5";
-    let density = table.optional_quantity("density")?.unwrap_or(DENSITY);
+    let density = table.optional_quantity("density")?.unwrap_or(STEEL_DENSITY);
     let damping = table.read("proportional_damping", proportional_damping)?.unwrap_or_default();
     let share = "0 or more and below 1 (of the critical damping)";
     let mut drawn = FlexibleRotor {

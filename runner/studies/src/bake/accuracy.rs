@@ -231,7 +231,7 @@ pub fn accuracy(
     (poses, range): (Option<&Poses>, &ChecksumRange),
 ) -> Result<Accuracy> {
     let reference = dearest(scene, text, i)?;
-    let arm = scene.bearings.get(i).and_then(|of| of.geometry).map_or(0.0, |g| 0.5 * g.pitch_diameter);
+    let arm = scene.bearings.get(i).and_then(Bearing::diameters).map_or(0.0, |[_, pitch]| 0.5 * pitch);
     if let Some(poses) = poses.and_then(|poses| poses.get(i)) {
         let found = error_at(poses, baked, &reference, arm);
         if found.largest_load > 0.0 {

@@ -109,7 +109,7 @@ fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> Extent {
 /// Returns centre and amplitudes about the displacement by preload, for a scene without poses.
 fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
     let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
-    let elastic = of.geometry.map_or(SMALL, |g| RELATIVE_APPROACH * g.ball_diameter);
+    let elastic = of.diameters().map_or(SMALL, |[element, _]| RELATIVE_APPROACH * element);
     let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
     let along = approach + play;
     let tilt = 0.3 * along / radius(of);
@@ -123,7 +123,7 @@ fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
 }
 
 fn radius(of: &Bearing) -> f64 {
-    of.geometry.map_or(RADIUS, |g| 0.5 * g.pitch_diameter)
+    of.diameters().map_or(RADIUS, |[_, pitch]| 0.5 * pitch)
 }
 
 /// Returns the speed of the first sample and its increment.

@@ -148,7 +148,7 @@ impl Reference {
     #[must_use]
     pub fn new(scene: &Scene, forces: &dyn Forces, poses: &Poses) -> Self {
         let wrenches: Vec<_> = poses.iter().enumerate().map(|(i, poses)| forces.wrenches(i, poses)).collect();
-        let arm = |of: &ballrace_scene::Bearing| of.geometry.map_or(0.0, |g| 0.5 * g.pitch_diameter);
+        let arm = |of: &ballrace_scene::Bearing| of.diameters().map_or(0.0, |[_, pitch]| 0.5 * pitch);
         let arms: Vec<f64> = scene.bearings.iter().map(arm).collect();
         let zero = Wrench::default();
         let sizes = wrenches.iter().zip(&arms).flat_map(|(all, &arm)| all.iter().map(move |f| apart(f, &zero, arm)));

@@ -44,8 +44,19 @@ impl FidelityLevel {
     pub fn all(scene: &Scene) -> Vec<Self> {
         let effects = named(scene);
         let springs_alone = scene.bearings.iter().all(given_as_springs);
+        let have_rollers = |all: bool| {
+            let mut rollers = scene.bearings.iter().map(|of| of.rollers.is_some());
+            if all { rollers.all(|has| has) } else { rollers.any(|has| has) }
+        };
+        // Balls and rollers have models of their own.
+        let fits = |model: &Model| match model.properties().input {
+            ModelInput::ContactAngle => !have_rollers(true),
+            ModelInput::Rollers => have_rollers(false),
+            ModelInput::Orders | ModelInput::Stiffness | ModelInput::Law => true,
+        };
         let is_own = |model: Model| scene.bearings.iter().any(|of| of.model == model);
-        let mut models: Vec<Model> = Model::with_forces().filter(|model| !springs_alone || is_own(*model)).collect();
+        let mut models: Vec<Model> =
+            Model::with_forces().filter(|model| fits(model) && (!springs_alone || is_own(*model))).collect();
         models.sort_unstable_by_key(|model| model.properties().cost);
         let levels = models.into_iter().map(|model| (model, bearing_model(model).levels(scene, &effects)));
         levels.flat_map(|(model, all)| all.into_iter().map(move |options| Self { model, options })).collect()
@@ -97,6 +108,7 @@ impl FidelityLevel {
             }
             let has = |key: &str| table.contains_key(key);
             let (geometry, film) = (has("ball_diameter"), has("lubricant"));
+            let rollers = of.rollers.is_some();
             let model = self.model.properties();
             let others = Model::ALL.into_iter().filter(|other| *other != self.model);
             let mut gone = vec!["solver_steps", "linearise"];
@@ -116,10 +128,22 @@ impl FidelityLevel {
                 table.insert("effects", value(kept.copied().collect::<Array>()));
             }
             if model.input == ModelInput::Stiffness {
-                table.insert("linearise", value(if geometry { "angular" } else { "lumped" }));
+                table.insert(
+                    "linearise",
+                    value(if geometry {
+                        "angular"
+                    } else if rollers {
+                        "roller"
+                    } else {
+                        "lumped"
+                    }),
+                );
             }
             if let Some(steps) = self.options.steps {
                 table.insert("solver_steps", value(i64::from(steps)));
+            }
+            if let Some(laminae) = self.options.laminae.filter(|_| rollers) {
+                table.insert("laminae", value(laminae));
             }
             if let Some(intervals) = self.options.intervals {
                 let list: Value = intervals.into_iter().collect::<Array>().into();

@@ -3,13 +3,14 @@
 use super::super::bearing::{DEFECT_SHAPES, FACINGS, SURFACES, WAVE_DIRECTIONS, all_models, linearised_models};
 use super::super::effects::{EFFECTS, FRICTION_SHARINGS, RACE_CONTROLS};
 use super::super::pitch_circle::ELEMENTS;
+use super::super::rollers::{MOST_LAMINAE, PROFILES};
 use super::{ANGLE, DENSITY, LENGTH, POISSONS_RATIO, POSITIVE_LENGTH, PRESSURE, SPEED};
-use crate::PreloadState;
 use crate::key::Choice::{Any, AtMostOne, One};
-use crate::key::Kind::{Integer, List, Number, NumberIn, Quantity, Table, Temperature, Text, Tuple, Words};
+use crate::key::Kind::{Either, Integer, List, Number, NumberIn, Quantity, Table, Temperature, Text, Tuple, Words};
 use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, key, words};
 use crate::model::OWN_KEYS;
 use crate::units::Dimension;
+use crate::{PreloadState, RollerKind};
 use std::ops::Bound::{Excluded, Included};
 
 /// Coordinates of a system.
@@ -73,9 +74,22 @@ pub(super) static BEARING: Keys = Keys {
             key("poissons_ratio", POISSONS_RATIO, "their Poisson's ratio", "0.3", "", "0.3"),
             key("density", DENSITY, "density of the balls", "7800 kg/m^3", "", "\"3200 kg/m^3\""),
         ]]),
+        ("Rollers", &[&[
+            key("roller_diameter", POSITIVE_LENGTH,
+                "diameter of the rollers, in place of `ball_diameter`; of tapered rollers the mean", "none",
+                "below `pitch_diameter`; with `roller`, `quasi-static`, `lumped` and without `model`", "\"7.5 mm\""),
+            key("roller_length", POSITIVE_LENGTH, "effective length of the rollers", "required with a model", "",
+                "\"7.5 mm\""),
+            key("kind", Words(|| words(&RollerKind::ALL)), "kind of the rollers",
+                "`\"cylindrical\"`, with a contact angle `\"tapered\"`",
+                "`\"tapered\"` and `\"spherical\"` only with `roller`", "\"tapered\""),
+            key("laminae", Integer(1, MOST_LAMINAE), "laminae of each roller", "30", "", "30"),
+            key("profile", Either(&[Words(|| words(&PROFILES)), Table(&PROFILE), List(&PROFILE_DROP)]),
+                "profile of the rollers: coefficient `c` of `c ln(1/(1 - (2x/L)^2))`, or the drop of each lamina",
+                "`\"iso\"`: `c` is 0.00035 (other than cylindrical: 0.00045) of the diameter", "",
+                "{ coefficient = \"2.6 um\" }"),
+        ]]),
         ("Bearing for vibration alone", &[&[
-            key("roller_diameter", POSITIVE_LENGTH, "diameter of the rollers, in place of `ball_diameter`", "none",
-                "only without `model`", "\"7.5 mm\""),
             key("orders", Table(&ORDERS), "orders as on a data sheet, in place of diameters and angle", "none",
                 "only without `model`", "{ outer = 3.585, inner = 5.415, element = 2.357, cage = 0.398 }"),
         ]]),
@@ -183,6 +197,18 @@ static AXIAL: Keys = Keys {
         key("exponent", EXPONENT, "exponent of their law", "1.5", "", "1.5"),
         key("play", LENGTH, "axial play", REQUIRED, "negative is preload", "\"0 um\""),
         key("radius", Quantity(Dimension::Length, NOT_NEGATIVE), "radius on which they act", REQUIRED, "", "\"20 mm\""),
+    ]])],
+    choices: &[],
+};
+
+/// Profile drop of a lamina.
+const PROFILE_DROP: Kind = Quantity(Dimension::Length, NOT_NEGATIVE);
+
+static PROFILE: Keys = Keys {
+    name: "profile",
+    #[rustfmt::skip] // a table
+    sections: &[("", &[&[
+        key("coefficient", PROFILE_DROP, "coefficient `c` of the logarithmic profile", REQUIRED, "", "\"2.6 um\""),
     ]])],
     choices: &[],
 };

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::choice_of;
+use crate::{RollerKind, RollerProfile};
 
 #[test]
 #[rustfmt::skip] // a table
@@ -288,7 +289,7 @@ fn bearings_without_model_that_are_none() {
         (angle, "contact_angle = \"0 deg\"\ndefect = []\n", &["bearing[0].model: missing key", "because of defect"]),
         (angle, "contact_angle = \"0 deg\"\norders = {}\n", &["ball_diameter: misplaced key", "not together with orders"]),
         (angle, "contact_angle = \"0 deg\"\nmodel = \"kinematics\"\n", &["invalid value: \"kinematics\", expected \"linear\""]),
-        (angle, "contact_angle = \"0 deg\"\nmodel = \"lumped\"\nroller_diameter = \"8 mm\"\n", &["roller_diameter: misplaced key", "only without model"]),
+        (angle, "contact_angle = \"0 deg\"\nmodel = \"lumped\"\nroller_diameter = \"8 mm\"\n", &["ball_diameter: misplaced key", "not with rollers"]),
         (angle, "contact_angle = \"0 deg\"\n[rotor]\nmass = 1\ndiametral_inertia = 1\npolar_inertia = 1\n", &["bearing[0].station: missing key"]),
     ]);
     assert_refused(ORDERS, &[
@@ -301,5 +302,72 @@ fn bearings_without_model_that_are_none() {
         ("name", "elements = 8\nname", &["outer + inner = 9.000 with elements = 8"]),
         ("name", "cage_ratio = 0.4\nname", &["cage_ratio: misplaced key", "not together with orders"]),
         ("name", "bearing = \"6205\"\nname", &["orders: misplaced key", "only without model and bearing"]),
+    ]);
+}
+
+const ROLLERS: &str = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nmodel = \"roller\"\nkind = \"tapered\"\nelements = 17\n\
+                       roller_diameter = \"7.5 mm\"\nroller_length = \"15 mm\"\npitch_diameter = \"54 mm\"\ncontact_angle = \"14 deg\"\n";
+
+#[test]
+fn rollers_take_their_defaults_and_the_models_of_rollers() {
+    let tapered = read(ROLLERS).unwrap();
+    let bearing = tapered.bearings.first().unwrap();
+    let rollers = bearing.rollers.as_ref().unwrap();
+    assert_eq!((bearing.model, rollers.kind, rollers.laminae), (Model::Roller, RollerKind::Tapered, 30));
+    assert_eq!(rollers.profile, RollerProfile::Logarithmic(0.000_45 * 7.5e-3));
+    let law = bearing.law.unwrap();
+    assert_eq!(law.radial_play, Some(0.0));
+    // K = 35 948 L^(8/9) N/mm^(10/9), L in mm.
+    assert!(near(law.stiffness.unwrap(), 35_948.0 * 15_f64.powf(8.0 / 9.0) * 1000_f64.powf(10.0 / 9.0)));
+
+    let radial = with(ROLLERS, "contact_angle = \"14 deg\"", "diametral_clearance = \"10 um\"");
+    let cylindrical = with(&radial, "kind = \"tapered\"\n", "");
+    let solved = with(&cylindrical, "model = \"roller\"", "model = \"quasi-static\"\neffects = [\"centrifugal\"]");
+    let line = with(&cylindrical, "model = \"roller\"", "model = \"lumped\"\nprofile = [0, \"1 um\"]");
+    for (text, model) in [(cylindrical, Model::Roller), (solved, Model::QuasiStaticRoller), (line, Model::Lumped)] {
+        let scene = read(&text).unwrap();
+        let bearing = scene.bearings.first().unwrap();
+        assert_eq!((bearing.model, bearing.rollers.as_ref().unwrap().kind), (model, RollerKind::Cylindrical));
+        assert!(near(bearing.law.unwrap().radial_play.unwrap(), 5e-6));
+        assert_eq!(bearing.law.unwrap().exponent, 10.0 / 9.0);
+    }
+}
+
+#[test]
+#[rustfmt::skip] // a table
+fn rollers_out_of_range() {
+    let angle = "contact_angle = \"14 deg\"";
+    assert_refused(ROLLERS, &[
+        ("kind = \"tapered\"", "kind = \"round\"", &["kind: invalid value: \"round\", expected \"cylindrical\" or \"needle\""]),
+        ("roller_diameter = \"7.5 mm\"", "", &["roller_diameter: missing key, expected a length above 0"]),
+        ("roller_diameter = \"7.5 mm\"", "roller_diameter = \"60 mm\"", &["pitch_diameter: invalid value", "above roller_diameter (60 mm)"]),
+        ("roller_length = \"15 mm\"", "", &["roller_length: missing key"]),
+        ("roller_length = \"15 mm\"", "roller_length = 0", &["a length above 0"]),
+        ("elements = 17", "elements = 23", &["expected 3 to 22: more rollers of this roller_diameter"]),
+        (angle, "", &["contact_angle: missing key, expected an angle above 0 and at most 60 deg with kind = \"tapered\""]),
+        (angle, "contact_angle = 0", &["above 0 and at most 60 deg with kind = \"tapered\""]),
+        ("kind = \"tapered\"", "kind = \"needle\"", &["contact_angle: invalid value", "an angle: 0 with kind = \"needle\""]),
+        (angle, "contact_angle = 0.2\nlaminae = 0", &["laminae: invalid value: 0, expected a whole number from 1 to 1000"]),
+        (angle, "contact_angle = 0.2\nprofile = \"round\"", &["expected \"iso\", \"straight\", { coefficient"]),
+        (angle, "contact_angle = 0.2\nprofile = 3", &["expected \"iso\", \"straight\", { coefficient = \"2.6 um\" } or a list"]),
+        (angle, "contact_angle = 0.2\nprofile = { coefficient = -1 }", &["profile.coefficient: invalid value", "0 or more"]),
+        (angle, "contact_angle = 0.2\nprofile = { drop = 1 }", &["profile.drop"]),
+        (angle, "contact_angle = 0.2\nprofile = [1e-6]\nlaminae = 3", &["a list of 1, expected a list of 3: a drop of each lamina"]),
+        (angle, "contact_angle = 0.2\nprofile = []", &["a list of 0, expected a list of at least one"]),
+        (angle, "contact_angle = 0.2\nprofile = [\"1 N\"]", &["profile[0]: invalid value: \"1 N\""]),
+        (angle, "contact_angle = 0.2\nstiffness = \"1 N/m^1.5\"", &["expected a contact stiffness in N/m^1.1111"]),
+        (angle, "contact_angle = 0.2\nradial_play = 0\ndiametral_clearance = 0", &["both radial_play and diametral_clearance"]),
+        (angle, "contact_angle = 0.2\nball_diameter = 0.1", &["ball_diameter: misplaced key", "not with rollers"]),
+        (angle, "contact_angle = 0.2\neffects = [\"film\"]", &["effects", "only with model"]),
+        ("model = \"roller\"", "model = \"quasi-static\"", &["kind: invalid value: \"tapered\", expected \"cylindrical\" or \"needle\" with rollers in equilibrium"]),
+        ("model = \"roller\"", "model = \"lumped\"", &["kind: invalid value: \"tapered\", expected \"cylindrical\" or \"needle\" with"]),
+        ("model = \"roller\"", "model = \"angular\"", &["roller_diameter: misplaced key", "only with rollers"]),
+    ]);
+    let cylindrical = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nmodel = \"quasi-static\"\nelements = 13\n\
+                       roller_diameter = \"7.5 mm\"\nroller_length = \"8 mm\"\npitch_diameter = \"39 mm\"\nradial_play = 0\n";
+    assert_refused(cylindrical, &[
+        ("radial_play = 0", "", &["radial_play: missing key, expected half the diametral clearance"]),
+        ("radial_play = 0", "radial_play = 0\neffects = [\"gyroscopic\"]", &["effects: invalid value", "[\"centrifugal\"] with rollers"]),
+        ("radial_play = 0", "radial_play = 0\nlubricant = {}", &["lubricant: misplaced key", "not with rollers"]),
     ]);
 }
