@@ -11,7 +11,6 @@
 //!
 //! For a rigid rotor on fixed bearings all of these are constant but for the inertia.
 
-use super::machine::CouplingForce;
 use super::motion::{C, D};
 use ballrace::Displacement;
 use ballrace_plant::probes::PoseSolver;
@@ -30,6 +29,15 @@ const ELASTIC: usize = 10;
 const LOWEST: f64 = 0.1;
 /// Step of a derivative, over the distance of the lines.
 const STEP: f64 = 1e-3;
+
+/// Force of a misaligned coupling on the shaft, once and twice per turn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CouplingForce {
+    /// Once and twice per turn: cosine and sine along X, then along Y, N.
+    pub force: [[f64; 4]; 2],
+    /// Station from the centre of mass, m.
+    pub station: f64,
+}
 
 /// A matrix by line, or one for all lines of a rigid rotor.
 type ByLine = Vec<Square>;

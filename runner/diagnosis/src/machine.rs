@@ -1,7 +1,7 @@
 //! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
 
 use super::Result;
-use super::dynamics::Tangent;
+use super::dynamics::{CouplingForce, Tangent};
 use super::measurement::{COEFFICIENTS, ReadingError};
 use super::motion::{D, Motion, PARTS};
 use ballrace::bearing::Bearing as _;
@@ -47,15 +47,6 @@ pub(crate) struct MachineBearing {
     pub tilt: [f64; 2],
     /// Diametral play of a ring in its seat, m.
     pub seat_play: f64,
-}
-
-/// Force of a misaligned coupling on the shaft, once and twice per turn.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CouplingForce {
-    /// Once and twice per turn: cosine and sine along X, then along Y, N.
-    pub force: [[f64; 4]; 2],
-    /// Station from the centre of mass, m.
-    pub station: f64,
 }
 
 /// A machine under a hypothesis.

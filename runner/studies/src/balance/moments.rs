@@ -24,7 +24,7 @@ pub struct MomentEstimate {
     pub loaded: f64,
 }
 
-/// Points by which the distribution of a moment is described.
+/// Points by which the distribution of a moment is described, about.
 const POINTS: usize = 2000;
 /// Relative standard deviation of a moment by the weights and by the radius of the holes, which trials and the sought masses have alike.
 const MASS_ERROR: f64 = 0.02;
@@ -75,11 +75,9 @@ pub fn estimates(mean: &DVector<C>, covariance: &DMatrix<C>, usual: f64) -> Opti
                 empty += weight;
                 continue;
             }
-            if weight < NEGLIGIBLE {
-                continue;
-            }
             let deviation = variance[(k, k)].re.max(0.0).sqrt().hypot(MASS_ERROR * mean[k].norm());
-            points.extend(normal(mean[k], deviation).map(|point| (point, weight / POINTS as f64)));
+            let count = (weight * POINTS as f64).ceil();
+            points.extend(normal(mean[k], deviation, count as usize).map(|point| (point, weight / count)));
         }
         sizes.push((0.0, empty));
         sizes.extend(points.iter().map(|(point, weight)| (point.norm(), *weight)));
@@ -115,14 +113,12 @@ const ALL_SIZES: usize = 4;
 /// Sizes of a moment over that of the trial masses, each as likely as the others, and all together as likely as an empty plane: an unknown
 /// mass may be far smaller than a trial mass. 0 stands for the smallest that a plane shows, its standard deviation.
 const SIZES: [f64; 4] = [1.0, 0.25, 0.0625, 0.0];
-/// Probability of a choice that does not count.
-const NEGLIGIBLE: f64 = 1e-6;
 
-/// Returns points of a complex normal distribution of equal weight, evenly spread: a spiral of the golden angle.
-fn normal(mean: C, deviation: f64) -> impl Iterator<Item = C> {
+/// Returns `count` points of a complex normal distribution of equal weight, evenly spread: a spiral of the golden angle.
+fn normal(mean: C, deviation: f64, count: usize) -> impl Iterator<Item = C> {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
-    (0..POINTS).map(move |i| {
-        let share = (i as f64 + 0.5) / POINTS as f64;
+    (0..count).map(move |i| {
+        let share = (i as f64 + 0.5) / count as f64;
         mean + C::from_polar(deviation * (-(1.0 - share).ln()).sqrt(), golden * i as f64)
     })
 }
