@@ -165,6 +165,7 @@ fn sandbox(recording: &str) -> Sandbox {
         "log.csv",
         "u,v,w,thu,thv,cage_phase\n0x36a7c5ac,0x00000000,0x378637bd,0x00000000,0x00000000,0x1000000000000000\n",
     );
+    sandbox.put("vectors.csv", include_str!("../../docs/src/vectors.csv"));
     sandbox.put("machines.csv", "machine,scene\nrig,machine.toml\n");
     // The lines run in any order; this recording is the output of one of them.
     let spalled = ["simulate", "spalled.toml", "--duration", "0.1 s", "--as-recording", "-o", "spalled.parquet"];
