@@ -46,7 +46,7 @@ pub fn text(of: &Balance) -> Result<String> {
     if proof.moments == 0 {
         writeln!(
             out,
-            "No proof: with one known condition less, the others do not determine the coefficients. Add a trial."
+            "No proof: with one known condition less, the others do not tell coefficients and errors. Repeat the baseline or add a trial."
         )?;
     } else {
         writeln!(

@@ -39,7 +39,7 @@ const DRIFT_TIMES: [f64; 7] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 pub enum BalanceError {
     /// There are too few runs with known masses.
     #[error(
-        "{found} conditions with known masses, expected at least {least}: a baseline and one trial for each of the {planes} planes, and one more to tell the errors"
+        "{found} conditions with known masses, expected at least {least}: a baseline and one trial for each of the {planes} planes"
     )]
     Few {
         /// Conditions found.
@@ -476,7 +476,7 @@ impl Runs {
                 }
             }
         }
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+        let mean = |of: &[f64]| (of.iter().sum::<f64>() + 0.0) / of.len().max(1) as f64;
         proof.moments = errors.len();
         proof.mean_error_g_mm = mean(&errors);
         proof.largest_error_g_mm = errors.iter().copied().fold(0.0, f64::max);
@@ -549,7 +549,7 @@ fn few_values(known: usize, planes: usize) -> f64 {
 
 /// Checks that the known conditions determine every coefficient.
 fn check(runs: &Runs) -> Result<(), BalanceError> {
-    let least = runs.planes + 2;
+    let least = runs.planes + 1;
     for (speed, mean) in runs.speeds.iter().enumerate() {
         let known: Vec<&Vec<C>> =
             runs.all.iter().filter(|run| run.speed == speed).filter_map(|run| run.moments.as_ref()).collect();

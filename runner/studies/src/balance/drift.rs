@@ -26,6 +26,13 @@ pub struct Observation {
     pub design: DMatrix<C>,
 }
 
+impl Observation {
+    /// Returns true if it holds a channel.
+    fn has(&self, channel: usize) -> bool {
+        (self.first..self.first + self.response.len()).contains(&channel)
+    }
+}
+
 /// Covariance of drift and error.
 #[derive(Debug, Clone)]
 pub struct Drift {
@@ -64,6 +71,9 @@ struct Filtered {
 const ROUNDS: usize = 40;
 /// Records that the scale from which the covariance starts counts as.
 const PRIOR: f64 = 4.0;
+/// Deviation over the mean size of the vectors of a channel, where no run more than coefficients tells it: vectors of one session repeat within
+/// some percent from start to start.
+const USUAL: f64 = 0.02;
 /// Error of a mean of records at the start, over the scale of what the coefficients leave.
 const ERROR: f64 = 0.3;
 
@@ -137,14 +147,17 @@ impl Drift {
         let start = DMatrix::from_diagonal(&DVector::from_iterator(q, scale.iter().map(|s| C::new(s * s, 0.0))));
         let variance = scale.iter().map(|s| (ERROR * s).powi(2)).collect();
         let mut drift = Self { time, covariance: start.clone(), variance, repeat: repeat.to_vec() };
-        for _ in 0..ROUNDS {
+        let coefficients = all.first()?.design.ncols() / q;
+        let has_spare = (0..q).all(|c| all.iter().filter(|of| of.has(c)).count() > coefficients);
+        // Without a run more than coefficients, nothing but the start is known.
+        for _ in 0..if has_spare { ROUNDS } else { 0 } {
             drift = drift.improved(all, &start)?;
         }
         let solution = drift.solve(all)?;
         Some((drift, solution))
     }
 
-    /// Finds the drift of observations: the time with the largest likelihood. Without times (`None`), the drift of each condition is its own.
+    /// Finds the drift of observations: the one of `times` with the largest likelihood.
     pub fn estimated(all: &[Observation], repeat: &[f64], times: &[f64]) -> Option<(Self, Solution)> {
         let scale = scales(all, repeat)?;
         let of = |time: &f64| Self::found(*time, all, &scale, repeat);
@@ -240,19 +253,22 @@ fn scales(all: &[Observation], repeat: &[f64]) -> Option<Vec<f64>> {
         repeat: vec![0.0; repeat.len()],
     };
     let theta = plain.solve(all)?.theta;
-    let mut sums = vec![(0.0, 0usize); repeat.len()];
+    let mut sums = vec![(0.0, 0usize, 0.0); repeat.len()];
     for of in all {
         let fitted = &of.design * &theta;
         for p in 0..of.response.len() {
-            let (sum, count) = &mut sums[of.first + p];
+            let (sum, count, size) = &mut sums[of.first + p];
+            *size += of.response[p].norm();
             *sum += (of.response[p] - fitted[p]).norm_sqr();
             *count += 1;
         }
     }
     let coefficients = theta.len() / repeat.len().max(1);
-    // Channels that plain least squares fits exactly have the repeatability left.
-    let of = |((sum, count), repeat): (&(f64, usize), &f64)| {
-        (sum / count.saturating_sub(coefficients).max(1) as f64).max(*repeat).sqrt()
+    // Channels that plain least squares fits exactly have the repeatability left; without a run more than coefficients, nothing tells.
+    let of = |((sum, count, size), repeat): (&(f64, usize, f64), &f64)| {
+        let spare = count.saturating_sub(coefficients);
+        let usual = if spare == 0 { USUAL * size / (*count).max(1) as f64 } else { 0.0 };
+        (sum / spare.max(1) as f64).max(*repeat).max(usual * usual).sqrt()
     };
     Some(sums.iter().zip(repeat).map(of).collect())
 }
