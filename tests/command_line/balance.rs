@@ -33,6 +33,9 @@ fn at(moment: f64, degrees: f64) -> Pair {
     [moment * c, moment * s]
 }
 
+/// A run: condition, set, and moment and angle on each plane.
+type Run = (&'static str, &'static str, Vec<(f64, f64)>);
+
 /// A rotor of planes and probes by its coefficients.
 struct Rotor {
     baseline: Vec<Pair>,
@@ -58,7 +61,7 @@ impl Rotor {
         exact.into_iter().map(|y| plus(y, self.random.pair().map(|x| noise * x))).collect()
     }
 
-    fn table(&mut self, runs: &[(&str, &str, Vec<(f64, f64)>)]) -> String {
+    fn table(&mut self, runs: &[Run]) -> String {
         let planes = self.coefficients[0].len();
         let mut out = "id,set,speed_rpm".to_owned();
         (1..=planes).for_each(|k| write!(out, ",p{k}_g_mm,p{k}_deg").unwrap());
@@ -128,7 +131,7 @@ const RUNS: [(&str, &str); 9] = [
 ];
 
 /// Masses on four planes of each run.
-fn runs() -> Vec<(&'static str, &'static str, Vec<(f64, f64)>)> {
+fn runs() -> Vec<Run> {
     let masses: [[(f64, f64); 4]; 9] = [
         [(0.0, 0.0); 4],
         [(40.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)],
