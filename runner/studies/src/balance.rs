@@ -1,7 +1,7 @@
 //! Masses of a rotor from vibration vectors: influence coefficients from trial runs, and the moments that other runs carry.
 //!
 //! The once-per-turn vector of probe `p` at a speed is `y_p = B_p + sum_k C_pk u_k + d_p(t) + e`, with the moment `u_k` on each plane, the
-//! influence coefficients `C`, the vector `B` of the rotor without added masses, and a [drift](drift) that moves all probes and speeds
+//! influence coefficients `C`, the vector `B` of the rotor without added masses, and a drift that moves all probes and speeds
 //! together. Trial runs give `B`, `C` and the drift; the moments of a blind run follow with them by least squares, all runs together.
 //!
 //! Coefficients of planes that lie side by side are nearly in proportion, and single moments then known far less than their sum. What a
