@@ -270,6 +270,11 @@ fn wrong_tables_have_one_clear_error() {
         let err = wrong(&good.replacen(from, to, 1));
         assert!(err.contains(message), "{message}: {err}");
     }
+    // Records of one condition with other masses.
+    let err = wrong(&good.replacen("T1_N1_a2,trial,3000,40", "T1_N1_a2,trial,3000,41", 1));
+    assert!(err.contains("line 5: id: value out of range: \"T1_N1_a2\", expected the set and the masses"), "{err}");
+    let header = good.lines().next().unwrap();
+    assert!(wrong(header).contains("no record, expected a baseline and trials"));
     let without = |names: &[&str]| -> String {
         let keeps = |line: &&str| names.iter().all(|name| !line.starts_with(name));
         good.lines().filter(keeps).map(|line| format!("{line}\n")).collect()
@@ -308,6 +313,53 @@ fn wrong_tables_have_one_clear_error() {
     assert!(err.contains("change no probe by more than its scatter"), "{err}");
     let err = wrong(&good.replacen("X1_N1_a1,blind,3000", "X1_N1_a1,blind,6000", 1));
     assert!(err.contains("condition X1: no trial at 6000 rpm"), "{err}");
+}
+
+/// Vectors that no masses on the planes explain are said to be so.
+#[test]
+fn vectors_of_another_cause() {
+    let sandbox = Sandbox::empty();
+    let mut rotor = Rotor::new(2, 12, 0.02);
+    let two: Vec<Run> = runs().into_iter().map(|(id, set, masses)| (id, set, masses[..2].to_vec())).collect();
+    let table = rotor.table(&two);
+    let mut other = Rotor { random: Random(5), ..Rotor::new(2, 12, 0.02) };
+    other.baseline = (0..12).map(|_| other.random.pair().map(|x| 20.0 * x)).collect();
+    let bent = other.table(&two);
+    let is_bent = |line: &&str| line.starts_with("X1");
+    let lines = table.lines().filter(|line| !is_bent(line)).chain(bent.lines().filter(is_bent));
+    sandbox.put("vectors.csv", lines.map(|line| format!("{line}\n")).collect::<String>());
+    let text = sandbox.done(&["balance", "--vectors", "vectors.csv"]).out;
+    let told: Vec<&str> = text.lines().filter(|line| line.contains("no masses on these planes explain")).collect();
+    assert!(told.len() == 1 && told[0].starts_with("X1"), "{text}");
+}
+
+/// Times come from a column, from a file, or from times.csv beside the table, and never from two of them.
+#[test]
+fn times_of_runs() {
+    let sandbox = Sandbox::empty();
+    let table = Rotor::new(4, 12, 0.02).table(&runs());
+    sandbox.put("vectors.csv", &table);
+    let args = ["balance", "--vectors", "vectors.csv"];
+    assert!(sandbox.done(&args).out.contains("The runs have no times"));
+    let rows = RUNS.iter().enumerate().map(|(i, (id, _))| format!("{id},N1,{}\n", 600 * i));
+    let times = format!("condition,speed,unix_time_of_one_record\n{}", rows.collect::<String>());
+    sandbox.put("other.csv", times.lines().take(5).map(|line| format!("{line}\n")).collect::<String>());
+    let output = sandbox.run(&[&args[..], &["--times", "other.csv"]].concat());
+    assert_eq!(output.code, Some(2), "{}", output.out);
+    assert!(output.err.contains("other.csv: no time of condition T4 at speed N1"), "{}", output.err);
+    sandbox.put("times.csv", &times);
+    let beside = sandbox.done(&args).out;
+    assert!(beside.contains("Times of the runs: times.csv") && beside.contains("a drift is lost within"), "{beside}");
+    let timed: String = table
+        .lines()
+        .enumerate()
+        .map(|(i, line)| if i == 0 { format!("{line},time_s\n") } else { format!("{line},{}\n", 300 * i) })
+        .collect();
+    sandbox.put("vectors.csv", timed);
+    assert!(!sandbox.done(&args).out.contains("Times of the runs"));
+    let output = sandbox.run(&[&args[..], &["--times", "times.csv"]].concat());
+    assert_eq!(output.code, Some(2), "{}", output.out);
+    assert!(output.err.contains("times of runs beside the column time_s"), "{}", output.err);
 }
 
 /// Measured vectors of a rotor kit with two disks, where they are at hand: the known conditions, each from the others, within 3.5 g mm and

@@ -707,7 +707,7 @@ fn assert_month(days: f64) {
 }
 
 #[test]
-#[ignore = "slow: some 20 minutes; tests/run --all runs it"]
+#[ignore = "slow: some minutes; tests/run --all runs it"]
 fn a_month_with_all_that_happens() {
     let days = std::env::var("BALLRACE_TEST_DAYS").map_or(30.0, |days| days.parse().unwrap());
     assert_month(days);

@@ -56,7 +56,10 @@ pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitte
             spectra = e.changed(&spectra, machine, ForceSource::Bearing(i))?;
         }
     }
-    let of_rotor = |m: &Machine| (m.load, m.damping, m.unbalance, m.coupling);
+    // What is neither of a bearing nor of a reading is of the rotor.
+    let of_rotor = |Machine { bearings: _, readings: _, load, damping, unbalance, coupling }: &Machine| {
+        (*load, *damping, *unbalance, *coupling)
+    };
     if of_rotor(&before.machine) != of_rotor(machine) {
         // A change of the rotor may also move the bearings.
         spectra = e.changed(&spectra, machine, ForceSource::Rotor)?;

@@ -56,13 +56,18 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         bail!(UsageError(format!("--stock: {} weights, expected at most {MOST_WEIGHTS}", args.stock.len())));
     }
     let beside = args.vectors.with_file_name("times.csv");
-    let times = args.times.clone().or_else(|| beside.is_file().then_some(beside));
-    let mut inputs: Vec<&Path> = vec![&args.vectors];
-    inputs.extend(times.as_deref());
+    let mut inputs: Vec<&Path> = vec![&args.vectors, &beside];
+    inputs.extend(args.times.as_deref());
     if let Some(output) = &args.output {
         check_distinct_paths(&[("--output", output.as_path())], &inputs)?;
     }
-    let table = VectorTable::read(&args.vectors, times.as_deref()).map_err(UsageError::new)?;
+    let read = |times: Option<&Path>| VectorTable::read(&args.vectors, times).map_err(UsageError::new);
+    let mut table = read(args.times.as_deref())?;
+    let mut times = args.times.as_deref();
+    if !table.has_times() && beside.is_file() {
+        times = Some(&beside);
+        table = read(times)?;
+    }
     let holes = args.holes.zip(args.radius);
     let holes = holes.map(|(count, radius)| Holes { count: count.into(), radius, stock: args.stock.clone() });
     let of_file = |error| UsageError(format!("{}: {error}", args.vectors.display()));
@@ -75,7 +80,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&balance)?)?,
         Format::Csv => out.write_all(csv(&balance).as_bytes())?,
         Format::Text => {
-            if let Some(times) = &times {
+            if let Some(times) = times {
                 writeln!(out, "Times of the runs: {}\n", times.display())?;
             }
             out.write_all(text(&balance)?.as_bytes())?;

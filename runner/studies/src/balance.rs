@@ -264,7 +264,7 @@ impl Runs {
                 groups.push((run, vec![record]));
             }
         }
-        let has_times = table.records.iter().all(|record| record.time.is_some());
+        let has_times = table.has_times();
         let mut squares = vec![(0.0, 0usize); probes * speeds.len()];
         let finished = |(mut run, records): (Run, Vec<&Record>)| {
             run.count = records.len();

@@ -100,7 +100,7 @@ impl Fault for RunOut {
             .collect();
         let probes = of.e.scene.recording.as_ref().map(|recording| recording.probes.as_slice()).unwrap_or_default();
         format!(
-            "Run-out under probe {} has changed: {}, which no other probe shows. This is the surface of the shaft, and no fault of a bearing",
+            "Run-out under probe {} has changed: {}. This is the surface of the shaft, and no fault of a bearing",
             probes.get(self.probe).map_or("", |probe| probe.column.as_str()),
             named.join(", ")
         )

@@ -88,6 +88,16 @@ pub enum TableError {
         /// What is expected.
         expected: &'static str,
     },
+    /// The table or its times do not hold what an estimate needs.
+    #[error("{}: {found}, expected {expected}", path.display())]
+    Records {
+        /// File.
+        path: PathBuf,
+        /// What was found.
+        found: String,
+        /// What is expected.
+        expected: String,
+    },
 }
 
 /// Units of vectors.
@@ -203,6 +213,12 @@ impl Line<'_> {
 }
 
 impl VectorTable {
+    /// Returns true if every record has a time.
+    #[must_use]
+    pub fn has_times(&self) -> bool {
+        self.records.iter().all(|record| record.time.is_some())
+    }
+
     /// Reads a table; `times` holds `condition, speed, unix_time_of_one_record`, where the table has no column of times.
     ///
     /// # Errors
@@ -215,8 +231,15 @@ impl VectorTable {
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(file(path))?;
         let names = reader.headers().map_err(file(path))?.clone();
         let columns = Columns::new(path, &names)?;
-        let times = times.map(read_times).transpose()?;
-        let mut records = vec![];
+        if let Some(times) = times.filter(|_| columns.time.is_some()) {
+            return Err(TableError::Records {
+                path: times.to_owned(),
+                found: format!("times of runs beside the column {TIME} of {}", path.display()),
+                expected: "one of them".to_owned(),
+            });
+        }
+        let times = times.map(|of| Ok((of, read_times(of)?))).transpose()?;
+        let mut records: Vec<Record> = vec![];
         for cells in reader.records() {
             let cells = cells.map_err(file(path))?;
             let line = Line { path, names: &names, cells: &cells };
@@ -256,13 +279,27 @@ impl VectorTable {
             let response = columns.probes.iter().map(|(_, pair)| part(*pair)).collect::<Result<Vec<_>, _>>()?;
             let time = match (columns.time, &times) {
                 (Some(column), _) => Some(line.number(column, "a time in seconds")?),
-                (None, Some(times)) => {
+                (None, Some((of, times))) => {
                     let speed = format!("N{}", rest.split('_').next().unwrap_or_default());
-                    times.get(&(condition.to_owned(), speed)).copied()
+                    let time = times.get(&(condition.to_owned(), speed.clone())).copied();
+                    let missing = || TableError::Records {
+                        path: of.to_path_buf(),
+                        found: format!("no time of condition {} at speed {}", printable(condition), printable(&speed)),
+                        expected: format!("a time of each condition and speed of {}", path.display()),
+                    };
+                    Some(time.ok_or_else(missing)?)
                 }
                 (None, None) => None,
             };
+            let before = records.iter().find(|record| record.condition == condition);
+            if before.is_some_and(|before| (before.set, &before.moments) != (set, &moments)) {
+                return Err(line.error(id, "the set and the masses of the records of this condition before it"));
+            }
             records.push(Record { condition: condition.to_owned(), set, speed: turning, moments, response, time });
+        }
+        if records.is_empty() {
+            let (found, expected) = ("no record".to_owned(), "a baseline and trials".to_owned());
+            return Err(TableError::Records { path: path.to_owned(), found, expected });
         }
         let of = |named: Vec<(String, [usize; 2])>| named.into_iter().map(|(name, _)| name).collect();
         Ok(Self { planes: of(columns.planes), probes: of(columns.probes), unit: columns.unit, records })
