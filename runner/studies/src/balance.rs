@@ -2,7 +2,7 @@
 //!
 //! The once-per-turn vector of probe `p` at a speed is `y_p = B_p + sum_k C_pk u_k + d_p(t) + e`, with the moment `u_k` on each plane, the
 //! influence coefficients `C`, the vector `B` of the rotor without added masses, and a drift that moves all probes and speeds
-//! together. Trial runs give `B`, `C` and the drift; the moments of a blind run follow with them by least squares, all runs together.
+//! together. Trial runs give `B`, `C` and the drift; the moments of a blind run follow by least squares.
 //!
 //! Coefficients of planes that lie side by side are nearly in proportion, and single moments then known far less than their sum. What a
 //! run carries is one of all choices of loaded planes, each as likely before as any other and with moments of the size of the trial
@@ -27,7 +27,7 @@ use table::{C, Record, VectorTable};
 
 /// Runs that differ by less in speed are of one speed.
 const SAME_SPEED: f64 = 0.03;
-/// Steps of the search of all moments together, and the change of a moment over the trial moments at which it ends.
+/// Steps of the search of moments and coefficients together, and the change of a moment over the trial moments at which it ends.
 const STEPS: (usize, f64) = (30, 1e-9);
 /// Logarithm of the likelihood ratio from which the angles are taken to be counted the other way: odds of 1000.
 const MIRRORED: f64 = 7.0;
@@ -369,40 +369,33 @@ impl Runs {
         }
     }
 
-    /// Estimates the moments of `asked` conditions together with the coefficients, from the known conditions and their own runs.
-    fn moments(&self, drift: &Drift, start: &DVector<C>, asked: &[usize]) -> Option<Vec<Condition>> {
-        let further = asked.len() * self.planes;
-        let of_condition = |run: &Run| asked.iter().position(|condition| *condition == run.condition);
-        let used: Vec<&Run> =
-            self.all.iter().filter(|run| of_condition(run).is_some() || run.moments.is_some()).collect();
-        let mut moments = vec![vec![C::new(0.0, 0.0); self.planes]; asked.len()];
-        let mut theta = start.clone();
+    /// Estimates the moments of a condition from the known ones and its own runs: one that no masses explain spoils no other.
+    fn moments(&self, drift: &Drift, known: &DVector<C>, asked: usize) -> Option<Condition> {
+        let used: Vec<&Run> = self.all.iter().filter(|run| run.condition == asked || run.moments.is_some()).collect();
+        let mut moments = vec![C::new(0.0, 0.0); self.planes];
+        let mut theta = known.clone();
         let mut solution = None;
         for _ in 0..STEPS.0 {
             // About the coefficients and moments of the step before: y = B + C u + u' dC + C' du.
             let observed = used.iter().map(|run| {
-                let Some(i) = of_condition(run) else {
-                    return self.observation(run, run.moments.as_deref().unwrap_or_default(), further);
-                };
-                let mut of = self.observation(run, &moments[i], further);
+                if run.condition != asked {
+                    return self.observation(run, run.moments.as_deref().unwrap_or_default(), self.planes);
+                }
+                let mut of = self.observation(run, &moments, self.planes);
                 for p in 0..self.probes {
-                    for k in 0..self.planes {
+                    for (k, moment) in moments.iter().enumerate() {
                         let coefficient = theta[self.column(of.first + p, 1 + k)];
-                        of.design[(p, self.coefficients() + i * self.planes + k)] = coefficient;
-                        of.response[p] += coefficient * moments[i][k];
+                        of.design[(p, self.coefficients() + k)] = coefficient;
+                        of.response[p] += coefficient * moment;
                     }
                 }
                 of
             });
-            let observed: Vec<Observation> = observed.collect();
-            let next = drift.solve(&observed)?;
+            let next = drift.solve(&observed.collect::<Vec<Observation>>())?;
             let mut change = 0.0_f64;
-            for (i, moments) in moments.iter_mut().enumerate() {
-                for (k, moment) in moments.iter_mut().enumerate() {
-                    let new = next.theta[self.coefficients() + i * self.planes + k];
-                    change = change.max((new - *moment).norm());
-                    *moment = new;
-                }
+            for (moment, new) in moments.iter_mut().zip(next.theta.iter().skip(self.coefficients())) {
+                change = change.max((new - *moment).norm());
+                *moment = *new;
             }
             theta = next.theta.rows(0, self.coefficients()).into_owned();
             solution = Some(next);
@@ -412,18 +405,13 @@ impl Runs {
         }
         let solution = solution?;
         let wider = few_values(self.known(), self.planes);
-        let condition = |(i, condition): (usize, &usize)| {
-            let at = self.coefficients() + i * self.planes;
-            let mean = solution.theta.rows(at, self.planes).into_owned();
-            let covariance =
-                solution.covariance.view((at, at), (self.planes, self.planes)) * C::new(wider * wider, 0.0);
-            Some(Condition {
-                condition: self.conditions[*condition].clone(),
-                planes: moments::estimates(&mean, &covariance, self.usual)?,
-                misfit: self.misfit(drift, &theta, &moments[i], *condition),
-            })
-        };
-        asked.iter().enumerate().map(condition).collect()
+        let at = self.coefficients();
+        let covariance = solution.covariance.view((at, at), (self.planes, self.planes)) * C::new(wider * wider, 0.0);
+        Some(Condition {
+            condition: self.conditions[asked].clone(),
+            planes: moments::estimates(&DVector::from_column_slice(&moments), &covariance, self.usual)?,
+            misfit: self.misfit(drift, known, &moments, asked),
+        })
     }
 
     /// Returns the rms of the vectors of a condition that moments leave, over that expected by drift and error.
@@ -461,7 +449,7 @@ impl Runs {
                 return None;
             }
             let (drift, solution) = others.learned(&[time])?;
-            let found = others.moments(&drift, &solution.theta, &[*condition])?.pop()?;
+            let found = others.moments(&drift, &solution.theta, *condition)?;
             Some((truth.clone(), found))
         };
         let mut proof = Proof::default();
@@ -520,13 +508,14 @@ pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, Ba
     };
     let is_blind = |condition: &usize| runs.all.iter().any(|run| run.condition == *condition && run.moments.is_none());
     let blind: Vec<usize> = (0..runs.conditions.len()).filter(is_blind).collect();
+    let conditions = parallel::map(&blind, |condition| runs.moments(&drift, &theta, *condition));
     Ok(Balance {
         planes: table.planes.clone(),
         unit: table.unit.clone(),
         influence: (0..runs.channels()).map(influence).collect(),
         condition_number: singular.max() / singular.min().max(f64::MIN_POSITIVE),
         drift_time_s: runs.has_times.then_some(drift.time),
-        conditions: runs.moments(&drift, &theta, &blind).ok_or_else(dependent)?,
+        conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
         correction: correction::correction(&vectors, holes).ok_or_else(dependent)?,
     })
