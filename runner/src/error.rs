@@ -1,4 +1,4 @@
-//! Usage errors, as opposed to errors at run time.
+//! Errors with an exit code of their own, as opposed to those at run time.
 
 use ballrace_twin::error::{Error, with_causes};
 use ballrace_twin::scene::build::BuildError;
@@ -28,3 +28,16 @@ impl UsageError {
         Self(format!("{option}{}", with_causes(&error)))
     }
 }
+
+/// Error returned by a monitor that a signal ends before it has anything to report; the exit code is that of other commands after a
+/// signal.
+#[derive(Debug)]
+pub struct Interrupted(pub String);
+
+impl std::fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Interrupted {}

@@ -265,3 +265,15 @@ fn source_that_disconnects_sends_no_row_twice() {
     terminate(child.id());
     assert_eq!(source(&outcome(child), "stalls"), 1.0);
 }
+
+/// Before its first sample a monitor has nothing to report, and ends like any command after a signal.
+#[test]
+fn a_monitor_is_stopped_before_its_first_sample() {
+    let sandbox = sandbox();
+    let (child, port) = listening(&sandbox, "tcp", &[]);
+    let _stream = connected(port);
+    terminate(child.id());
+    let output = ended(child);
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("stopped before the first sample arrived"), "{output:?}");
+}

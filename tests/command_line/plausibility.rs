@@ -198,3 +198,44 @@ fn check_finds_what_a_recording_lacks() {
     assert!(text.contains("Nothing implausible found."), "{text}");
     sandbox.refused(&["new", "--bearing", "6309 C8"], 2, &["6309 C8", "C2, CN, C3, C4 or C5"]);
 }
+
+/// A scene that names another bearing of the same bore than the recording shows.
+#[test]
+fn check_finds_another_designation() {
+    let bearing = |name: &str, station: &str, designation: &str| {
+        format!(
+            "[[bearing]]\nname = \"{name}\"\nstation = \"{station}\"\nfacing = \"both\"\nmodel = \"angular\"\nbearing = \"{designation}\"\n"
+        )
+    };
+    let (before, after) = (DEMO_SCENE.find("[[bearing]]").unwrap(), DEMO_SCENE.find("[recording]").unwrap());
+    let with = |designation: &str| {
+        let bearings = bearing("DE", "-100 mm", designation) + &bearing("NDE", "100 mm", designation);
+        let text = format!("{}{bearings}\n{}", &DEMO_SCENE[..before], &DEMO_SCENE[after..]);
+        swap(&text, "\"0 N\", \"0 N\", \"60 N\"", "\"0 N\", \"-2 kN\", \"60 N\"")
+    };
+    let sandbox = Sandbox::empty();
+    for designation in ["6209", "6309"] {
+        sandbox.put("scene.toml", with(designation));
+        let output = format!("{designation}.csv");
+        sandbox.done(&[
+            "simulate",
+            "scene.toml",
+            "--duration",
+            "2 s",
+            "--settle",
+            "0.5 s",
+            "--as-recording",
+            "-o",
+            &output,
+        ]);
+    }
+    for (ours, other) in [("6209", "6309"), ("6309", "6209")] {
+        sandbox.put("scene.toml", with(ours));
+        sandbox.done(&["check", "scene.toml", "--recording", &format!("{ours}.csv")]);
+        let answer = sandbox.run(&["check", "scene.toml", "--recording", &format!("{other}.csv")]);
+        let text = answer.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(answer.code, Some(4), "{text}");
+        assert!(text.contains(&format!("no line at the outer-race ball pass of {ours}")), "{text}");
+        assert!(text.contains(&format!("with its double, as of {other}")), "{text}");
+    }
+}

@@ -23,7 +23,7 @@ pub mod trade;
 pub mod verify;
 pub mod watch;
 
-use crate::error::UsageError;
+use crate::error::{Interrupted, UsageError};
 use anyhow::{Context, Result, bail};
 use ballrace_twin::effect_significance::{self, EffectSignificance};
 use ballrace_twin::error::Error;
@@ -155,11 +155,11 @@ impl Command {
 }
 
 /// Exit code after a signal: 128 + SIGINT, as shells report it.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// Installs a signal handler that removes temporary files and exits.
 fn exit_on_signal() -> Result<()> {
-    ctrlc::set_handler(|| ballrace_twin::output::exit_without_temporary_files(INTERRUPTED))
+    ctrlc::set_handler(|| ballrace_twin::output::exit_without_temporary_files(INTERRUPTED.into()))
         .context("signal handler cannot be installed")
 }
 
@@ -286,6 +286,7 @@ fn exit_code(result: Result<()>) -> ExitCode {
             ExitCode::from(match error.downcast_ref::<Error>() {
                 Some(error) if error.is_implausible() => IMPLAUSIBLE,
                 _ if is_usage_error(&error) => 2,
+                _ if error.is::<Interrupted>() => INTERRUPTED,
                 _ => 1,
             })
         }

@@ -29,7 +29,7 @@ mod state_lines;
 pub mod status;
 pub mod view;
 
-use crate::error::UsageError;
+use crate::error::{Interrupted, UsageError};
 use address::Address;
 use anyhow::{Result, bail};
 use backlog::Backlog;
@@ -149,7 +149,9 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         outputs.save_events();
         Ok(())
     });
-    let Some(rate) = rate? else { bail!("{}: stopped before the first sample arrived", options.source) };
+    let Some(rate) = rate? else {
+        bail!(Interrupted(format!("{}: stopped before the first sample arrived", options.source)))
+    };
     let scheduling = realtime::request(options.realtime, options.core);
     let mut replay = Replay::try_new(scene, rate, &options.replay)?;
     let average = u64::from(recording.average);

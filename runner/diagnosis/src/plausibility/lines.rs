@@ -1,12 +1,12 @@
-//! Checks of the lines in the order spectrum of the radial probes: the speed of a shaft that is not measured, and the number of
-//! elements of each bearing.
+//! Checks of the lines in the order spectrum of the radial probes: the speed of a shaft that is not measured, the number of elements
+//! and the designation of each bearing.
 
 use super::{Evidence, Implausibility};
 use ballrace::bearing::kinematics::Orders;
 use ballrace_models::build::kinematics;
 use ballrace_plant::spectrum::amplitudes;
 use ballrace_recording::Sample;
-use ballrace_scene::{Bearing, Direction, RotationSource, Scene};
+use ballrace_scene::{Bearing, Direction, Recording, RotationSource, Scene, catalogue};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -34,10 +34,7 @@ const LINE_WIDTH: f64 = 2.0;
 /// Returns the implausibilities of the lines.
 pub(super) fn of_lines(evidence: &Evidence) -> Vec<Implausibility> {
     let Some(recording) = &evidence.scene.recording else { return vec![] };
-    let radial: Vec<usize> = (0..recording.probes.len())
-        .filter(|i| matches!(recording.probes[*i].direction, Direction::Radial(_)))
-        .collect();
-    let Some(spectrum) = OrderSpectrum::new(evidence.samples, &radial) else { return vec![] };
+    let Some(spectrum) = OrderSpectrum::of(recording, evidence.samples) else { return vec![] };
     let lines = Lines::of(evidence.scene);
     match recording.rotation {
         RotationSource::Scene => shaft_speed(evidence, &spectrum, &lines).into_iter().collect(),
@@ -56,6 +53,12 @@ struct OrderSpectrum {
 }
 
 impl OrderSpectrum {
+    /// Computes the spectrum of the radial probes; none where the shaft turns too little.
+    fn of(recording: &Recording, samples: &[Sample]) -> Option<Self> {
+        let is_radial = |i: &usize| matches!(recording.probes[*i].direction, Direction::Radial(_));
+        Self::new(samples, &(0..recording.probes.len()).filter(is_radial).collect::<Vec<_>>())
+    }
+
     /// Computes the spectrum of these probes; none where the shaft turns too little.
     fn new(samples: &[Sample], probes: &[usize]) -> Option<Self> {
         let (first, last) = (samples.first()?.total_revolutions(), samples.last()?.total_revolutions());
@@ -234,36 +237,58 @@ fn shaft_speed(evidence: &Evidence, spectrum: &OrderSpectrum, lines: &Lines) -> 
     })
 }
 
+/// Returns the orders at which a ball pass of this order has its line.
+fn around(order: f64) -> RangeInclusive<f64> {
+    SLIP.start() * order..=SLIP.end() * order
+}
+
+/// A bearing of the scene that has no line at its outer-race ball pass, so that one of another bearing may be seen.
+struct Silent<'a> {
+    spectrum: &'a OrderSpectrum,
+    /// Lines that the machine of the scene may have: they are no evidence for another bearing.
+    own: Vec<RangeInclusive<f64>>,
+}
+
+impl<'a> Silent<'a> {
+    /// Returns none where the bearing of this index has its line.
+    fn new(spectrum: &'a OrderSpectrum, lines: &Lines, index: usize) -> Option<Self> {
+        let bearing = lines.bearings.get(index)?;
+        // A line that may be of the other bearing does not show that this one has none.
+        let of_shaft: Vec<_> = harmonics_of_shaft().collect();
+        let pass = around(bearing.elements as f64 * bearing.cage);
+        (spectrum.largest(pass, &of_shaft) <= ABSENT).then(|| Self { spectrum, own: lines.all() })
+    }
+
+    /// Returns the bin of a line at this outer-race ball pass that the machine of the scene cannot have.
+    fn line(&self, order: f64) -> Option<usize> {
+        self.spectrum.line(around(order), &self.own).filter(|bin| self.spectrum.power(*bin) > ABSENT)
+    }
+
+    /// A ball pass has harmonics; a single line may come from a wave on a ball or a race of the bearing of the scene.
+    fn is_pass(&self, bin: usize) -> bool {
+        let order = 2.0 * self.order(bin);
+        let harmonic = self.spectrum.line(order..=order, &[]);
+        self.spectrum.power(bin) > PRESENT && harmonic.is_some_and(|bin| self.spectrum.power(bin) > ABSENT)
+    }
+
+    fn order(&self, bin: usize) -> f64 {
+        bin as f64 / self.spectrum.revolutions
+    }
+}
+
 /// Returns an implausibility for each bearing whose ball-pass line is absent while that of another number of elements is present.
 fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec<Implausibility> {
     let wrong = lines.bearings.iter().enumerate().filter_map(|(i, bearing)| {
-        let others = lines.bearings.iter().enumerate().filter(|(j, _)| *j != i).flat_map(|(_, other)| &other.lines);
-        let others: Vec<_> = others.cloned().chain(harmonics_of_shaft()).collect();
-        let own: Vec<_> = others.iter().chain(&bearing.lines).cloned().collect();
-        let around = |order: f64| SLIP.start() * order..=SLIP.end() * order;
-        let pass = |elements: usize| around(elements as f64 * bearing.cage);
-        // A line that may be of the other bearing does not show that this one has none.
-        let of_shaft: Vec<_> = harmonics_of_shaft().collect();
-        if spectrum.largest(pass(bearing.elements), &of_shaft) > ABSENT {
-            return None;
-        }
-        // A line that the bearing of the scene may have is no evidence for another number.
-        let line = |elements: usize| spectrum.line(pass(elements), &own);
-        // A ball pass has harmonics; a single line may come from a wave on a ball or a race of the bearing of the scene.
-        let is_pass = |bin: usize| {
-            let order = 2.0 * bin as f64 / spectrum.revolutions;
-            spectrum.power(bin) > PRESENT && spectrum.line(order..=order, &[]).is_some_and(|bin| spectrum.power(bin) > ABSENT)
-        };
+        let silent = Silent::new(spectrum, lines, i)?;
         let counts = (bearing.elements / 2).max(3)..=bearing.elements + bearing.elements / 2;
         let seen: Vec<(usize, usize)> = counts
             .filter(|count| *count != bearing.elements)
-            .filter_map(|count| Some((count, line(count)?)))
-            .filter(|(_, bin)| spectrum.power(*bin) > ABSENT)
+            .filter_map(|count| Some((count, silent.line(count as f64 * bearing.cage)?)))
             .collect();
         // Lines at several multiples of the cage speed do not determine a number of elements.
         let [(count, bin)] = seen.as_slice() else { return None };
         let speed = scene.shaft.speed.range().1.abs() / TAU;
-        is_pass(*bin).then(|| {
+        silent.is_pass(*bin).then(|| {
             let [scene_order, order] = [bearing.elements, *count].map(|n| n as f64 * bearing.cage);
             Implausibility {
                 subject: format!("bearing {}: elements", bearing.name),
@@ -276,6 +301,57 @@ fn element_counts(scene: &Scene, spectrum: &OrderSpectrum, lines: &Lines) -> Vec
                 cause: "another number of elements, or another bearing".to_owned(),
                 remedy: format!("elements = {count}, or the designation of the bearing"),
             }
+        })
+    });
+    wrong.collect()
+}
+
+/// Returns an implausibility for each bearing of the catalogue whose ball-pass line is absent while that of other bearings of its bore is
+/// present, as the lowest line of its family.
+pub fn of_designations(scene: &Scene, samples: &[Sample]) -> Vec<Implausibility> {
+    let Some(recording) = scene.recording.as_ref().filter(|of| !matches!(of.rotation, RotationSource::Scene)) else {
+        return vec![];
+    };
+    let Some(spectrum) = OrderSpectrum::of(recording, samples) else { return vec![] };
+    let lines = Lines::of(scene);
+    let wrong = lines.bearings.iter().enumerate().filter_map(|(i, bearing)| {
+        let entry = scene.bearings.iter().find(|of| of.name == bearing.name)?.catalogue.as_ref()?.listed.entry;
+        let silent = Silent::new(&spectrum, &lines, i)?;
+        let same_bore = catalogue::all().iter().filter(|other| other.bore == entry.bore && *other != entry);
+        let seen: Vec<(f64, &str, usize)> = same_bore
+            .filter_map(|other| {
+                let order = other.orders().outer_race;
+                let bin = silent.line(order)?;
+                Some(((silent.order(bin) / order - 1.0).abs(), other.designation, bin))
+            })
+            .collect();
+        let bin = seen.iter().map(|(.., bin)| *bin).max_by(|a, b| spectrum.power(*a).total_cmp(&spectrum.power(*b)))?;
+        let order = silent.order(bin);
+        let is_lowest = [2.0, 3.0, 4.0].into_iter().all(|part| {
+            let lower = spectrum.line(order / part..=order / part, &harmonics_of_shaft().collect::<Vec<_>>());
+            lower.is_none_or(|bin| spectrum.power(bin) <= ABSENT)
+        });
+        // Lines of several families, each the ball pass of another bearing, tell none; unbalance puts lines beside a ball pass.
+        let is_of_family = |other: usize| {
+            (1..=HARMONICS).any(|n| {
+                let aside = silent.order(other) - f64::from(n) * order;
+                (aside - aside.round()).abs() * spectrum.revolutions <= f64::from(n) * LINE_WIDTH
+            })
+        };
+        let is_one = seen.iter().all(|(.., other)| is_of_family(*other));
+        let mut named: Vec<_> = seen.iter().filter(|(.., other)| other.abs_diff(bin) <= LINE_WIDTH as usize).collect();
+        named.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let named: Vec<&str> = named.into_iter().take(3).map(|(_, designation, _)| *designation).collect();
+        (is_one && is_lowest && silent.is_pass(bin)).then(|| Implausibility {
+            subject: format!("bearing {}: bearing", bearing.name),
+            found: format!(
+                "no line at the outer-race ball pass of {} (order {:.3}), one at order {order:.3} with its double, as of {}",
+                entry.designation,
+                bearing.elements as f64 * bearing.cage,
+                named.join(", ")
+            ),
+            cause: "another bearing of the same bore".to_owned(),
+            remedy: "bearing = the designation that is stamped on the ring".to_owned(),
         })
     });
     wrong.collect()

@@ -9,6 +9,7 @@ pub mod range;
 mod readings;
 
 pub use checks::ReadingLimits;
+pub use lines::of_designations;
 pub use readings::{Collector, ReadingSummary, VoltageSummary};
 
 use ballrace_outcome::Implausibility;

@@ -13,7 +13,7 @@ pub use values::ProbeCentre;
 
 use ballrace_diagnosis::block::Block;
 use ballrace_diagnosis::plausibility::range::ReadingRange;
-use ballrace_diagnosis::plausibility::{Collector, Evidence, implausible, implausible_scene};
+use ballrace_diagnosis::plausibility::{Collector, Evidence, implausible, implausible_scene, of_designations};
 use ballrace_models::build::{check_forces, kinematics};
 use ballrace_outcome::{ClearanceOutcome, RotorDrawing, RotorOutcome};
 use ballrace_plant::error::Result;
@@ -221,6 +221,7 @@ fn read(
     // Readings in another unit also contradict noise and zero of the probes.
     if found.is_empty() {
         found = values::of_readings((scene, recording), plant, &readings);
+        found.extend(of_designations(scene, &samples));
     }
     let centres = plant.map_or_else(Vec::new, |plant| values::centres((scene, recording), plant, &readings));
     let summary = RecordingSummary {

@@ -116,7 +116,7 @@ pub(super) static BEARING: Keys = Keys {
             key("two_spring", Table(&TWO_SPRING), "stiffness by the two-spring formula", "one of the three",
                 "8 to 16 elements, with geometry", "{ static_load = \"500 N\" }"),
             key("linearise", Words(|| words(&linearised_models())),
-                "model whose stiffness at the static equilibrium is taken", "one of the three", "", "\"angular\""),
+                "model whose stiffness at the static equilibrium is taken, as its mean over a pitch of the elements", "one of the three", "", "\"angular\""),
         ]]),
         ("Waviness and damage", &[&[
             key("defect", List(&Table(&DEFECT)), "damage of races and balls", "none", "", ""),
