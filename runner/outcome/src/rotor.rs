@@ -25,6 +25,8 @@ pub struct RotorOutcome {
     pub highest_line_hz: f64,
     /// Largest error of the natural frequencies up to the highest line, by the reduction.
     pub frequency_error_percent: f64,
+    /// Frequency below which all natural frequencies are within the allowed error.
+    pub accurate_to_hz: f64,
     /// Error of the static displacement of bearings and probes over the largest one.
     pub deflection_error_percent: f64,
     /// The same of the 1X response at the nominal speed.
@@ -47,8 +49,9 @@ impl RotorOutcome {
         }
         Some(format!(
             "The reduced rotor of {} coordinates differs from its finite-element model by more than allowed: natural frequencies up to \
-             {:.0} Hz {:.2} % (allowed {frequency} %), static deflection {:.2} % ({deflection} %), 1X response {:.2} % ({response} %).",
-            self.coordinates, self.highest_line_hz, errors[0], errors[1], errors[2]
+             {:.0} Hz {:.2} % (allowed {frequency} %, as all below {:.0} Hz), static deflection {:.2} % ({deflection} %), 1X response \
+             {:.2} % ({response} %).",
+            self.coordinates, self.highest_line_hz, errors[0], self.accurate_to_hz, errors[1], errors[2]
         ))
     }
 }

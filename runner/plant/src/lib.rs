@@ -357,6 +357,7 @@ impl Plant {
             finite_element_coordinates: reduction.full_coordinates,
             highest_line_hz: reduction.highest_line,
             frequency_error_percent: 100.0 * reduction.frequency,
+            accurate_to_hz: reduction.accurate_to,
             deflection_error_percent: 100.0 * reduction.deflection,
             response_error_percent: 100.0 * reduction.response,
         })

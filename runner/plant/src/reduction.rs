@@ -36,6 +36,8 @@ pub struct ReductionError {
     pub highest_line: f64,
     /// Largest relative error of the natural frequencies up to it, at rest, at the nominal and at the highest speed.
     pub frequency: f64,
+    /// Frequency below which all natural frequencies are within the allowed error, Hz.
+    pub accurate_to: f64,
     /// Largest error of the static displacement of bearings and probes over the largest displacement.
     pub deflection: f64,
     /// Largest error of the response to the unbalance at the nominal speed, over the largest response.
@@ -181,15 +183,20 @@ impl Plant {
         let (from, to) = scene.shaft.speed.range();
         let mut speeds = vec![0.0, self.speed.abs(), from.abs().max(to.abs())];
         speeds.dedup();
-        let mut frequency = 0.0_f64;
+        let (mut frequency, mut accurate_to) = (0.0_f64, highest_line);
         for speed in speeds {
             let whirl =
                 |modes: &Modes, gyroscopic: &DMatrix<f64>| whirl_frequencies(modes, gyroscopic, speed, highest_line);
             let (few, many) = (whirl(&few, &scales.gyroscopic)?, whirl(many, &full.gyroscopic)?);
             let of_interest = many.iter().take_while(|of_full| **of_full < highest_line).enumerate();
             // A mode that the reduced rotor lacks has no frequency.
-            let error = |(i, many): (usize, &f64)| few.get(i).map_or(1.0, |few| (few / many - 1.0).abs());
-            frequency = of_interest.map(error).fold(frequency, f64::max);
+            for (i, of_full) in of_interest {
+                let error = few.get(i).map_or(1.0, |few| (few / of_full - 1.0).abs());
+                frequency = frequency.max(error);
+                if error > ALLOWED_REDUCTION_ERRORS[0] {
+                    accurate_to = accurate_to.min(*of_full);
+                }
+            }
         }
         let load = DVector::from_vec(scales.load.clone());
         let deflected = self.stiffness.clone().lu().solve(&load).unwrap_or_else(|| DVector::zeros(n));
@@ -214,6 +221,7 @@ impl Plant {
             full_coordinates: full.mass.nrows() - (n - self.layout.rotor_order()),
             highest_line,
             frequency,
+            accurate_to,
             deflection,
             response,
         })
@@ -497,6 +505,10 @@ mod tests {
         assert!(chosen.is_allowed(), "{chosen:?}");
         let (fewer, _) = error(&format!("coordinates = {}", order - 2));
         assert!(!fewer.is_allowed(), "{fewer:?}");
+        assert!(
+            fewer.accurate_to < fewer.highest_line && chosen.accurate_to == chosen.highest_line,
+            "{fewer:?} {chosen:?}"
+        );
         let (more, _) = error("coordinates = 25");
         assert!(more.frequency < chosen.frequency && more.frequency < 1e-4, "{more:?}");
         assert!(more.deflection < 2e-3 && more.response < 2e-3, "{more:?}");

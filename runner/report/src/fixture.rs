@@ -591,6 +591,7 @@ pub(crate) fn usual() -> Outcome {
             finite_element_coordinates: 130,
             highest_line_hz: 1133.3,
             frequency_error_percent: 0.09,
+            accurate_to_hz: 1080.0,
             deflection_error_percent: 0.004,
             response_error_percent: 0.12,
         }),
