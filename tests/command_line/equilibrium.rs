@@ -230,3 +230,72 @@ fn rollers_beyond_their_static_limit() {
     let found = settled(&scene("400 kN", law), &[]);
     assert!(found["bearings"][0]["pressure_limit"].is_null() && found["elements"][0]["inner_pressure"].is_null());
 }
+
+/// A catalogue bearing without clearance.
+fn fitted(designation: &str, more: &str) -> String {
+    format!(
+        "shaft.speed = \"1500 rpm\"\n[[bearing]]\nname = \"A\"\nstation = 0\nfacing = \"both\"\nbearing = \"{designation}\"\n\
+         radial_play = 0\n{more}\n"
+    )
+}
+
+/// Ratings beside those of a maker's general catalogue (SKF), whose factors of material differ by some per cent.
+#[test]
+fn ratings_are_those_of_catalogues() {
+    for (designation, dynamic, fixed) in [
+        ("6205", 14_800.0, 7_800.0),
+        ("6206", 20_300.0, 11_200.0),
+        ("6309", 55_300.0, 31_500.0),
+        ("NU205", 32_500.0, 27_000.0),
+    ] {
+        let outcome = settled(&fitted(designation, "model = \"lumped\""), &["--load", "1000,0,0,0,0"]);
+        let life = &outcome["bearings"][0]["life"];
+        let [found, at_rest] = ["/dynamic_rating", "/static_rating"].map(|name| number(life, name));
+        assert!((found / dynamic - 1.0).abs() < 0.1, "{designation}: {found} {dynamic}");
+        assert!((at_rest / fixed - 1.0).abs() < 0.1, "{designation}: {at_rest} {fixed}");
+    }
+}
+
+/// ISO 281 has the load zone of a radial load without clearance: there the lives by elements and by equivalent load agree.
+#[test]
+fn the_life_of_the_elements_is_the_basic_life_without_clearance() {
+    let life = |designation: &str, more: &str, load: &str| {
+        settled(&fitted(designation, more), &["--load", load])["bearings"][0]["life"].clone()
+    };
+    for designation in ["6205", "6309"] {
+        let one = life(designation, "model = \"lumped\"", "2000,0,0,0,0");
+        let [reference, basic] = ["/reference_life", "/basic_life"].map(|name| number(&one, name));
+        assert!((reference / basic - 1.0).abs() < 0.03, "{designation}: {reference} {basic}");
+        let two = life(designation, "model = \"lumped\"", "4000,0,0,0,0");
+        let ratio = reference / number(&two, "/reference_life");
+        assert!((ratio / 8.0 - 1.0).abs() < 1e-3, "{designation}: {ratio}");
+        assert!((number(&one, "/turning") - 25.0).abs() < 1e-9);
+    }
+    // The life of a line contact falls with the power 4 of its load where the distribution of the load keeps its shape.
+    let (one, two) =
+        (life("NU205", "model = \"lumped\"", "3000,0,0,0,0"), life("NU205", "model = \"lumped\"", "6000,0,0,0,0"));
+    let ratio = number(&one, "/reference_life") / number(&two, "/reference_life");
+    assert!((ratio / 16.0 - 1.0).abs() < 1e-3, "{ratio}");
+}
+
+/// A tilted ring shortens the life of rollers, and the equivalent load does not know it; without load there is no life.
+#[test]
+fn a_tilted_roller_bearing_lives_shorter() {
+    let life =
+        |load: &str| settled(&fitted("NU205", "model = \"roller\""), &["--load", load])["bearings"][0]["life"].clone();
+    let (straight, tilted) = (life("4000,0,0,0,0"), life("4000,0,0,0,10"));
+    assert!(number(&tilted, "/reference_life") < 0.5 * number(&straight, "/reference_life"), "{straight} {tilted}");
+    assert_eq!(number(&tilted, "/basic_life"), number(&straight, "/basic_life"));
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", fitted("NU205", "model = \"roller\""));
+    let text = sandbox.done(&["equilibrium", "scene.toml", "--load", "4000,0,0,0,10"]).out;
+    assert!(text.contains("  ratings       C 30.4") && text.contains("  life L10r     "), "{text}");
+}
+
+/// Speeds of both rings count, and the bearing of a spindle ages at its outer race by the centrifugal force of its balls.
+#[test]
+fn centrifugal_force_shortens_the_life() {
+    let life = |effects: &str| settled(&rotor(30_000, ["+z", "-z"], effects), &[])["bearings"][0]["life"].clone();
+    let (without, with) = (life("effects = []\n"), life("effects = [\"centrifugal\"]\n"));
+    assert!(number(&with, "/reference_life") < number(&without, "/reference_life"), "{without} {with}");
+}

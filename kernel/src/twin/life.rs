@@ -15,8 +15,10 @@ use crate::scalar::Scalar;
 /// Source: ISO 16281:2025 (as ISO/TS 16281:2008), ISO 281:2007.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LifeParams {
-    inner_rating: f64,
-    outer_rating: f64,
+    /// `Q_ci`, load of a ball at the inner race with a life of one million revolutions, N.
+    pub inner_rating: f64,
+    /// `Q_ce`, the same at the outer race, N.
+    pub outer_rating: f64,
 }
 
 impl LifeParams {

@@ -2,12 +2,13 @@
 
 use super::figures::{Shape, balance, mode_shapes, rotor};
 use super::html::{column, rows, typeset};
-use super::number::{alone, fixed, in_tens, with_sign};
+use super::number::{alone, count, fixed, in_tens, with_sign};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Table, Verdict};
 use super::text::broken;
 use super::words;
 use anyhow::Result;
 use ballrace_twin::equilibrium::{BearingEquilibrium, EffectShare, Element, StaticEquilibrium};
+use ballrace_twin::life::BearingLife;
 use ballrace_twin::replay::outcome::{BearingOrders, FORCE_COMPONENTS};
 use std::fmt::Write;
 
@@ -47,6 +48,7 @@ pub fn text(settled: &StaticEquilibrium) -> String {
         if let Some(clearance) = &b.operating_clearance {
             line(&mut out, &format!("  clearance     {clearance}"));
         }
+        life(&mut out, b);
         kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }
@@ -108,6 +110,32 @@ fn kinematics(out: &mut String, b: &BearingEquilibrium) {
             ),
         );
         line(out, &format!("                {}", per_turn(orders)));
+    }
+}
+
+/// Longest life in hours that is printed as a number: beyond it, a bearing does not fail by fatigue.
+const LONGEST_HOURS: f64 = 1e6;
+
+/// Returns a life, million revolutions, in words.
+fn lasting(life: Option<f64>, of: &BearingLife) -> String {
+    let Some(turns) = life else { return "no load".to_owned() };
+    let hours = of.hours(turns).map_or_else(String::new, |hours| {
+        if hours > LONGEST_HOURS { "beyond 1 000 000 h, ".to_owned() } else { format!("{} h, ", count(hours as u64)) }
+    });
+    format!("{hours}{} million turns", alone(turns))
+}
+
+/// Writes load ratings and life of a bearing.
+fn life(out: &mut String, b: &BearingEquilibrium) {
+    let Some(life) = &b.life else { return };
+    let kilonewtons = |load: f64| fixed(load / 1e3, 2);
+    let [dynamic, at_rest] = [life.dynamic_rating, life.static_rating].map(kilonewtons);
+    line(out, &format!("  ratings       C {dynamic} kN, C0 {at_rest} kN, from the geometry (ISO 281, ISO 76)"));
+    let reference = lasting(life.reference_life, life);
+    line(out, &format!("  life L10r     {reference} by the loads of its elements (ISO/TS 16281)"));
+    let load = life.equivalent_load.filter(|load| *load > 0.0).map(alone);
+    if let Some(load) = load {
+        line(out, &format!("  life L10      {} by P = {load} N (ISO 281)", lasting(life.basic_life, life)));
     }
 }
 
@@ -260,6 +288,9 @@ pub fn html(settled: &StaticEquilibrium) -> Result<String> {
     }
     sections.push(PageSection::table("Displacements and forces", displacements(&settled.bearings)));
     sections.push(PageSection::table("Stiffness", stiffness(&settled.bearings)));
+    if settled.bearings.iter().any(|b| b.life.is_some()) {
+        sections.push(PageSection::table("Ratings and life", lives(&settled.bearings)));
+    }
     let with_orders: Vec<&BearingEquilibrium> = settled.bearings.iter().filter(|b| b.orders.is_some()).collect();
     if !with_orders.is_empty() {
         sections.push(PageSection::table("Kinematics", orders(&with_orders)));
@@ -350,6 +381,38 @@ fn stiffness(bearings: &[BearingEquilibrium]) -> Table {
     ];
     let note = "Diagonal of the tangent stiffness at the equilibrium.";
     Table::of(heads, rows(names(bearings), &(0..5).map(of).collect::<Vec<_>>()), note)
+}
+
+fn lives(bearings: &[BearingEquilibrium]) -> Table {
+    let row = |b: &BearingEquilibrium| {
+        let life = b.life.as_ref()?;
+        let number = |x: Option<f64>| typeset(&fixed(x.unwrap_or(f64::NAN), 0));
+        let hours = |turns: Option<f64>| match turns.and_then(|turns| life.hours(turns)) {
+            Some(hours) if hours > LONGEST_HOURS => "beyond 1 000 000".to_owned(),
+            hours => number(hours),
+        };
+        Some([
+            b.name.clone(),
+            number(Some(life.dynamic_rating)),
+            number(Some(life.static_rating)),
+            number(Some(life.reference_load)),
+            hours(life.reference_life),
+            number(life.equivalent_load),
+            hours(life.basic_life),
+        ])
+    };
+    let heads = vec![
+        Column::name("Bearing"),
+        Column::number("C", "N"),
+        Column::number("C0", "N"),
+        Column::number("Reference load", "N"),
+        Column::number("L10r", "h"),
+        Column::number("P", "N"),
+        Column::number("L10", "h"),
+    ];
+    let note = "Ratings from the geometry (ISO 281, ISO 76). L10r from the loads of the elements (ISO/TS 16281), L10 from the equivalent load P \
+                (ISO 281); both for 90 % reliability, without the influence of lubrication and contamination.";
+    Table::of(heads, bearings.iter().filter_map(row), note)
 }
 
 fn orders(bearings: &[&BearingEquilibrium]) -> Table {

@@ -2,6 +2,7 @@
 
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
+use crate::life::BearingLife;
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
@@ -17,6 +18,9 @@ use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, PreloadAmount,
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::time::Instant;
+
+/// Positions of the cage within a pitch whose element loads make the life.
+const CAGE_POSITIONS: u32 = 8;
 
 /// Result of `equilibrium`, SI units.
 #[derive(Debug, Clone, Serialize)]
@@ -90,6 +94,8 @@ pub struct BearingEquilibrium {
     /// Operating clearance; `None` without `fit` and `temperatures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub operating_clearance: Option<ClearanceOutcome>,
+    /// Load ratings and life; `None` where the contact is not known.
+    pub life: Option<BearingLife>,
 }
 
 /// Contact angles of a bearing, rad, 0 or more.
@@ -138,15 +144,43 @@ pub struct Element {
     pub roller: Option<RollerLoads>,
 }
 
+impl Element {
+    /// Returns the number of places along the element that carry load: laminae of a roller, one of a ball.
+    #[must_use]
+    pub fn laminae(&self) -> usize {
+        self.roller.as_ref().map_or(1, |roller| roller.lamina_loads.len())
+    }
+
+    /// Returns the row of the element, from 1.
+    #[must_use]
+    pub fn row(&self) -> usize {
+        self.roller.as_ref().map_or(1, |roller| roller.row)
+    }
+
+    /// Returns the load of one of the [laminae](Self::laminae) at the inner (`side` 0) or the outer race, N. Centrifugal force loads all
+    /// laminae of the outer race alike.
+    #[must_use]
+    pub fn load_of(&self, side: usize, lamina: usize) -> f64 {
+        let Some(roller) = &self.roller else { return if side == 0 { self.inner_load } else { self.outer_load } };
+        let load = roller.lamina_loads.get(lamina).copied().unwrap_or(0.0);
+        let further = if side == 0 { 0.0 } else { self.outer_load - self.inner_load };
+        (load + further / self.laminae() as f64).max(0.0)
+    }
+}
+
 /// Distribution of the load along a roller at the inner race.
 #[derive(Debug, Clone, Serialize)]
 pub struct RollerLoads {
+    /// Row of the roller, from 1.
+    pub row: usize,
     /// Tilt of the roller relative to the outer ring, rad.
     pub tilt: f64,
     /// Moment of the loads about the centre of the roller, N m.
     pub moment: f64,
     /// Largest load of a lamina, N.
     pub largest_lamina_load: f64,
+    /// Load of each lamina in the order of +Z, N.
+    pub lamina_loads: Vec<f64>,
     /// Maximum Hertzian pressure of each lamina in the order of +Z, Pa.
     pub lamina_pressures: Vec<f64>,
 }
@@ -226,6 +260,7 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     let solving_seconds = begun.elapsed().as_secs_f64();
     let elements = elements(scene, of, &built, &u, &at)?;
     let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
+    let one = one.with_life(scene, of, &built, &u, &at)?;
     // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(StaticEquilibrium {
@@ -291,10 +326,30 @@ fn equilibrium_of_bearing(
         orders_under_load: None,
         pressure_limit: None,
         operating_clearance: None,
+        life: None,
     }
 }
 
 impl BearingEquilibrium {
+    /// Adds load ratings and life; `u` is the displacement with the preload.
+    fn with_life(
+        self,
+        scene: &Scene,
+        of: &BearingScene,
+        bearing: &AnyBearing<f64>,
+        u: &Displacement<f64>,
+        at: &BearingKinematicState<f64>,
+    ) -> Result<Self> {
+        let states = (0..CAGE_POSITIONS).map(|i| {
+            let part = f64::from(i) / f64::from(CAGE_POSITIONS) / of.elements.max(1) as f64;
+            let cage = at.cage.wrapping_add(Phase::from_revolutions(part));
+            elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })
+        });
+        let states: Vec<_> = states.collect::<Result<_>>()?;
+        let life = BearingLife::of(of, &states, &self.force, [at.inner_speed, at.outer_speed])?;
+        Ok(Self { life, ..self })
+    }
+
     /// Adds contact angles, orders and the limit of pressure; `elements` are those of this bearing.
     fn with_kinematics(self, scene: &Scene, of: &BearingScene, elements: &[Element]) -> Result<Self> {
         let orders = |kinematics: &Kinematics| {
@@ -350,7 +405,7 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
         }
         let plain = build::bearing(scene, of, of.evaluated_model())?;
         let elements = elements(scene, of, &plain, &total, &at)?;
-        bearings.push(one.with_kinematics(scene, of, &elements)?);
+        bearings.push(one.with_kinematics(scene, of, &elements)?.with_life(scene, of, &plain, &total, &at)?);
         all.extend(elements);
     }
     Ok(StaticEquilibrium {
@@ -441,6 +496,8 @@ fn rollers(
                 tilt: state.tilt,
                 moment: state.inner.moment,
                 largest_lamina_load: state.inner.largest_lamina_load,
+                row: row + 1,
+                lamina_loads: loads,
                 lamina_pressures,
             }),
             ..element(of, (j + 1, azimuth), inner_load, None, (None, None), at)

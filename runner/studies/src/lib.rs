@@ -2,7 +2,7 @@
 //!
 //! | modules | question |
 //! | --- | --- |
-//! | [`equilibrium`], [`force`] | where the rotor rests, what a displacement costs |
+//! | [`equilibrium`], [`life`], [`force`] | where the rotor rests, how long its bearings last, what a displacement costs |
 //! | [`campbell`] | natural frequencies over the speed |
 //! | [`effect_significance`] | what an effect changes that the scene omits |
 //! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
@@ -17,5 +17,6 @@ pub mod effect_significance;
 pub mod equilibrium;
 pub mod fit;
 pub mod force;
+pub mod life;
 pub mod sweep;
 pub mod trade;

@@ -1,0 +1,282 @@
+//! Load ratings and fatigue life of a bearing from its geometry and the loads of its elements: ISO 281, ISO 76 and ISO/TS 16281.
+
+use crate::equilibrium::Element;
+use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::contact::hertz::Race;
+use ballrace::twin::LifeParams;
+use ballrace_models::build::{BuildError, ElementContact, named};
+use ballrace_scene::{Bearing, FreeAngle, RollerKind};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Groove radius over ball diameter up to which the rating does not rise (ISO 281, 5.1).
+const RATED_CONFORMITY: f64 = 0.52;
+/// Factor of today's steel and manufacture of balls, `b_m` of ISO 281.
+const BALL_QUALITY: f64 = 1.3;
+/// Reduction of the capacity of a line contact by its uneven load, `lambda nu` of ISO/TR 1281-1.
+const LINE_REDUCTION: f64 = 0.83;
+/// Power of the life of balls and of rollers in the load.
+const POWERS: [f64; 2] = [3.0, 10.0 / 3.0];
+/// Smallest nominal contact angle of an angular-contact bearing of ISO 281, rad; below it the factors of deep-groove bearings hold.
+const LEAST_ANGULAR: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+
+/// Load ratings and life of one bearing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BearingLife {
+    /// Basic dynamic radial load rating `C_r` of the geometry (ISO 281), N.
+    pub dynamic_rating: f64,
+    /// Basic static radial load rating `C_0r` of the geometry (ISO 76), N.
+    pub static_rating: f64,
+    /// Dynamic equivalent radial load `P_r` of ISO 281, N; `None` where its factors are not listed for the contact angle.
+    pub equivalent_load: Option<f64>,
+    /// Basic rating life `L_10 = (C_r/P_r)^p`, million revolutions; `None` without load.
+    pub basic_life: Option<f64>,
+    /// Basic reference rating life `L_10r` from the loads of elements or laminae (ISO/TS 16281), million revolutions; `None` without load.
+    pub reference_life: Option<f64>,
+    /// Dynamic equivalent reference load `C_r L_10r^(-1/p)`, N; 0 without load.
+    pub reference_load: f64,
+    /// Revolutions of one ring relative to the other, 1/s.
+    pub turning: f64,
+}
+
+impl BearingLife {
+    /// Returns a life in million revolutions as hours at this speed; `None` at rest.
+    #[must_use]
+    pub fn hours(&self, life: f64) -> Option<f64> {
+        (self.turning > 0.0).then(|| life * 1e6 / self.turning / 3600.0)
+    }
+
+    /// Computes ratings and life; `states` are the elements at evenly spread positions of the cage, `force` that on the inner ring, and
+    /// `speeds` those of the inner and outer ring, rad/s. `None` where the contact is not known.
+    ///
+    /// # Errors
+    /// A geometry that the kernel rejects.
+    pub(crate) fn of(
+        of: &Bearing,
+        states: &[Vec<Element>],
+        force: &[f64; 5],
+        speeds: [f64; 2],
+    ) -> Result<Option<Self>, BuildError> {
+        let Some(contact) = ElementContact::of(of)?.filter(|_| of.elements > 2) else { return Ok(None) };
+        let rated = match contact {
+            ElementContact::Ball(geometry) => Rated::balls(of, geometry).map_err(|e| named(of, e))?,
+            ElementContact::Roller { length, .. } => {
+                let Some(rated) = Rated::rollers(of, length) else { return Ok(None) };
+                rated
+            }
+        };
+        // A ring that turns under the load has the mean of its positions; the other ages where its load is.
+        let life = rated.life(states, [speeds[0] != 0.0 || speeds[1] == 0.0, speeds[1] != 0.0]);
+        let load = rated.equivalent(of, force[0].hypot(force[1]), force[2].abs());
+        let basic = load.filter(|load| *load > 0.0).map(|load| (rated.dynamic / load).powf(rated.power));
+        Ok(Some(Self {
+            dynamic_rating: rated.dynamic,
+            static_rating: rated.fixed,
+            equivalent_load: load,
+            basic_life: basic,
+            reference_life: life,
+            reference_load: life.map_or(0.0, |life| rated.dynamic * life.powf(-1.0 / rated.power)),
+            turning: (speeds[0] - speeds[1]).abs() / TAU,
+        }))
+    }
+}
+
+/// Ratings of a bearing and of its contacts.
+struct Rated {
+    /// `C_r`, N.
+    dynamic: f64,
+    /// `C_0r`, N.
+    fixed: f64,
+    /// Load of one contact, or of all laminae of one, with a life of one million revolutions, at the inner and at the outer race, N.
+    contact: [f64; 2],
+    /// Nominal contact angle, rad.
+    angle: f64,
+    /// `p`
+    power: f64,
+    /// Weibull exponent.
+    slope: f64,
+    /// Ball diameter, m; `None` for rollers.
+    ball: Option<f64>,
+}
+
+impl Rated {
+    /// Rates a ball bearing: `C_r = b_m f_c cos^0.7 a Z^(2/3) D^1.8` (`3.647 D^1.4` above 25.4 mm), N and mm, with `f_c` of ISO/TR 1281-1;
+    /// `C_0r` is the load at which the most loaded ball has 4200 MPa, with `Q_max = 5 C_0r/(Z cos a)`.
+    fn balls(
+        of: &Bearing,
+        geometry: BallBearingGeometry,
+    ) -> Result<Self, ballrace::bearing::geometry::InvalidParameter> {
+        let nominal = match of.geometry.map(|geometry| geometry.fit) {
+            Some(FreeAngle::ContactAngle(angle)) if angle >= LEAST_ANGULAR => angle,
+            _ => 0.0,
+        };
+        let g = BallBearingGeometry {
+            inner_conformity: geometry.inner_conformity.max(RATED_CONFORMITY),
+            outer_conformity: geometry.outer_conformity.max(RATED_CONFORMITY),
+            contact_angle: nominal,
+            ..geometry
+        };
+        let (fi, fe, gamma, count) = (g.inner_conformity, g.outer_conformity, g.gamma(), of.elements as f64);
+        let races = 1.04
+            * ((1.0 - gamma) / (1.0 + gamma)).powf(1.72)
+            * (fi / fe * (2.0 * fe - 1.0) / (2.0 * fi - 1.0)).powf(0.41);
+        let factor = 0.95
+            * 39.9
+            * (1.0 + races.powf(10.0 / 3.0)).powf(-0.3)
+            * (gamma.powf(0.3) * (1.0 - gamma).powf(1.39) / (1.0 + gamma).cbrt())
+            * (2.0 * fi / (2.0 * fi - 1.0)).powf(0.41);
+        let millimetres = 1e3 * g.ball_diameter;
+        let size = if millimetres <= 25.4 { millimetres.powf(1.8) } else { 3.647 * millimetres.powf(1.4) };
+        let dynamic = BALL_QUALITY * factor * nominal.cos().powf(0.7) * count.powf(2.0 / 3.0) * size;
+        let limit = ElementContact::Ball(geometry).limit();
+        let largest = (limit / geometry.contact(Race::Inner).ellipse(1.0).2).powi(3);
+        let params = LifeParams::try_new(g, of.elements, dynamic)?;
+        Ok(Self {
+            dynamic,
+            fixed: largest * count * nominal.cos() / 5.0,
+            contact: [params.inner_rating, params.outer_rating],
+            angle: nominal,
+            power: POWERS[0],
+            slope: 10.0 / 9.0,
+            ball: Some(g.ball_diameter),
+        })
+    }
+
+    /// Rates a roller bearing: `C_r = b_m f_c (i L cos a)^(7/9) Z^(3/4) D^(29/27)`, N and mm, with `f_c` of ISO/TR 1281-1, and
+    /// `C_0r = 44 (1 - g) i Z L D cos a`; `None` without sizes.
+    fn rollers(of: &Bearing, length: f64) -> Option<Self> {
+        let entry = of.catalogue.as_ref().map(|used| used.listed.entry);
+        let (kind, diameter, pitch, angle) = match &of.rollers {
+            Some(rollers) => (rollers.kind, rollers.diameter, rollers.pitch_diameter, rollers.contact_angle),
+            None => {
+                let entry = entry?;
+                let sizes = [entry.element_diameter, entry.pitch_diameter].map(|size| size * 1e-3);
+                (entry.kind.rollers()?, sizes[0], sizes[1], entry.contact_angle.to_radians())
+            }
+        };
+        let (quality, rows) = match kind {
+            RollerKind::Needle => (1.0, 1.0),
+            RollerKind::Cylindrical | RollerKind::Tapered => (1.1, 1.0),
+            RollerKind::Spherical => (1.15, 2.0_f64),
+        };
+        let count = of.elements as f64;
+        let gamma = diameter * angle.cos() / pitch;
+        let races = ((1.0 - gamma) / (1.0 + gamma)).powf(143.0 / 108.0);
+        let factor = 207.9
+            * LINE_REDUCTION
+            * (1.0 + (1.04 * races).powf(4.5)).powf(-2.0 / 9.0)
+            * (gamma.powf(2.0 / 9.0) * (1.0 - gamma).powf(29.0 / 27.0) / (1.0 + gamma).powf(0.25));
+        let [diameter, length] = [diameter, length].map(|size| size * 1e3);
+        let along = (rows * length * angle.cos()).powf(7.0 / 9.0);
+        let dynamic = quality * factor * along * count.powf(0.75) * diameter.powf(29.0 / 27.0);
+        let share = dynamic / (LINE_REDUCTION * count * angle.cos() * rows.powf(7.0 / 9.0));
+        let races = 1.038 * races;
+        let side = |ratio: f64| (1.0 + ratio.powf(4.5)).powf(2.0 / 9.0);
+        Some(Self {
+            dynamic,
+            fixed: 44.0 * (1.0 - gamma) * rows * count * length * diameter * angle.cos(),
+            contact: [share / 0.378 * side(races), share / 0.364 * side(1.0 / races)],
+            angle,
+            power: POWERS[1],
+            slope: 9.0 / 8.0,
+            ball: None,
+        })
+    }
+
+    /// Returns `L_10r`, million revolutions; `None` without load. `moves`: the inner and the outer ring turn under the load.
+    fn life(&self, states: &[Vec<Element>], moves: [bool; 2]) -> Option<f64> {
+        // Life falls with the power 10/3 (4.5) of the load of a point (line) contact times the slope; a race that turns has the power less one.
+        let still = self.power * if self.ball.is_some() { 10.0 / 9.0 } else { 27.0 / 20.0 };
+        let turning = if self.ball.is_some() { 3.0 } else { 4.0 };
+        let laminae = states.first()?.first()?.laminae();
+        let mut damage = 0.0;
+        for (side, moves) in moves.into_iter().enumerate() {
+            let power = if moves { turning } else { still };
+            for lamina in 0..laminae {
+                // Without laminae, the uneven load along a roller is that of ISO 281.
+                let even = if laminae == 1 && self.ball.is_none() { LINE_REDUCTION } else { 1.0 };
+                let rating = even * self.contact[side] * (laminae as f64).powf(-7.0 / 9.0);
+                let riser = edge_factor(lamina, laminae);
+                for row in 1..=2 {
+                    let loads = states.iter().flatten().filter(|element| element.row() == row);
+                    let (sum, count) = loads.fold((0.0, 0.0_f64), |(sum, count), element| {
+                        (sum + (riser * element.load_of(side, lamina) / rating).powf(power), count + 1.0)
+                    });
+                    if sum > 0.0 {
+                        damage += (sum / count).powf(still / power);
+                    }
+                }
+            }
+        }
+        (damage > 0.0).then(|| damage.powf(-1.0 / self.slope))
+    }
+
+    /// Returns `P_r = X F_r + Y F_a` of a single bearing by the tables of ISO 281, N; `None` for contact angles that are not listed.
+    fn equivalent(&self, of: &Bearing, radial: f64, axial: f64) -> Option<f64> {
+        let weighed =
+            |limit: f64, x: f64, y: f64| if axial <= limit * radial { radial } else { x * radial + y * axial };
+        let kind = of.rollers.as_ref().map(|rollers| rollers.kind);
+        let Some(diameter) = self.ball else {
+            let cot = 1.0 / self.angle.tan();
+            return Some(match kind {
+                Some(RollerKind::Tapered) => weighed(1.5 * self.angle.tan(), 0.4, 0.4 * cot),
+                Some(RollerKind::Spherical) if axial <= 1.5 * self.angle.tan() * radial => radial + 0.45 * cot * axial,
+                Some(RollerKind::Spherical) => 0.67 * (radial + cot * axial),
+                _ => radial,
+            });
+        };
+        if self.angle == 0.0 {
+            // f_0 F_a/C_0r of ISO 281 is the axial load over Z D^2, N/mm^2, where C_0r has the f_0 of ISO 76.
+            let relative = axial / (of.elements as f64 * (1e3 * diameter).powi(2));
+            let [limit, y] = interpolated(&DEEP_GROOVE, relative);
+            return Some(weighed(limit, 0.56, y));
+        }
+        let degrees = self.angle.to_degrees();
+        let is_listed =
+            ANGULAR.first().zip(ANGULAR.last()).is_some_and(|(low, high)| (low[0]..=high[0]).contains(&degrees));
+        let (first, second): (Vec<_>, Vec<_>) = ANGULAR.iter().map(|[a, e, x, y]| ([*a, *e, *y], [*a, *x, *x])).unzip();
+        let ([limit, y], [x, _]) = (interpolated(&first, degrees), interpolated(&second, degrees));
+        is_listed.then(|| weighed(limit, x, y))
+    }
+}
+
+/// `f_0 F_a/C_0r`, `e` and `Y` of radial contact groove ball bearings, `X = 0.56` (ISO 281:2007, table 3).
+const DEEP_GROOVE: [[f64; 3]; 9] = [
+    [0.172, 0.19, 2.30],
+    [0.345, 0.22, 1.99],
+    [0.689, 0.26, 1.71],
+    [1.03, 0.28, 1.55],
+    [1.38, 0.30, 1.45],
+    [2.07, 0.34, 1.31],
+    [3.45, 0.38, 1.15],
+    [5.17, 0.42, 1.04],
+    [6.89, 0.44, 1.00],
+];
+/// Contact angle in degrees, `e`, `X` and `Y` of single-row angular-contact ball bearings (ISO 281:2007, table 3).
+const ANGULAR: [[f64; 4]; 6] = [
+    [20.0, 0.57, 0.43, 1.00],
+    [25.0, 0.68, 0.41, 0.87],
+    [30.0, 0.80, 0.39, 0.76],
+    [35.0, 0.95, 0.37, 0.66],
+    [40.0, 1.14, 0.35, 0.57],
+    [45.0, 1.34, 0.33, 0.50],
+];
+
+/// Returns the two values of a table at `x`, on straight lines between its rows and constant beyond them.
+fn interpolated(table: &[[f64; 3]], x: f64) -> [f64; 2] {
+    let beyond = table.first().filter(|row| x <= row[0]).or(table.last());
+    let between = table.windows(2).find(|pair| pair[0][0] <= x && x <= pair[1][0]).map(|pair| {
+        let share = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
+        [1, 2].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]))
+    });
+    between.or(beyond.map(|row| [row[1], row[2]])).unwrap_or_default()
+}
+
+/// Returns the stress concentration at lamina `k` of `n`, from 0 (ISO/TS 16281).
+fn edge_factor(k: usize, n: usize) -> f64 {
+    if n < 2 {
+        return 1.0;
+    }
+    let place = (2.0 * (k as f64 + 1.0) - n as f64 - 1.0) / (2.0 * n as f64 - 2.0);
+    1.0 - 0.01 / (1.985 * place.abs()).ln()
+}
