@@ -1,5 +1,6 @@
 /*
- * ballrace: forces of rolling bearings and motion of rotors in fixed time.
+ * ballrace: forces of rolling bearings and motion of rotors, in fixed time on a core with a single-precision FPU; software floats
+ * branch on their values.
  *
  * Frame: X, Y radial, Z along the shaft, right-handed. SI units. Angles are 2^-64 revolutions.
  * Made by cbindgen from kernel/c/src; the tests compare it with the source.

@@ -70,7 +70,8 @@ impl<T: Scalar> Add for Reaction<T> {
 
 /// A bearing model: force on the inner ring from its displacement relative to the outer ring.
 ///
-/// All methods are pure and take a constant number of instructions. Displacements and speeds must be finite, except in
+/// All methods are pure and take a constant number of instructions on a core with a floating-point unit of the precision `T`; the routines
+/// of software floats branch on their values. Displacements and speeds must be finite, except in
 /// [`Bearing::sample`].
 pub trait Bearing<T: Scalar>: Send + Sync {
     /// Computes the force on the inner ring.
