@@ -43,8 +43,9 @@ pub fn text(trade: &Trade) -> String {
 pub fn chosen(choice: &Choice) -> String {
     let Choice { model, precision, error, cost, unit, seconds } = choice;
     let time = seconds.map_or(String::new(), |s| format!(" ({:.3} us)", s * 1e6));
+    let work = if *unit == "cycles" { "sample" } else { "force" };
     format!(
-        "Recommended: {model} in {precision}: error {} at the 99th percentile of poses, {cost:.0} {unit}{time} for one force of every bearing.",
+        "Recommended: {model} in {precision}: error {} at the 99th percentile of poses, {cost:.0} {unit}{time} for one {work} of every bearing.",
         percent(*error)
     )
 }
@@ -257,7 +258,7 @@ pub fn html(trade: &Trade) -> Result<String> {
     let motions: Vec<Dot> = trade.responses.iter().filter(|r| r.overflow.is_none()).map(moved).collect();
     let error = "Force error, 99th percentile, over largest load";
     let pictures = [
-        front("Forces on a Cortex-M4F", "Modelled cycles for one force of every bearing", error, &target),
+        front("Forces on a Cortex-M4F", "Modelled cycles for one sample of every bearing", error, &target),
         front("Forces on this machine", "Time for one force of every bearing, ns", error, &desktop),
         front("Motion", "Computing time per second of motion, ms", "Residual of the motion, rms over rms", &motions),
     ];

@@ -87,7 +87,7 @@ pub struct BearingCertificate {
     pub error: f64,
     /// Largest error over the largest load, rounded up; `None` without load.
     pub relative_error: Option<f64>,
-    /// Cost of one force evaluation on the core; `None` if the model has no counted cost.
+    /// Cost of one sample on the core; `None` if the model has no counted cost.
     pub cost: Option<Cost>,
     /// Flash memory of the table, bytes.
     pub table_bytes: usize,
@@ -234,7 +234,7 @@ impl BearingCertificate {
     ) -> Self {
         let as_written = Bearing { model: baked.model, own: vec![], ..of.clone() };
         let cost = match options.core {
-            Core::CortexM4f => cortex::force(&as_written, "f32", "exact").ok(),
+            Core::CortexM4f => cortex::sample(&as_written, "f32", "exact").ok(),
         };
         // A mirrored model and a call from C have a few more instructions than the counted function.
         let exact_row = of.facing != Facing::MinusZ && options.language == Language::Rust;

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum Goal {
     /// The cheapest candidate with at most this error in 99 of 100 poses, relative to the largest load.
     Error(f64, Target),
-    /// The most accurate candidate with at most this many cycles for one force of every bearing.
+    /// The most accurate candidate with at most this many cycles for one sample of every bearing.
     Deadline {
         /// Deadline, s.
         time: f64,

@@ -1,4 +1,4 @@
-//! Cost of a force on a Cortex-M4F: the table that the tests of the target measure and check, and its interpolation
+//! Cost of a sample, a force with its check of the input, on a Cortex-M4F: the table that the tests of the target measure and check, and its interpolation
 //! for element counts and solver steps between its rows.
 
 use ballrace_models::bearing_model;
@@ -13,7 +13,7 @@ const TABLE: &str = include_str!("cortex-m4f.csv");
 const COLD_STEPS: f64 = 8.0;
 const WARM_STEPS: f64 = 3.0;
 
-/// Cost of one force on the target.
+/// Cost of one sample on the target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
     /// Instructions, the most where they depend on the input.
@@ -75,11 +75,46 @@ fn rows() -> Vec<Row> {
     TABLE.lines().filter_map(row).collect()
 }
 
-/// Returns the cost of one force of the bearing.
+/// Name of a force, and of the force with its input checked, in the table: what `Bearing::sample` does in an interrupt.
+const FORCE: &str = "force";
+const SAMPLE: &str = "force, input checked";
+
+/// Returns the cost of one sample of the bearing: as counted, else that of a force and the largest of a check that was counted.
 ///
 /// # Errors
 /// Returns the reason where the table has no similar bearing.
-pub fn force(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCounted> {
+pub fn sample(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCounted> {
+    let all = rows();
+    let counted = all.iter().find(|row| {
+        let is_same = name(of).is_ok_and(|what| what == row.what) && (row.elements == of.elements || row.elements == 0);
+        is_same && row.precision == precision && row.math == math && row.function == SAMPLE
+    });
+    match counted {
+        Some(row) => Ok(row.cost),
+        None => Ok(force(of, precision, math)?.plus(check_of_input(&all))),
+    }
+}
+
+/// Returns the largest cost of a check of the input: of a sample less that of its force.
+fn check_of_input(all: &[Row]) -> Cost {
+    let least = Cost { instructions: 0.0, cycles: 0.0, stack: 0.0, flash: 0.0, counted: false };
+    let checked = all.iter().filter(|row| row.function == SAMPLE);
+    let pairs = checked.filter_map(|row| {
+        let same = |other: &&Row| {
+            let key = |row: &Row| (row.what, row.elements, row.precision, row.math);
+            other.function == FORCE && key(other) == key(row)
+        };
+        all.iter().find(same).map(|force| (row.cost, force.cost))
+    });
+    pairs.fold(least, |most, (checked, force)| Cost {
+        instructions: most.instructions.max(checked.instructions - force.instructions),
+        cycles: most.cycles.max(checked.cycles - force.cycles),
+        ..most
+    })
+}
+
+/// Returns the cost of one force of the bearing.
+fn force(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCounted> {
     let all = rows();
     let what = name(of)?;
     // Only exact single precision is counted for balls in equilibrium.
@@ -89,7 +124,7 @@ pub fn force(of: &Bearing, precision: &str, math: &str) -> Result<Cost, NotCount
         let row = all.iter().find(|r| r.what == "quasi-static, gyroscopic" && r.function == function);
         row.ok_or(NotCounted::Arithmetic)
     };
-    let (full, few) = (find("force")?.cost, find("force, 3 steps from the last")?.cost);
+    let (full, few) = (find(FORCE)?.cost, find("force, 3 steps from the last")?.cost);
     // Every step costs the same; its share of the cost is that of the counted bearing.
     let share = |cold: f64, few: f64| 1.0 - (COLD_STEPS - steps) / (COLD_STEPS - WARM_STEPS) * (1.0 - few / cold);
     Ok(Cost {
@@ -111,8 +146,7 @@ fn name(of: &Bearing) -> Result<&'static str, NotCounted> {
 
 /// Returns the row with this number of elements, or the linear interpolation of the two nearest.
 fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> Option<Cost> {
-    let same =
-        |row: &&Row| row.what == what && row.precision == precision && row.math == math && row.function == "force";
+    let same = |row: &&Row| row.what == what && row.precision == precision && row.math == math && row.function == FORCE;
     let mut found: Vec<&Row> = all.iter().filter(same).collect();
     if let Some(row) = found.iter().find(|row| row.elements == elements || row.elements == 0) {
         return Some(row.cost);
@@ -127,7 +161,7 @@ fn at(all: &[Row], what: &str, elements: usize, precision: &str, math: &str) -> 
             // The part independent of the elements is the transformation to the cage frame and back.
             let fixed =
                 |function| all.iter().find(|r| r.what == "angular" && r.elements == 8 && r.function == function);
-            let (all_of_it, inside) = (fixed("force")?.cost, fixed("force, in the cage's frame")?.cost);
+            let (all_of_it, inside) = (fixed(FORCE)?.cost, fixed("force, in the cage's frame")?.cost);
             let part = elements as f64 / only.elements as f64;
             let grown = |cost: f64, fixed: f64| fixed + part * (cost - fixed);
             Some(Cost {

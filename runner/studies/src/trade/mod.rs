@@ -73,7 +73,7 @@ pub struct Candidate {
     pub desktop_ns: f64,
     /// Interquartile range of its timings over their median.
     pub desktop_spread: f64,
-    /// Cost of one force of every bearing on a Cortex-M4F; `None` where it was not counted.
+    /// Cost of one sample of every bearing, a force with its input checked, on a Cortex-M4F; `None` where it was not counted.
     pub cortex: Option<Cost>,
     /// Reason where it was not counted.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -227,7 +227,7 @@ fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Resu
     let modelling = truth.errors(exact.as_ref(), poses);
     let candidate = |arithmetic: Arithmetic| {
         let forces = forces(&one.scene, &one.plant, arithmetic)?;
-        let cost = |of| cortex::force(of, arithmetic.precision, arithmetic.math);
+        let cost = |of| cortex::sample(of, arithmetic.precision, arithmetic.math);
         let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Ok(a?.plus(b?))).transpose();
         let (desktop_ns, desktop_spread) = forces.time(poses);
         Ok(Candidate {
