@@ -2,7 +2,7 @@
 
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
-use crate::life::BearingLife;
+use crate::life::{BearingLife, ElementLoads};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::bearing::quasi_static::BallState;
@@ -145,26 +145,14 @@ pub struct Element {
 }
 
 impl Element {
-    /// Returns the number of places along the element that carry load: laminae of a roller, one of a ball.
-    #[must_use]
-    pub fn laminae(&self) -> usize {
-        self.roller.as_ref().map_or(1, |roller| roller.lamina_loads.len())
-    }
-
-    /// Returns the row of the element, from 1.
-    #[must_use]
-    pub fn row(&self) -> usize {
-        self.roller.as_ref().map_or(1, |roller| roller.row)
-    }
-
-    /// Returns the load of one of the [laminae](Self::laminae) at the inner (`side` 0) or the outer race, N. Centrifugal force loads all
-    /// laminae of the outer race alike.
-    #[must_use]
-    pub fn load_of(&self, side: usize, lamina: usize) -> f64 {
-        let Some(roller) = &self.roller else { return if side == 0 { self.inner_load } else { self.outer_load } };
-        let load = roller.lamina_loads.get(lamina).copied().unwrap_or(0.0);
-        let further = if side == 0 { 0.0 } else { self.outer_load - self.inner_load };
-        (load + further / self.laminae() as f64).max(0.0)
+    /// Returns its loads along its length. Centrifugal force loads all laminae of the outer race alike.
+    fn loads(&self) -> ElementLoads {
+        let Some(roller) = &self.roller else {
+            return ElementLoads { row: 1, races: [vec![self.inner_load], vec![self.outer_load]] };
+        };
+        let further = (self.outer_load - self.inner_load) / roller.lamina_loads.len().max(1) as f64;
+        let outer = roller.lamina_loads.iter().map(|load| load + further).collect();
+        ElementLoads { row: roller.row, races: [roller.lamina_loads.clone(), outer] }
     }
 }
 
@@ -340,13 +328,14 @@ impl BearingEquilibrium {
         u: &Displacement<f64>,
         at: &BearingKinematicState<f64>,
     ) -> Result<Self> {
-        let states = (0..CAGE_POSITIONS).map(|i| {
+        let loads = (0..CAGE_POSITIONS).map(|i| {
             let part = f64::from(i) / f64::from(CAGE_POSITIONS) / of.elements.max(1) as f64;
             let cage = at.cage.wrapping_add(Phase::from_revolutions(part));
-            elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })
+            let elements = elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })?;
+            Ok(elements.iter().map(Element::loads).collect())
         });
-        let states: Vec<_> = states.collect::<Result<_>>()?;
-        let life = BearingLife::of(of, &states, &self.force, [at.inner_speed, at.outer_speed])?;
+        let loads: Vec<Vec<ElementLoads>> = loads.collect::<Result<_>>()?;
+        let life = BearingLife::of(of, &loads.concat(), &self.force, [at.inner_speed, at.outer_speed])?;
         Ok(Self { life, ..self })
     }
 

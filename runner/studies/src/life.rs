@@ -1,6 +1,5 @@
 //! Load ratings and fatigue life of a bearing from its geometry and the loads of its elements: ISO 281, ISO 76 and ISO/TS 16281.
 
-use crate::equilibrium::Element;
 use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::contact::hertz::Race;
 use ballrace::twin::LifeParams;
@@ -19,6 +18,15 @@ const LINE_REDUCTION: f64 = 0.83;
 const POWERS: [f64; 2] = [3.0, 10.0 / 3.0];
 /// Smallest nominal contact angle of an angular-contact bearing of ISO 281, rad; below it the factors of deep-groove bearings hold.
 const LEAST_ANGULAR: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+
+/// Loads of one rolling element at one position of the cage, N: of each lamina of a roller, one of a ball.
+#[derive(Debug, Clone)]
+pub struct ElementLoads {
+    /// Row, from 1.
+    pub row: usize,
+    /// Loads at the inner and at the outer race.
+    pub races: [Vec<f64>; 2],
+}
 
 /// Load ratings and life of one bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -46,14 +54,14 @@ impl BearingLife {
         (self.turning > 0.0).then(|| life * 1e6 / self.turning / 3600.0)
     }
 
-    /// Computes ratings and life; `states` are the elements at evenly spread positions of the cage, `force` that on the inner ring, and
-    /// `speeds` those of the inner and outer ring, rad/s. `None` where the contact is not known.
+    /// Computes ratings and life; `loads` are those of all elements at evenly spread positions of the cage, `force` is that on the inner ring,
+    /// and `speeds` are those of the inner and the outer ring, rad/s. `None` where the contact is not known.
     ///
     /// # Errors
     /// A geometry that the kernel rejects.
     pub(crate) fn of(
         of: &Bearing,
-        states: &[Vec<Element>],
+        loads: &[ElementLoads],
         force: &[f64; 5],
         speeds: [f64; 2],
     ) -> Result<Option<Self>, BuildError> {
@@ -66,7 +74,7 @@ impl BearingLife {
             }
         };
         // A ring that turns under the load has the mean of its positions; the other ages where its load is.
-        let life = rated.life(states, [speeds[0] != 0.0 || speeds[1] == 0.0, speeds[1] != 0.0]);
+        let life = rated.life(loads, [speeds[0] != 0.0 || speeds[1] == 0.0, speeds[1] != 0.0]);
         let load = rated.equivalent(of, force[0].hypot(force[1]), force[2].abs());
         let basic = load.filter(|load| *load > 0.0).map(|load| (rated.dynamic / load).powf(rated.power));
         Ok(Some(Self {
@@ -184,11 +192,11 @@ impl Rated {
     }
 
     /// Returns `L_10r`, million revolutions; `None` without load. `moves`: the inner and the outer ring turn under the load.
-    fn life(&self, states: &[Vec<Element>], moves: [bool; 2]) -> Option<f64> {
+    fn life(&self, loads: &[ElementLoads], moves: [bool; 2]) -> Option<f64> {
         // Life falls with the power 10/3 (4.5) of the load of a point (line) contact times the slope; a race that turns has the power less one.
         let still = self.power * if self.ball.is_some() { 10.0 / 9.0 } else { 27.0 / 20.0 };
         let turning = if self.ball.is_some() { 3.0 } else { 4.0 };
-        let laminae = states.first()?.first()?.laminae();
+        let laminae = loads.first()?.races[0].len();
         let mut damage = 0.0;
         for (side, moves) in moves.into_iter().enumerate() {
             let power = if moves { turning } else { still };
@@ -198,9 +206,10 @@ impl Rated {
                 let rating = even * self.contact[side] * (laminae as f64).powf(-7.0 / 9.0);
                 let riser = edge_factor(lamina, laminae);
                 for row in 1..=2 {
-                    let loads = states.iter().flatten().filter(|element| element.row() == row);
-                    let (sum, count) = loads.fold((0.0, 0.0_f64), |(sum, count), element| {
-                        (sum + (riser * element.load_of(side, lamina) / rating).powf(power), count + 1.0)
+                    let loads = loads.iter().filter(|element| element.row == row);
+                    let loads = loads.filter_map(|element| element.races.get(side)?.get(lamina));
+                    let (sum, count) = loads.fold((0.0, 0.0_f64), |(sum, count), load| {
+                        (sum + (riser * load.max(0.0) / rating).powf(power), count + 1.0)
                     });
                     if sum > 0.0 {
                         damage += (sum / count).powf(still / power);
