@@ -1,7 +1,7 @@
 //! Masses from vibration vectors: text for the terminal, and the table of blind conditions.
 
 use anyhow::Result;
-use ballrace_twin::balance::{Balance, Influence, MomentEstimate, PlaneCorrection};
+use ballrace_twin::balance::{Agreement, Balance, Influence, MomentEstimate, PlaneCorrection, Quality};
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
 
@@ -42,6 +42,9 @@ pub fn text(of: &Balance) -> Result<String> {
             of.condition_number
         )?;
     }
+    if let Some(twin) = &of.twin {
+        writeln!(out, "{}", agreement(twin))?;
+    }
     let proof = &of.proof;
     if proof.moments == 0 {
         writeln!(
@@ -72,7 +75,58 @@ pub fn text(of: &Balance) -> Result<String> {
         }
     }
     correction(&mut out, of)?;
+    if let Some(quality) = &of.quality {
+        of_quality(&mut out, quality)?;
+    }
     Ok(out)
+}
+
+/// Returns what the twin adds to the estimate.
+fn agreement(of: &Agreement) -> String {
+    let far =
+        of.misfit.map_or_else(String::new, |misfit| format!(" ({misfit:.1} times what its errors and theirs allow)"));
+    match (of.used, of.has_trials, of.misfit) {
+        (false, ..) => format!(
+            "The trials disagree with the twin of the scene{far}: its coefficients are not used. Check masses, angles and planes of the trials, or \
+             the scene."
+        ),
+        (true, true, _) => "The coefficients are those of the twin of the scene and of the trials together.".to_owned(),
+        (true, false, Some(misfit)) if misfit > 1.0 => format!(
+            "The coefficients are those of the twin of the scene. Its unbalance on these planes does not explain the vectors{far}: a bow, a \
+             coupling, run-out, other planes, or a scene that is not this machine. A trial tells."
+        ),
+        (true, false, _) => "The coefficients are those of the twin of the scene alone, with the uncertainty of its parameters. A trial narrows the intervals."
+            .to_owned(),
+    }
+}
+
+fn of_quality(out: &mut String, of: &Quality) -> Result<()> {
+    writeln!(
+        out,
+        "\nBALANCE QUALITY by ISO 21940-11: G {} of {:.2} kg at {:.0} rpm permits {:.1} g mm",
+        of.grade, of.mass_kg, of.speed_rpm, of.permissible_g_mm
+    )?;
+    writeln!(out, "{:<12} {:>10} {:>10} {:>10} {:>10}   g mm", "plane", "permitted", "before", "after", "at most")?;
+    for plane in &of.planes {
+        writeln!(
+            out,
+            "{:<12} {:>10.1} {:>10.1} {:>10.1} {:>10.1}",
+            plane.plane, plane.permissible_g_mm, plane.before_g_mm, plane.after_g_mm, plane.after_high_g_mm
+        )?;
+    }
+    let verdict = if of.after_high <= of.grade {
+        "within"
+    } else if of.after <= of.grade {
+        "expected to be within"
+    } else {
+        "not within"
+    };
+    writeln!(
+        out,
+        "Before G {:.2}, with the correction G {:.2}, at most G {:.2} (95 %): {verdict} G {}.",
+        of.before, of.after, of.after_high, of.grade
+    )?;
+    Ok(())
 }
 
 /// Share of a moment that masses in holes leave, from which other weights are needed.
@@ -96,7 +150,13 @@ fn described(of: &MomentEstimate) -> String {
 fn correction(out: &mut String, of: &Balance) -> Result<()> {
     writeln!(out, "\nCORRECTION of the rotor without added masses")?;
     for PlaneCorrection { plane, moment_g_mm, angle_deg, deviation_g_mm, holes, left_g_mm } in &of.correction.planes {
-        write!(out, "{plane:<12} add {moment_g_mm:.1} +-{:.1} g mm at {angle_deg:.1} deg", 2.0 * deviation_g_mm)?;
+        let error = 2.0 * deviation_g_mm;
+        write!(out, "{plane:<12} add {moment_g_mm:.1} +-{error:.1} g mm at {angle_deg:.1}")?;
+        // Beyond its interval a moment has any angle.
+        if error < *moment_g_mm {
+            write!(out, " +-{:.1}", (error / moment_g_mm).asin().to_degrees())?;
+        }
+        write!(out, " deg")?;
         let masses: Vec<String> = holes
             .iter()
             .map(|one| format!("{:.2} g in hole {} ({:.1} deg)", one.mass_g, one.hole, one.angle_deg))

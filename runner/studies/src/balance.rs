@@ -9,24 +9,35 @@
 //! masses: an estimate and its interval are those of all choices together, weighted by their evidence. An empty plane so gets an interval
 //! from 0.
 //!
+//! The twin of a machine has coefficients of its own, with the uncertainty of its parameters. They stand for trials that were not made,
+//! and beside those that were: what is known of the coefficients before the trials.
+//!
 //! Source of influence coefficients: ISO 21940-12; of the evidence of choices: MacKay, Information Theory, Inference, and Learning
 //! Algorithms, chapter 28.
 
 mod correction;
 mod drift;
 mod moments;
+mod plane;
+mod quality;
 pub mod table;
+mod twin;
 
 use ballrace_base::parallel;
+use ballrace_base::statistics::largest_chi_square;
 pub use correction::{Correction, HoleMass, Holes, PlaneCorrection, Predicted};
 use drift::{Drift, Observation, Solution};
 pub use moments::MomentEstimate;
 use nalgebra::{DMatrix, DVector};
+pub use plane::{MassesError, Plane, masses};
+pub use quality::{PlaneQuality, Quality, Requirement, TolerancePlane};
 use serde::Serialize;
 use table::{C, Record, VectorTable};
+use twin::flat;
+pub use twin::{TwinCoefficients, radial_probes};
 
 /// Runs that differ by less in speed are of one speed.
-const SAME_SPEED: f64 = 0.03;
+pub const SAME_SPEED: f64 = 0.03;
 /// Steps of the search of moments and coefficients together, and the change of a moment over the trial moments at which it ends.
 const STEPS: (usize, f64) = (30, 1e-9);
 /// Logarithm of the likelihood ratio from which the angles are taken to be counted the other way: odds of 1000.
@@ -74,6 +85,43 @@ pub enum BalanceError {
         condition: String,
         /// Speed, rpm.
         speed: f64,
+    },
+    /// Trials and twin do not agree, and there are too few trials without it.
+    #[error(
+        "the vectors are {misfit:.1} times as far from the coefficients of the twin as its errors and those of the vectors allow, expected a scene of \
+         this machine, the right masses and angles, or a trial for each plane"
+    )]
+    Twin {
+        /// Chi-squared over its largest value.
+        misfit: f64,
+    },
+    /// Two planes are exchanged.
+    #[error(
+        "planes {first} and {second} look exchanged: with the masses of each in the other the vectors agree with the twin, expected the planes in which the masses were"
+    )]
+    Planes {
+        /// A plane.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A trial has the vectors of a run without masses.
+    #[error(
+        "{condition}: the vectors are those without added masses, expected the recording of the trial, or larger masses"
+    )]
+    Unmoved {
+        /// Condition.
+        condition: String,
+    },
+    /// Two probes are exchanged.
+    #[error("{}: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene", if condition.is_empty() { "all runs" } else { condition })]
+    Exchanged {
+        /// Condition; empty for all.
+        condition: String,
+        /// A probe.
+        first: String,
+        /// The other.
+        second: String,
     },
 }
 
@@ -139,6 +187,23 @@ pub struct Balance {
     pub proof: Proof,
     /// Correction of the rotor without added masses.
     pub correction: Correction,
+    /// Agreement of the vectors with the coefficients of the twin; `None` without a twin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twin: Option<Agreement>,
+    /// Balance quality before and after the correction; `None` where none is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<Quality>,
+}
+
+/// Agreement of the vectors with the coefficients of a twin.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Agreement {
+    /// The estimate uses the coefficients of the twin.
+    pub used: bool,
+    /// There were trials.
+    pub has_trials: bool,
+    /// Chi-squared of the vectors over the largest by errors alone: above 1 they disagree; `None` where there is nothing to compare.
+    pub misfit: Option<f64>,
 }
 
 /// Coefficients with their covariance.
@@ -148,9 +213,24 @@ struct Vectors<'a> {
     probes: &'a [String],
     drift: &'a Drift,
     solution: Solution,
+    /// Usual moment: mean square of the trial moments; without trials, of the moment that moves the probes as the rotor does.
+    usual: f64,
 }
 
-impl Vectors<'_> {
+impl<'a> Vectors<'a> {
+    fn new(runs: &'a Runs, table: &'a VectorTable, drift: &'a Drift, solution: Solution) -> Self {
+        let mut vectors =
+            Self { runs, planes: &table.planes, probes: &table.probes, drift, solution, usual: runs.usual };
+        if vectors.usual == 0.0 {
+            vectors.usual = 1.0;
+            let of_baseline: f64 =
+                (0..vectors.channels()).map(|c| vectors.baseline(c).norm_sqr() / vectors.noise(c)).sum();
+            let largest = vectors.weighted().singular_values().max();
+            vectors.usual = of_baseline / (largest * largest).max(f64::MIN_POSITIVE);
+        }
+        vectors
+    }
+
     fn channels(&self) -> usize {
         self.runs.channels()
     }
@@ -179,12 +259,31 @@ impl Vectors<'_> {
         self.solution.covariance[(at, at)].re.max(0.0).sqrt()
     }
 
-    /// Returns the coefficients with the trial moments in units of drift and error.
+    /// Returns the variance of the vector of a channel by drift and error.
+    fn noise(&self, channel: usize) -> f64 {
+        (self.drift.covariance[(channel, channel)].re + self.drift.variance[channel]).max(f64::MIN_POSITIVE)
+    }
+
+    /// Returns the coefficients with the usual moment in units of drift and error.
     fn weighted(&self) -> DMatrix<C> {
         DMatrix::from_fn(self.channels(), self.planes.len(), |channel, k| {
-            let noise = self.drift.covariance[(channel, channel)].re + self.drift.variance[channel];
-            self.coefficient(channel, k) * C::new((self.runs.usual / noise.max(f64::MIN_POSITIVE)).sqrt(), 0.0)
+            self.coefficient(channel, k) * C::new((self.usual / self.noise(channel)).sqrt(), 0.0)
         })
+    }
+
+    /// Returns chi-squared per degree of freedom of what moments on the planes leave of the vectors without added masses, over its
+    /// largest value by errors alone; `None` where the planes explain any vectors.
+    fn unexplained(&self, moments: &[C]) -> Option<f64> {
+        let (channels, planes) = (self.channels(), self.planes.len());
+        let freedom = 2.0 * channels.checked_sub(planes).filter(|spare| *spare > 0)? as f64;
+        let factors = self.errors(moments).cholesky()?;
+        let baseline = DVector::from_fn(channels, |channel, _| self.baseline(channel));
+        let matrix = DMatrix::from_fn(channels, planes, |channel, k| self.coefficient(channel, k));
+        let (weighted, of_baseline) = (factors.solve(&matrix), factors.solve(&baseline));
+        let least = (matrix.adjoint() * weighted).cholesky()?.solve(&(matrix.adjoint() * &of_baseline));
+        let left = baseline - matrix * least;
+        let chi_square = 2.0 * left.dotc(&factors.solve(&left)).re / freedom;
+        Some(chi_square / largest_chi_square(freedom))
     }
 
     /// Returns the covariance of the vectors with these moments: by the coefficients, by the drift and by the error of a run.
@@ -229,22 +328,17 @@ struct Runs {
     has_times: bool,
     /// Mean square of the trial moments that are not 0.
     usual: f64,
+    /// Squares by which the coefficients of a twin enter the estimate.
+    prior: Option<DMatrix<C>>,
 }
 
 impl Runs {
     fn new(table: &VectorTable) -> Self {
-        let mut speeds: Vec<(f64, usize)> = vec![];
+        let (of_record, speeds) = table.speeds();
         let mut conditions: Vec<String> = vec![];
         let probes = table.probes.len();
         let mut groups: Vec<(Run, Vec<&Record>)> = vec![];
-        for record in &table.records {
-            let is_same = |(sum, count): &(f64, usize)| (record.speed * *count as f64 / sum - 1.0).abs() < SAME_SPEED;
-            let speed = speeds.iter().position(is_same).unwrap_or_else(|| {
-                speeds.push((0.0, 0));
-                speeds.len() - 1
-            });
-            speeds[speed].0 += record.speed;
-            speeds[speed].1 += 1;
+        for (record, &speed) in table.records.iter().zip(&of_record) {
             let condition = conditions.iter().position(|name| *name == record.condition).unwrap_or_else(|| {
                 conditions.push(record.condition.clone());
                 conditions.len() - 1
@@ -290,12 +384,13 @@ impl Runs {
         let (sum, count) = moments.fold((0.0, 0), |(sum, count), u| (sum + u.norm_sqr(), count + 1));
         Self {
             conditions,
-            speeds: speeds.into_iter().map(|(sum, count)| sum / count as f64).collect(),
+            speeds,
             probes,
             planes: table.planes.len(),
             repeat: squares.into_iter().map(|(sum, count)| sum / count.max(1) as f64).collect(),
             has_times,
             usual: sum / f64::from(count.max(1)),
+            prior: None,
             all,
         }
     }
@@ -342,20 +437,145 @@ impl Runs {
         if span > 0.0 { DRIFT_TIMES.iter().map(|share| share * span).collect() } else { vec![f64::MIN_POSITIVE] }
     }
 
-    /// Finds drift and coefficients from the known conditions, with one of `times` for the drift.
+    /// Finds drift and coefficients from the known conditions, with one of `times` for the drift. Where trials determine the coefficients,
+    /// the drift comes from them alone: an error of the twin is no drift.
     fn learned(&self, times: &[f64]) -> Option<(Drift, Solution)> {
         let known = self.all.iter().filter_map(|run| Some(self.observation(run, run.moments.as_deref()?, 0)));
         let known: Vec<Observation> = known.collect();
-        Drift::estimated(&known, &self.repeat, times)
+        let Some(prior) = &self.prior else { return Drift::estimated(&known, &self.repeat, times) };
+        if determined(self).is_err() {
+            return Drift::usual(&known, &self.repeat, prior.clone());
+        }
+        let (drift, _) = Drift::estimated(&known, &self.repeat, times)?;
+        let drift = Drift { prior: Some(prior.clone()), ..drift };
+        let solution = drift.solve(&known)?;
+        Some((drift, solution))
+    }
+
+    /// Returns the runs with what a twin knows of the coefficients; `None` if its covariance has no inverse.
+    fn with_twin(&self, twin: &TwinCoefficients) -> Option<Self> {
+        let precision = twin.covariance.clone().cholesky()?.inverse();
+        let mean = flat(&twin.mean);
+        let weighted = &precision * &mean;
+        let size = 1 + self.coefficients();
+        let mut squares = DMatrix::zeros(size, size);
+        squares[(0, 0)] = mean.dotc(&weighted);
+        let column = |i: usize| 1 + self.column(i / self.planes, 1 + i % self.planes);
+        for i in 0..mean.len() {
+            squares[(column(i), 0)] = weighted[i];
+            squares[(0, column(i))] = weighted[i].conj();
+            for j in 0..mean.len() {
+                squares[(column(i), column(j))] = precision[(i, j)];
+            }
+        }
+        Some(Self { prior: Some(squares), ..self.with(self.all.clone()) })
+    }
+
+    /// Returns chi-squared of the vectors and the coefficients of a twin over its largest value by errors alone: of trials, and without any,
+    /// of the rotor itself, whose vectors the planes explain; `None` where there is nothing to compare.
+    fn misfit_of_twin(&self, table: &VectorTable, twin: &TwinCoefficients) -> Option<f64> {
+        if determined(self).is_ok() {
+            let (_, solution) = self.learned(&self.drift_times())?;
+            let at = |i: usize| self.column(i / self.planes, 1 + i % self.planes);
+            let mean = flat(&twin.mean);
+            let apart = DVector::from_fn(mean.len(), |i, _| solution.theta[at(i)] - mean[i]);
+            let trials = DMatrix::from_fn(mean.len(), mean.len(), |i, j| solution.covariance[(at(i), at(j))]);
+            let weighted = (trials + &twin.covariance).cholesky()?.solve(&apart);
+            let freedom = 2.0 * mean.len() as f64;
+            return Some(2.0 * apart.dotc(&weighted).re / freedom / largest_chi_square(freedom));
+        }
+        let with = self.with_twin(twin)?;
+        let (drift, solution) = with.learned(&self.drift_times())?;
+        if self.usual > 0.0 {
+            let known: usize = self.all.iter().filter(|run| run.moments.is_some()).count() * self.probes;
+            let freedom = 2.0 * known.saturating_sub(self.channels()) as f64;
+            return Some(2.0 * solution.left / freedom / largest_chi_square(freedom));
+        }
+        let vectors = Vectors::new(&with, table, &drift, solution);
+        let correction = correction::correction(&vectors, None)?;
+        vectors.unexplained(&correction.moments)
+    }
+
+    /// Returns the runs with the vectors of two probes exchanged in one condition, or in all.
+    fn exchanged(&self, [a, b]: [usize; 2], condition: Option<usize>) -> Self {
+        let exchanged = |run: &Run| {
+            let mut run = run.clone();
+            if condition.is_none_or(|condition| condition == run.condition) {
+                run.response.swap_rows(a, b);
+            }
+            run
+        };
+        self.with(self.all.iter().map(exchanged).collect())
+    }
+
+    /// Returns the probable errors of the runs, each with the runs as they are without it.
+    fn probable_errors(&self, table: &VectorTable) -> Vec<(Self, BalanceError)> {
+        let conditions = || std::iter::once(None).chain((0..self.conditions.len()).map(Some));
+        let name = |condition: Option<usize>| condition.map_or(String::new(), |of| self.conditions[of].clone());
+        let mut all = vec![];
+        for [a, b] in pairs(self.probes) {
+            all.extend(conditions().map(|condition| {
+                let [first, second] = [a, b].map(|probe| table.probes[probe].clone());
+                let error = BalanceError::Exchanged { condition: name(condition), first, second };
+                (self.exchanged([a, b], condition), error)
+            }));
+        }
+        if self.usual == 0.0 {
+            return all;
+        }
+        all.push((self.mirrored(), BalanceError::Mirrored));
+        for [a, b] in pairs(self.planes) {
+            let [first, second] = [a, b].map(|plane| table.planes[plane].clone());
+            let exchanged = self.with_moments(|_, moments| moments.swap(a, b));
+            all.push((exchanged, BalanceError::Planes { first, second }));
+        }
+        let is_trial = |of: &usize| {
+            let has_mass = |moments: &Vec<C>| moments.iter().any(|moment| moment.norm_sqr() > 0.0);
+            self.all.iter().any(|run| run.condition == *of && run.moments.as_ref().is_some_and(has_mass))
+        };
+        all.extend((0..self.conditions.len()).filter(is_trial).map(|of| {
+            let empty = self.with_moments(|condition, moments| {
+                if condition == of {
+                    moments.fill(C::new(0.0, 0.0));
+                }
+            });
+            (empty, BalanceError::Unmoved { condition: self.conditions[of].clone() })
+        }));
+        all
+    }
+
+    /// Compares the vectors with a twin. One that disagrees is not used where the trials suffice.
+    fn agreement(&self, table: &VectorTable, twin: &TwinCoefficients) -> Result<Agreement, BalanceError> {
+        let has_trials = self.usual > 0.0;
+        let misfit = self.misfit_of_twin(table, twin);
+        let Some(found) = misfit.filter(|misfit| *misfit > 1.0) else {
+            return Ok(Agreement { used: true, has_trials, misfit });
+        };
+        let errors = self.probable_errors(table);
+        let misfits = parallel::map(&errors, |(runs, _)| runs.misfit_of_twin(table, twin).unwrap_or(f64::INFINITY));
+        let best = errors.into_iter().zip(misfits).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(((_, error), _)) = best.filter(|best| best.1 <= 1.0) {
+            return Err(error);
+        }
+        if determined(self).is_err() && has_trials {
+            return Err(BalanceError::Twin { misfit: found });
+        }
+        Ok(Agreement { used: !has_trials, has_trials, misfit })
     }
 
     /// Returns the runs with the angles of all masses counted the other way.
     fn mirrored(&self) -> Self {
-        let mirrored = |run: &Run| {
-            let moments = run.moments.as_ref().map(|moments| moments.iter().map(C::conj).collect());
-            Run { moments, ..run.clone() }
+        self.with_moments(|_, moments| moments.iter_mut().for_each(|moment| *moment = moment.conj()))
+    }
+
+    /// Returns the runs with other masses: `change` has the condition and its moments.
+    fn with_moments(&self, change: impl Fn(usize, &mut [C])) -> Self {
+        let changed = |run: &Run| {
+            let mut run = run.clone();
+            run.moments.iter_mut().for_each(|moments| change(run.condition, moments));
+            run
         };
-        self.with(self.all.iter().map(mirrored).collect())
+        self.with(self.all.iter().map(changed).collect())
     }
 
     /// Returns other runs of the same machine.
@@ -365,6 +585,7 @@ impl Runs {
             conditions: self.conditions.clone(),
             speeds: self.speeds.clone(),
             repeat: self.repeat.clone(),
+            prior: self.prior.clone(),
             ..*self
         }
     }
@@ -445,7 +666,7 @@ impl Runs {
                 if run.condition == *condition { Run { moments: None, ..run.clone() } } else { run.clone() }
             };
             let others = self.with(self.all.iter().map(asked).collect());
-            if others.known() < self.planes + 2 {
+            if others.known() < if self.prior.is_some() { 1 } else { self.planes + 2 } {
                 return None;
             }
             let (drift, solution) = others.learned(&[time])?;
@@ -474,12 +695,27 @@ impl Runs {
 }
 
 /// Estimates influence coefficients, the moments of the blind conditions of a table, and the correction of the rotor without added masses.
+/// `twin` has the coefficients of a scene for the planes, probes and speeds of the table.
 ///
 /// # Errors
-/// Returns an error if the trials do not determine the coefficients of every plane at every speed.
-pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, BalanceError> {
-    let runs = Runs::new(table);
-    check(&runs)?;
+/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree.
+pub fn balance(
+    table: &VectorTable,
+    twin: Option<&TwinCoefficients>,
+    holes: Option<&Holes>,
+) -> Result<Balance, BalanceError> {
+    let mut runs = Runs::new(table);
+    let is_determined = determined(&runs);
+    if twin.is_none() {
+        is_determined?;
+    } else if is_determined.is_ok() {
+        response(&runs, table)?;
+    }
+    let agreement = twin.map(|twin| runs.agreement(table, twin)).transpose()?;
+    if let (Some(twin), Some(Agreement { used: true, .. })) = (twin, agreement) {
+        let singular = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
+        runs = runs.with_twin(twin).ok_or_else(singular)?;
+    }
     let dependent = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
     let (drift, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
     let theta = solution.theta.clone();
@@ -487,7 +723,7 @@ pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, Ba
     if mirrored.is_some_and(|(_, other)| other.log_likelihood > solution.log_likelihood + MIRRORED) {
         return Err(BalanceError::Mirrored);
     }
-    let vectors = Vectors { runs: &runs, planes: &table.planes, probes: &table.probes, drift: &drift, solution };
+    let vectors = Vectors::new(&runs, table, &drift, solution);
     let singular = vectors.weighted().singular_values();
     if singular.max() < correction::OBSERVED {
         return Err(BalanceError::NoResponse);
@@ -518,7 +754,21 @@ pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, Ba
         conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
         correction: correction::correction(&vectors, holes).ok_or_else(dependent)?,
+        twin: agreement,
+        quality: None,
     })
+}
+
+/// Checks that the trials move the probes, whatever a twin knows.
+fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceError> {
+    let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
+    let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
+    if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
+}
+
+/// Returns each pair of two numbers below `count`.
+fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..count).flat_map(move |a| (a + 1..count).map(move |b| [a, b]))
 }
 
 /// Returns how much wider an interval of 95 % is where its deviation comes from few runs: Student's t over the normal value, for two
@@ -537,7 +787,7 @@ fn few_values(known: usize, planes: usize) -> f64 {
 }
 
 /// Checks that the known conditions determine every coefficient.
-fn check(runs: &Runs) -> Result<(), BalanceError> {
+fn determined(runs: &Runs) -> Result<(), BalanceError> {
     let least = runs.planes + 1;
     for (speed, mean) in runs.speeds.iter().enumerate() {
         let known: Vec<&Vec<C>> =

@@ -69,6 +69,15 @@ pub struct Correction {
     pub not_observed: usize,
     /// Vibration before and after.
     pub predicted: Vec<Predicted>,
+    /// Moments of the planes, g mm.
+    #[serde(skip)]
+    pub(super) moments: Vec<C>,
+    /// Moments that are put in, g mm.
+    #[serde(skip)]
+    pub(super) added: Vec<C>,
+    /// Covariance of the moments.
+    #[serde(skip)]
+    pub(super) covariance: DMatrix<C>,
 }
 
 /// Least size of a combination of planes at the probes, with the trial moments, in units of the errors of the vectors.
@@ -114,10 +123,14 @@ pub(super) fn correction(of: &Vectors, holes: Option<&Holes>) -> Option<Correcti
             deviation: by_channel[(channel, channel)].re.max(0.0).sqrt(),
         }
     };
+    let planes = planes.collect();
     Some(Correction {
-        planes: planes.collect(),
+        planes,
         not_observed: of.planes.len() - seen.len(),
         predicted: (0..channels).map(predicted).collect(),
+        moments: moments.iter().copied().collect(),
+        covariance: of_moments,
+        added,
     })
 }
 
