@@ -304,6 +304,37 @@ fn balance_quality() {
     near(&table["quality"]["permissible_g_mm"], 9549.3 * 6.3 * 12.0 / 1500.0, 1e-4);
 }
 
+/// Full holes pass the rest on, drilled holes lie opposite, and the page has a plot of each probe.
+#[test]
+fn holes_and_report() {
+    let sandbox = sandbox();
+    let holes = ["--holes", "12", "--radius", "30 mm", "--hole-limit", "0.5 g", "--remove", "--report", "balance.html"];
+    let out = json(&sandbox, &[&BEFORE, &ONE, &TWO, &holes]);
+    let planes = out["correction"]["planes"].as_array().unwrap();
+    for plane in planes {
+        let masses = plane["holes"].as_array().unwrap();
+        let of = |mass: &Value| {
+            let grams = mass["mass_g"].as_f64().unwrap();
+            assert!(grams <= 0.5 + 1e-9, "{plane}");
+            C::at(30.0 * grams, mass["angle_deg"].as_f64().unwrap() + 180.0)
+        };
+        let sum = masses.iter().map(of).fold(C(0.0, 0.0), C::plus);
+        let moment = C::at(plane["moment_g_mm"].as_f64().unwrap(), plane["angle_deg"].as_f64().unwrap());
+        assert!(sum.less(moment).size() < 1e-6 * moment.size(), "{plane}");
+    }
+    assert!(planes[1]["holes"].as_array().unwrap().len() > 2, "{}", planes[1]);
+    let page = sandbox.read("balance.html");
+    assert!(page.contains("NDE_Y at 3000 rpm") && page.contains("Moment to remove"), "{page}");
+    let text = sandbox.done(&[&BEFORE[..], &ONE, &TWO, &holes].concat()).out;
+    assert!(
+        text.contains("remove") && text.contains(" from hole ") && text.contains("Written: balance.html"),
+        "{text}"
+    );
+    let output =
+        sandbox.run(&[&BEFORE[..], &["--holes", "12", "--radius", "30 mm", "--stock", "1 g", "--remove"]].concat());
+    assert_eq!(output.code, Some(2), "{output:?}");
+}
+
 #[test]
 fn wrong_runs_have_one_clear_error() {
     let sandbox = sandbox();
@@ -335,7 +366,7 @@ fn wrong_runs_have_one_clear_error() {
             "unknown plane: \"fan\", expected a bearing (DE, NDE) or a station",
         ),
         (with("nothing.csv: DE 20 g mm at 30 deg"), "nothing.csv"),
-        (with("before.csv: DE 20 g mm at 30 deg"), "--trial: before.csv stands twice"),
+        (with("before.csv: DE 20 g mm at 30 deg"), "before.csv stands twice, expected a recording of its own"),
         (with("short.csv: DE 20 g mm at 30 deg"), "short.csv: no 1X vector, expected at least 5 turns"),
         (
             with("slower.csv: DE 20 g mm at 30 deg"),
@@ -350,7 +381,10 @@ fn wrong_runs_have_one_clear_error() {
             [&with("same.csv: 20 mm 20 g mm at 30 deg")[..], &planes].concat(),
             "same.csv: the vectors are those without added masses",
         ),
-        ([&with("trial1.csv: DE 20 g mm at 30 deg")[..], &planes].concat(), "DE: not one of the planes of --plane"),
+        (
+            [&with("trial1.csv: DE 20 g mm at 30 deg")[..], &planes].concat(),
+            "mass in plane DE, expected one of the planes -60 mm, 20 mm",
+        ),
         (
             [&with("swapped-trial1.csv: -60 mm 20 g mm at 30 deg")[..], &planes].concat(),
             "swapped-trial1.csv: probes DE_X and DE_Y look exchanged",

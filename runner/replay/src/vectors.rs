@@ -14,7 +14,7 @@ use ballrace_recording::run_out::RunOut;
 use ballrace_recording::status::SampleStatus;
 use ballrace_scene::{Recording, RotationSource, Scene};
 use ballrace_studies::balance::table::{C, Record, Set, VectorTable};
-use ballrace_studies::balance::{Plane, SAME_SPEED, radial_probes};
+use ballrace_studies::balance::{MassesError, Plane, SAME_SPEED, masses, radial_probes};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -28,6 +28,64 @@ pub struct RecordedRun {
     pub file: PathBuf,
     /// Masses added to planes, g mm; none in a run of the rotor as it is.
     pub masses: Vec<(Plane, C)>,
+}
+
+/// Runs of a machine and the planes of its correction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedRuns {
+    /// Planes: those that were given, else of the trials, else of the scene.
+    pub planes: Vec<Plane>,
+    /// Runs.
+    pub runs: Vec<RecordedRun>,
+}
+
+impl RecordedRuns {
+    /// Returns the runs without masses, and those with trial masses by their text (see [`masses`]); `planes` are bearings or stations.
+    ///
+    /// # Errors
+    /// Returns an error for a wrong text, a trial mass in another plane than the given ones, or a file that stands twice.
+    pub fn new(
+        scene: &Scene,
+        without: &[PathBuf],
+        trials: &[(PathBuf, String)],
+        planes: &[String],
+    ) -> Result<Self, MassesError> {
+        let mut of = Self { planes: vec![], runs: vec![] };
+        for plane in planes {
+            of.add_plane(&Plane::named(scene, plane)?);
+        }
+        let are_given = !planes.is_empty();
+        of.runs.extend(without.iter().map(|file| RecordedRun { file: file.clone(), masses: vec![] }));
+        for (file, text) in trials {
+            let masses = masses(scene, text)?;
+            for (plane, _) in &masses {
+                if are_given && !of.planes.iter().any(|other| other.is_same(plane)) {
+                    let names: Vec<&str> = of.planes.iter().map(|plane| plane.name.as_str()).collect();
+                    return Err(MassesError {
+                        found: format!("{text:?}: mass in plane {}", plane.name),
+                        expected: format!("one of the planes {}", names.join(", ")),
+                    });
+                }
+                of.add_plane(plane);
+            }
+            of.runs.push(RecordedRun { file: file.clone(), masses });
+        }
+        let is_repeated = |i: &usize| of.runs.iter().take(*i).any(|run| run.file == of.runs[*i].file);
+        if let Some(i) = (0..of.runs.len()).find(is_repeated) {
+            let found = format!("{} stands twice", of.runs[i].file.display());
+            return Err(MassesError { found, expected: "a recording of its own for each run".to_owned() });
+        }
+        if of.planes.is_empty() {
+            of.planes = Plane::of_scene(scene);
+        }
+        Ok(of)
+    }
+
+    fn add_plane(&mut self, plane: &Plane) {
+        if !self.planes.iter().any(|other| other.is_same(plane)) {
+            self.planes.push(plane.clone());
+        }
+    }
 }
 
 /// Returns true where the angle 0 of each recording is the same mark on the shaft.
@@ -44,7 +102,8 @@ fn has_mark(recording: &Recording) -> bool {
 /// # Errors
 /// Returns an error for a scene without probes and a mark on the shaft, a recording that cannot be read, is too short or changes its speed, and
 /// for a trial at another speed than the runs without masses.
-pub fn vector_table(scene: &Scene, planes: &[Plane], runs: &[RecordedRun]) -> Result<VectorTable> {
+pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
+    let RecordedRuns { planes, runs } = of;
     let file = || scene.path.clone();
     let Some(recording) = &scene.recording else { return Err(VectorError::NoRecording { file: file() }.into()) };
     let probes: Vec<usize> = radial_probes(recording).map(|(i, _)| i).collect();

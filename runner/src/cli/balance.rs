@@ -3,14 +3,14 @@
 use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
-use ballrace_report::balance::{csv, text};
+use ballrace_report::balance::{csv, html, text};
 use ballrace_twin::balance::table::VectorTable;
-use ballrace_twin::balance::{Holes, Plane, Requirement, TolerancePlane, TwinCoefficients, balance, masses};
+use ballrace_twin::balance::{Holes, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, balance};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::read_file;
 use ballrace_twin::scene::units::{Dimension, parse};
-use ballrace_twin::vectors::{RecordedRun, vector_table};
+use ballrace_twin::vectors::{RecordedRuns, vector_table};
 use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -52,6 +52,15 @@ pub struct Args {
     /// Weights in stock, separated by commas, e.g. "0.4 g,0.8 g" [default: any weight].
     #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = parse_mass)]
     stock: Vec<f64>,
+    /// Largest mass of a hole, e.g. "5 g"; what it does not hold goes to the holes beside it.
+    #[arg(long, value_name = "M", requires = "holes", value_parser = parse_mass)]
+    hole_limit: Option<f64>,
+    /// Remove masses, as by drilling, opposite to where they would be added.
+    #[arg(long, conflicts_with = "stock")]
+    remove: bool,
+    /// HTML page with polar plots of the vectors before and after the correction.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Balance quality grade of ISO 21940-11 that is asked for, e.g. G2.5.
     #[arg(long, value_name = "G", value_parser = parse_grade)]
     grade: Option<f64>,
@@ -113,14 +122,23 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         (None, None) => bail!(UsageError("missing vectors, expected a scene with --run, or --vectors".to_owned())),
     };
     let required = requirement(args, &table, machine.as_ref())?;
-    let holes = args.holes.zip(args.radius);
-    let holes = holes.map(|(count, radius)| Holes { count: count.into(), radius, stock: args.stock.clone() });
+    let holes = args.holes.zip(args.radius).map(|(count, radius)| Holes {
+        count: count.into(),
+        radius,
+        stock: args.stock.clone(),
+        limit: args.hole_limit,
+    });
+    let placement = Placement { holes, removes: args.remove };
     let of_file = |error| UsageError(format!("{}: {error}", file.display()));
     let twin = machine.as_ref().map(|(.., twin)| twin);
-    let mut balance = balance(&table, twin, holes.as_ref()).map_err(of_file)?;
+    let mut balance = balance(&table, twin, &placement).map_err(of_file)?;
     balance.quality = required.map(|required| required.quality(&balance.correction));
     if let Some(output) = &args.output {
         AtomicFile::write(output, &csv(&balance))?;
+    }
+    if let Some(report) = &args.report {
+        let name = machine.as_ref().map_or_else(|| file.display().to_string(), |(scene, ..)| scene.name.clone());
+        AtomicFile::write(report, &html(&name, &balance)?)?;
     }
     let mut out = super::standard_output(format);
     match format {
@@ -131,8 +149,10 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
                 writeln!(out, "Times of the runs: {}\n", times.display())?;
             }
             out.write_all(text(&balance)?.as_bytes())?;
-            if let Some(output) = &args.output {
-                writeln!(out, "\nWritten: {}", output.display())?;
+            let written: Vec<String> =
+                args.output.iter().chain(&args.report).map(|path| path.display().to_string()).collect();
+            if !written.is_empty() {
+                writeln!(out, "\nWritten: {}", written.join(", "))?;
             }
         }
     }
@@ -144,9 +164,9 @@ fn of_table(args: &Args, vectors: &Path) -> Result<Input> {
     let beside = vectors.with_file_name("times.csv");
     let mut inputs: Vec<&Path> = vec![vectors, &beside];
     inputs.extend(args.times.as_deref());
-    if let Some(output) = &args.output {
-        check_distinct_paths(&[("--output", output.as_path())], &inputs)?;
-    }
+    let outputs = [("--output", args.output.as_deref()), ("--report", args.report.as_deref())];
+    let outputs: Vec<(&str, &Path)> = outputs.into_iter().filter_map(|(name, path)| Some((name, path?))).collect();
+    check_distinct_paths(&outputs, &inputs)?;
     let read = |times: Option<&Path>| VectorTable::read(vectors, times).map_err(UsageError::new);
     let mut table = read(args.times.as_deref())?;
     let mut times = args.times.clone();
@@ -160,46 +180,20 @@ fn of_table(args: &Args, vectors: &Path) -> Result<Input> {
 /// Reads the recordings of a scene.
 fn of_recordings(args: &Args, path: &Path) -> Result<Input> {
     let scene = read_file(path)?;
-    let mut planes: Vec<Plane> = vec![];
-    let mut runs: Vec<RecordedRun> =
-        args.runs.iter().map(|file| RecordedRun { file: file.clone(), masses: vec![] }).collect();
-    for plane in &args.planes {
-        add(&mut planes, Plane::named(&scene, plane).map_err(|error| UsageError(format!("--plane: {error}")))?);
+    let trial = |text: &String| {
+        let expected = "FILE: PLANE MOMENT at ANGLE, such as \"trial.csv: DE 5 g mm at 30 deg\"";
+        let parts = text.split_once(": ").map(|(file, masses)| (PathBuf::from(file), masses.to_owned()));
+        parts.ok_or_else(|| UsageError(format!("--trial: no \": \" in {text:?}, expected {expected}")))
+    };
+    let trials = args.trials.iter().map(trial).collect::<Result<Vec<_>, UsageError>>()?;
+    let runs = RecordedRuns::new(&scene, &args.runs, &trials, &args.planes).map_err(UsageError::new)?;
+    let inputs: Vec<&Path> = runs.runs.iter().map(|run| run.file.as_path()).chain([path]).collect();
+    if let Some(report) = &args.report {
+        check_distinct_paths(&[("--report", report.as_path())], &inputs)?;
     }
-    let are_given = !planes.is_empty();
-    for trial in &args.trials {
-        let invalid = |error: &dyn std::fmt::Display| UsageError(format!("--trial: {error}"));
-        let Some((file, text)) = trial.split_once(": ") else {
-            let expected = "FILE: PLANE MOMENT at ANGLE, such as \"trial.csv: DE 5 g mm at 30 deg\"";
-            bail!(invalid(&format!("no \": \" in {trial:?}, expected {expected}")));
-        };
-        let masses = masses(&scene, text).map_err(|error| invalid(&error))?;
-        for (plane, _) in &masses {
-            if are_given && !planes.iter().any(|other| other.is_same(plane)) {
-                bail!(invalid(&format!("{}: not one of the planes of --plane, expected one of them", plane.name)));
-            }
-            add(&mut planes, plane.clone());
-        }
-        runs.push(RecordedRun { file: file.into(), masses });
-    }
-    if let Some((i, run)) = runs.iter().enumerate().find(|(i, run)| runs.iter().take(*i).any(|of| of.file == run.file))
-    {
-        let option = if i < args.runs.len() { "--run" } else { "--trial" };
-        bail!(UsageError(format!("{option}: {} stands twice, expected a recording for each run", run.file.display())));
-    }
-    if planes.is_empty() {
-        planes = Plane::of_scene(&scene);
-    }
-    let table = vector_table(&scene, &planes, &runs)?;
-    let twin = TwinCoefficients::new(&scene, &planes, &table.speeds().1)?;
-    Ok(Input { table, machine: Some((scene, planes, twin)), file: path.to_owned(), times: None })
-}
-
-/// Adds a plane that is not there.
-fn add(planes: &mut Vec<Plane>, plane: Plane) {
-    if !planes.iter().any(|other| other.is_same(&plane)) {
-        planes.push(plane);
-    }
+    let table = vector_table(&scene, &runs)?;
+    let twin = TwinCoefficients::new(&scene, &runs.planes, &table.speeds().1)?;
+    Ok(Input { table, machine: Some((scene, runs.planes, twin)), file: path.to_owned(), times: None })
 }
 
 /// Returns the balance quality that is asked for.

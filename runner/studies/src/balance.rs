@@ -25,7 +25,7 @@ mod twin;
 
 use ballrace_base::parallel;
 use ballrace_base::statistics::largest_chi_square;
-pub use correction::{Correction, HoleMass, Holes, PlaneCorrection, Predicted};
+pub use correction::{Correction, HoleMass, Holes, Placement, PlaneCorrection, Predicted};
 use drift::{Drift, Observation, Solution};
 pub use moments::MomentEstimate;
 use nalgebra::{DMatrix, DVector};
@@ -492,7 +492,7 @@ impl Runs {
             return Some(2.0 * solution.left / freedom / largest_chi_square(freedom));
         }
         let vectors = Vectors::new(&with, table, &drift, solution);
-        let correction = correction::correction(&vectors, None)?;
+        let correction = correction::correction(&vectors, &Placement::default())?;
         vectors.unexplained(&correction.moments)
     }
 
@@ -702,7 +702,7 @@ impl Runs {
 pub fn balance(
     table: &VectorTable,
     twin: Option<&TwinCoefficients>,
-    holes: Option<&Holes>,
+    placement: &Placement,
 ) -> Result<Balance, BalanceError> {
     let mut runs = Runs::new(table);
     let is_determined = determined(&runs);
@@ -753,7 +753,7 @@ pub fn balance(
         drift_time_s: runs.has_times.then_some(drift.time),
         conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
-        correction: correction::correction(&vectors, holes).ok_or_else(dependent)?,
+        correction: correction::correction(&vectors, placement).ok_or_else(dependent)?,
         twin: agreement,
         quality: None,
     })
