@@ -33,7 +33,7 @@ pub struct MassesError {
 impl Plane {
     /// Returns the plane of a station from the centre of mass, m.
     fn at(scene: &Scene, station: f64) -> Self {
-        let drawn = (scene.drawn_station(station) * 1e6).round() * 1e-3;
+        let drawn = (scene.drawn_station(station) * 1e6).round() / 1e3;
         Self { name: format!("{} mm", drawn + 0.0), station }
     }
 

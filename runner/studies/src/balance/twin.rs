@@ -12,7 +12,7 @@ use ballrace_base::parallel;
 use ballrace_outcome::ALLOWED_REDUCTION_ERRORS;
 use ballrace_plant::error::{Error, Result};
 use ballrace_plant::{Plant, only_observable, only_rotor, response};
-use ballrace_scene::{Direction, Linear, Probe, Recording, Scene, Speed};
+use ballrace_scene::{Clock, Direction, KeyphasorSignal, Linear, Probe, Recording, RotationSource, Scene, Speed};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -94,10 +94,14 @@ pub(super) fn flat(of: &DMatrix<C>) -> DVector<C> {
     DVector::from_iterator(of.len(), of.transpose().iter().copied())
 }
 
-/// Returns the standard deviation of the instants of a keyphasor, s.
+/// Returns the standard deviation of the instants of a keyphasor that is sampled, s.
 fn pulse_error(recording: &Recording) -> f64 {
+    let is_sampled = match &recording.rotation {
+        RotationSource::Keyphasor { signal, .. } => !matches!(signal, KeyphasorSignal::Instants { .. }),
+        _ => false,
+    };
     match recording.clock {
-        ballrace_scene::Clock::Rate(rate) => f64::from(recording.average) * 0.5 / rate / 3.0_f64.sqrt(),
+        Clock::Rate(rate) if is_sampled => 0.5 / rate / 3.0_f64.sqrt(),
         _ => 0.0,
     }
 }
