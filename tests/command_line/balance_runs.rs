@@ -215,6 +215,8 @@ fn masses_from_trials_and_from_one_trial_with_the_twin() {
     let text = sandbox.done(&[&BEFORE[..], &ONE, &TWO].concat()).out;
     assert!(text.contains("The coefficients are those of the twin of the scene and of the trials together."), "{text}");
     assert!(text.contains("CORRECTION") && text.contains(" g mm at "), "{text}");
+    let table = sandbox.done(&[&BEFORE[..], &ONE, &TWO, &["--format", "csv"]].concat()).out;
+    assert!(table.starts_with("plane,moment_g_mm,deviation_g_mm,angle_deg\n'-60 mm,15.0"), "{table}");
 }
 
 /// A twin of another machine does not spoil trials that suffice.
@@ -273,6 +275,48 @@ fn simulated_recordings() {
             assert!(off < 2.0 * found["deviation_g_mm"].as_f64().unwrap(), "{found}: {moment} at {angle}");
         }
     }
+}
+
+/// A recording by an independent program: 480 g mm at 1.2 rad on ball bearings with clearance, without a trial.
+#[test]
+fn recording_of_another_program() {
+    let sandbox = Sandbox::empty();
+    let [scene, run] = ["unbalanced.toml", "unbalanced.csv"].map(crate::support::recorded);
+    let out: Value = sandbox.done(&["balance", &scene, "--run", &run, "--format", "json"]).json();
+    let plane = &out["correction"]["planes"][0];
+    let found = C::at(plane["moment_g_mm"].as_f64().unwrap(), plane["angle_deg"].as_f64().unwrap());
+    assert!(found.plus(C::at(480.0, 1.2_f64.to_degrees())).size() < 0.03 * 480.0, "{plane}");
+    assert!(out["twin"]["misfit"].as_f64().unwrap() < 1.0, "{}", out["twin"]);
+}
+
+/// Runs at two speeds are used together.
+#[test]
+fn several_speeds() {
+    let sandbox = Sandbox::empty();
+    let trial = "unbalance = [{ moment = \"20 g mm\", angle = \"30 deg\", station = \"20 mm\" }, ";
+    sandbox.put("fan.toml", SCENE);
+    for (speed, names) in [("3000 rpm", ["before.csv", "trial1.csv"]), ("2000 rpm", ["before2.csv", "trial2.csv"])] {
+        let at_speed = swap(SCENE, "3000 rpm", speed);
+        for (text, name) in [at_speed.clone(), swap(&at_speed, "unbalance = [", trial)].iter().zip(names) {
+            sandbox.put("run.toml", text);
+            sandbox.done(&[
+                "simulate",
+                "run.toml",
+                "--duration",
+                "0.5 s",
+                "--settle",
+                "0.5 s",
+                "--as-recording",
+                "-o",
+                name,
+            ]);
+        }
+    }
+    let trials = ["trial1.csv: 20 mm 20 g mm at 30 deg", "trial2.csv: 20 mm 20 g mm at 30 deg"];
+    let args = ["--run", "before2.csv", "--trial", trials[0], "--trial", trials[1], "--plane", "-60 mm,20 mm"];
+    let out = json(&sandbox, &[&BEFORE, &args]);
+    assert_eq!(out["influence"].as_array().unwrap().len(), 8, "{out}");
+    assert_corrected(&out, 0.02);
 }
 
 #[test]

@@ -35,6 +35,8 @@ pub fn text(of: &Balance) -> Result<String> {
     }
     match of.drift_time_s {
         Some(time) => writeln!(out, "The vectors drift; a drift is lost within {}.", duration(time))?,
+        // A recording has no time of day.
+        None if of.twin.is_some() => {}
         None => writeln!(
             out,
             "The runs have no times: each condition is taken to have drifted on its own. Times narrow the intervals where the drift is slow."
@@ -296,6 +298,17 @@ pub fn csv(of: &Balance) -> String {
             let figures: Vec<String> = figures.iter().map(|x| format!("{x:.3}")).collect();
             out += &format!("{},{},{}\n", cell_text(&condition.condition), plane + 1, figures.join(","));
         }
+    }
+    out
+}
+
+/// Returns the correction as CSV, a row a plane.
+#[must_use]
+pub fn correction_csv(of: &Balance) -> String {
+    let mut out = "plane,moment_g_mm,deviation_g_mm,angle_deg\n".to_owned();
+    for plane in &of.correction.planes {
+        let figures = [plane.moment_g_mm, plane.deviation_g_mm, plane.angle_deg].map(|x| format!("{x:.3}"));
+        out += &format!("{},{}\n", cell_text(&plane.plane), figures.join(","));
     }
     out
 }

@@ -3,7 +3,7 @@
 use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
-use ballrace_report::balance::{csv, html, text};
+use ballrace_report::balance::{correction_csv, csv, html, text};
 use ballrace_twin::balance::table::VectorTable;
 use ballrace_twin::balance::{Holes, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, balance};
 use ballrace_twin::output::AtomicFile;
@@ -143,6 +143,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let mut out = super::standard_output(format);
     match format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&balance)?)?,
+        Format::Csv if machine.is_some() => out.write_all(correction_csv(&balance).as_bytes())?,
         Format::Csv => out.write_all(csv(&balance).as_bytes())?,
         Format::Text => {
             if let Some(times) = times {
