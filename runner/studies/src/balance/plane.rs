@@ -116,13 +116,14 @@ fn mass(scene: &Scene, text: &str) -> Result<(Plane, C), MassesError> {
     let parts = spaces.map(|at| (&left[..at], left[at..].trim()));
     let found = parts.clone().find_map(|(plane, moment)| Some((plane, parse(moment, Dimension::Unbalance).ok()?)));
     let Some((plane, moment)) = found else {
+        if parse(left, Dimension::Unbalance).is_ok() {
+            return Err(MassesError { found: format!("{text:?}: no plane"), expected: form() });
+        }
         // The first number after the plane is what was meant.
         let number = parts.clone().find(|(_, rest)| rest.starts_with(|c: char| c.is_ascii_digit()));
-        let Some((_, moment)) = number else {
-            return Err(MassesError { found: format!("{text:?}: no moment"), expected: form() });
-        };
-        return Err(parse(moment, Dimension::Unbalance)
-            .map_or_else(of_units, |_| MassesError { found: format!("{text:?}: no plane"), expected: form() }));
+        let mismatch = number.and_then(|(_, moment)| parse(moment, Dimension::Unbalance).err());
+        let none = || MassesError { found: format!("{text:?}: no moment"), expected: form() };
+        return Err(mismatch.map_or_else(none, of_units));
     };
     if moment <= 0.0 {
         let expected = Dimension::Unbalance.expected("above 0");

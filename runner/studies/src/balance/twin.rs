@@ -22,6 +22,8 @@ const STIFFNESS: f64 = 0.2;
 const DAMPING: f64 = 1.0;
 /// Stiffness of a ball contact under a load `F` is in proportion to `F^(1/3)`.
 const LOAD_EXPONENT: f64 = 1.0 / 3.0;
+/// Least coefficient of a probe over the largest of all, from which its error counts.
+const LEAST_SHARE: f64 = 1e-3;
 /// Relative standard deviation of the scale of a probe: API 670 allows 5 %, taken as evenly distributed.
 const PROBE_SCALE: f64 = 0.05 / 1.732;
 
@@ -77,9 +79,10 @@ impl TwinCoefficients {
             });
             add(&own);
         }
-        // The reduced rotor has an error of its own in each coefficient.
+        // The reduced rotor has an error of its own in each coefficient; a probe at a node of the motion has one too.
+        let least = LEAST_SHARE * mean.iter().map(|c| c.norm()).fold(0.0, f64::max);
         for channel in 0..mean.nrows() {
-            let largest = mean.row(channel).iter().map(|c| c.norm()).fold(0.0, f64::max);
+            let largest = mean.row(channel).iter().map(|c| c.norm()).fold(least, f64::max);
             for plane in 0..mean.ncols() {
                 let at = channel * mean.ncols() + plane;
                 covariance[(at, at)] += (ALLOWED_REDUCTION_ERRORS[2] * largest).powi(2);
