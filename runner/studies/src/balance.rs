@@ -26,7 +26,6 @@ mod twin;
 
 pub use agreement::Agreement;
 use ballrace_base::parallel;
-use ballrace_base::statistics::largest_chi_square;
 pub use correction::{Correction, HoleMass, Holes, Placement, PlaneCorrection, Predicted};
 use drift::{Drift, Observation, Solution};
 pub use moments::MomentEstimate;
@@ -262,19 +261,18 @@ impl<'a> Vectors<'a> {
         })
     }
 
-    /// Returns chi-squared per degree of freedom of what moments on the planes leave of the vectors without added masses, over its
-    /// largest value by errors alone; `None` where the planes explain any vectors.
+    /// Returns the squares that moments on the planes leave of the vectors without added masses, over their largest sum by errors alone;
+    /// `None` where the planes explain any vectors.
     fn unexplained(&self, moments: &[C]) -> Option<f64> {
         let (channels, planes) = (self.channels(), self.planes.len());
-        let freedom = 2.0 * channels.checked_sub(planes).filter(|spare| *spare > 0)? as f64;
+        let spare = channels.checked_sub(planes).filter(|spare| *spare > 0)?;
         let factors = self.errors(moments).cholesky()?;
         let baseline = DVector::from_fn(channels, |channel, _| self.baseline(channel));
         let matrix = DMatrix::from_fn(channels, planes, |channel, k| self.coefficient(channel, k));
         let (weighted, of_baseline) = (factors.solve(&matrix), factors.solve(&baseline));
         let least = (matrix.adjoint() * weighted).cholesky()?.solve(&(matrix.adjoint() * &of_baseline));
         let left = baseline - matrix * least;
-        let chi_square = 2.0 * left.dotc(&factors.solve(&left)).re / freedom;
-        Some(chi_square / largest_chi_square(freedom))
+        Some(agreement::over_largest(left.dotc(&factors.solve(&left)).re, spare))
     }
 
     /// Returns the covariance of the vectors with these moments: by the coefficients, by the drift and by the error of a run.

@@ -31,15 +31,13 @@ impl Runs {
             let apart = DVector::from_fn(mean.len(), |i, _| solution.theta[at(i)] - mean[i]);
             let trials = DMatrix::from_fn(mean.len(), mean.len(), |i, j| solution.covariance[(at(i), at(j))]);
             let weighted = (trials + &twin.covariance).cholesky()?.solve(&apart);
-            let freedom = 2.0 * mean.len() as f64;
-            return Some(2.0 * apart.dotc(&weighted).re / freedom / largest_chi_square(freedom));
+            return Some(over_largest(apart.dotc(&weighted).re, mean.len()));
         }
         let with = self.with_twin(twin)?;
         let (drift, solution) = with.learned(&self.drift_times())?;
         if self.usual > 0.0 {
             let known: usize = self.all.iter().filter(|run| run.moments.is_some()).count() * self.probes;
-            let freedom = 2.0 * known.saturating_sub(self.channels()) as f64;
-            return Some(2.0 * solution.left / freedom / largest_chi_square(freedom));
+            return Some(over_largest(solution.left, known.saturating_sub(self.channels())));
         }
         let vectors = Vectors::new(&with, table, &drift, solution);
         let correction = correction::correction(&vectors, &Placement::default())?;
@@ -119,6 +117,13 @@ pub(super) fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceEr
     let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
     let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
     if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
+}
+
+/// Returns the weighted squares of complex numbers that errors leave, over their largest sum by errors alone. Each counts as one degree of
+/// freedom: a parameter of the twin changes it along one direction, errors of vectors along two.
+pub(super) fn over_largest(squares: f64, numbers: usize) -> f64 {
+    let freedom = numbers.max(1) as f64;
+    squares / freedom / largest_chi_square(freedom)
 }
 
 /// Returns each pair of two numbers below `count`.
