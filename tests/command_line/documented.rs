@@ -1,6 +1,6 @@
 //! Every command line that stands in a README or in `docs`, run as it stands.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, program, short_recording};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, program, put_trial, short_recording};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -167,6 +167,7 @@ fn sandbox(recording: &str) -> Sandbox {
     );
     sandbox.put("vectors.csv", include_str!("../../docs/src/vectors.csv"));
     sandbox.put("machines.csv", "machine,scene\nrig,machine.toml\n");
+    put_trial(&sandbox);
     // The lines run in any order; this recording is the output of one of them.
     let spalled = ["simulate", "spalled.toml", "--duration", "0.1 s", "--as-recording", "-o", "spalled.parquet"];
     sandbox.done(&spalled);

@@ -1,6 +1,6 @@
 //! The help of each command: examples that run as they stand, exit codes, and only options that the command has.
 
-use crate::support::{DEMO_SCENE, Sandbox, TURN, program, short_recording};
+use crate::support::{DEMO_SCENE, Sandbox, TURN, program, put_trial, short_recording};
 use std::process::{Command, Stdio};
 
 /// Commands of the program without `help`, by the list of its help.
@@ -32,6 +32,7 @@ fn examples_of_every_help_run() {
     ] {
         sandbox.put(name, content);
     }
+    put_trial(&sandbox);
     let mut of_all = examples(&sandbox.done(&["--help"]).out);
     for name in commands() {
         let help = sandbox.done(&[&name, "--help"]).out;

@@ -95,6 +95,16 @@ pub fn with_cell(row: &str, column: usize, cell: &str) -> String {
     cells.join(",")
 }
 
+/// Writes the recordings of the demonstration without and with a trial mass, `before.csv` and `trial.csv`.
+pub fn put_trial(sandbox: &Sandbox) {
+    let trial = "unbalance = [{ moment = \"60 g mm\", angle = \"90 deg\", station = \"20 mm\" }, ";
+    for (scene, recording) in [(DEMO_SCENE.to_owned(), "before.csv"), (scene(&[("unbalance = [", trial)]), "trial.csv")]
+    {
+        sandbox.put("run.toml", scene);
+        sandbox.done(&["simulate", "run.toml", "--duration", "0.3 s", "--as-recording", "-o", recording]);
+    }
+}
+
 /// A folder to work in, removed at the end.
 pub struct Sandbox {
     folder: TempDir,

@@ -18,7 +18,7 @@ import enum
 from ._errors import Error, InputError, RecordingError, SceneError
 from ._native import VERSION as __version__
 from ._native import Bearing
-from ._results import Campbell, Equilibrium, Fit, Motion, Outcome, Record, Sweep, Trade
+from ._results import Balance, Campbell, Equilibrium, Fit, Motion, Outcome, Record, Sweep, Trade
 from ._scene import Scene, demonstration_recording
 
 
@@ -35,6 +35,7 @@ class Status(enum.IntFlag):
 
 
 __all__ = [
+    "Balance",
     "Bearing",
     "Campbell",
     "Equilibrium",

@@ -102,6 +102,9 @@ class Scene:
         on: str = "cortex-m4f",
         forces_only: bool = False,
     ) -> Trade: ...
+    def balance(
+        self, runs: list[str], trials: list[tuple[str, str]], planes: list[str], grade: float | None = None
+    ) -> tuple[str, str]: ...
     def fit(self, recording: Any, only: list[str] | None = None, turns: float = 64.0) -> tuple[str, str]: ...
     def replay(
         self,

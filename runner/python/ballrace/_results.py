@@ -261,6 +261,22 @@ def _with_units(value: Any, units: Mapping[str, str]) -> Any:
     return value
 
 
+class Balance(Record, Table, Page):
+    """Influence coefficients and correction of a rotor; the table has a row for each correction plane."""
+
+    def __init__(self, entries: Mapping[str, Any], page: str) -> None:
+        super().__init__(entries)
+        self._page = page
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of correction planes."""
+        return _columns_of(self._entries["correction"]["planes"])
+
+    def to_html(self) -> str:
+        """Return the report as one self-contained page."""
+        return self._page
+
+
 class Campbell(Table):
     """Natural frequencies over the shaft speed; the table has a row for each mode at each speed."""
 

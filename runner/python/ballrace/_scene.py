@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._recording import RecordingLike, columns
-from ._results import Campbell, Equilibrium, Fit, Motion, Outcome, Sweep, Trade
+from ._results import Balance, Campbell, Equilibrium, Fit, Motion, Outcome, Sweep, Trade
 
 #: A number in SI, or text with a unit such as ``"12 um"``.
 Quantity = Union[float, str]
@@ -138,6 +138,41 @@ class Scene:
         """
         text, page = self._native.equilibrium(bearing, None if load is None else [float(x) for x in load])
         return Equilibrium(json.loads(text), page)
+
+    def balance(
+        self,
+        runs: Path_ | Sequence[Path_],
+        trials: Mapping[Path_, str] | None = None,
+        planes: Sequence[str] = (),
+        grade: float | None = None,
+    ) -> Balance:
+        """Balance the rotor from recordings of runs without and with trial masses.
+
+        Parameters
+        ----------
+        runs : path or sequence of paths
+            Recordings of the rotor without added masses.
+        trials : mapping, optional
+            Masses of each trial by its recording: ``{"trial.csv": "20 mm 60 g mm at 90 deg"}``. A plane is the name of a bearing or
+            a station; angles count from the keyphasor mark in the direction of positive rotation. Without trials the
+            coefficients are those of the twin.
+        planes : sequence of str, optional
+            Planes of the correction; those of the trials, else of the scene, where it is empty.
+        grade : float, optional
+            Balance quality grade of ISO 21940-11 that is asked for, such as 2.5.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> scene = ballrace.Scene.demonstration()
+        >>> found = scene.balance(scene.path.parent / "healthy.csv")
+        >>> found.correction.planes[0].plane
+        '20 mm'
+        """
+        all_runs = [runs] if isinstance(runs, (str, os.PathLike)) else list(runs)
+        given = [(os.fspath(file), masses) for file, masses in (trials or {}).items()]
+        text, page = self._native.balance([os.fspath(run) for run in all_runs], given, list(planes), grade)
+        return Balance(json.loads(text), page)
 
     def campbell(self, speeds: str | Iterable[Quantity] = "0rpm..30000rpm:31") -> Campbell:
         """Compute natural frequencies, damping and whirl over the shaft speed.

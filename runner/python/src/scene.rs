@@ -5,6 +5,7 @@ use crate::error::{exception, wrong_argument};
 use crate::interrupt::interruptible;
 use crate::recording::Source;
 use ballrace_report as report;
+use ballrace_twin::balance::{self, Placement, Requirement, TolerancePlane, TwinCoefficients};
 use ballrace_twin::campbell::campbell;
 use ballrace_twin::equilibrium::static_equilibrium;
 use ballrace_twin::error::Error;
@@ -20,6 +21,7 @@ use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::scene::{Clock, RotationSource};
 use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
 use ballrace_twin::trade::{self, Goal, Target};
+use ballrace_twin::vectors::{RecordedRuns, vector_table};
 use ballrace_twin::{outcome, scene};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyMemoryError;
@@ -309,6 +311,42 @@ impl Scene {
             Ok::<_, Error>(Trade { result, chosen })
         })?;
         run.map_err(|e| exception(py, e))
+    }
+
+    /// Balances the rotor from recordings; returns JSON and HTML.
+    #[pyo3(signature = (runs, trials, planes, grade=None))]
+    fn balance(
+        &self,
+        py: Python<'_>,
+        runs: Vec<PathBuf>,
+        trials: Vec<(PathBuf, String)>,
+        planes: Vec<String>,
+        grade: Option<f64>,
+    ) -> PyResult<(String, String)> {
+        let scene = &self.content;
+        let wrong = |message: String| wrong_argument(py, &message);
+        if runs.is_empty() {
+            return Err(wrong("runs: none, expected a recording without added masses".to_owned()));
+        }
+        if let Some(grade) = grade.filter(|grade| !(*grade > 0.0 && grade.is_finite())) {
+            return Err(wrong(format!("grade: out of range: {grade}, expected a grade above 0, such as 2.5")));
+        }
+        let runs = RecordedRuns::new(scene, &runs, &trials, &planes).map_err(|e| wrong(e.to_string()))?;
+        let found = py.detach(|| {
+            let table = vector_table(scene, &runs)?;
+            let speeds = table.speeds().1;
+            let twin = TwinCoefficients::new(scene, &runs.planes, &speeds)?;
+            Ok::<_, Error>((balance::balance(&table, Some(&twin), &Placement::default()), speeds))
+        });
+        let (found, speeds) = found.map_err(|e| exception(py, e))?;
+        let mut found = found.map_err(|e| wrong(e.to_string()))?;
+        let mass = scene.rotor.as_ref().map(|rotor| rotor.mass);
+        found.quality = grade.zip(mass).map(|(grade, mass)| {
+            let speed_rpm = speeds.into_iter().map(f64::abs).fold(0.0, f64::max);
+            let planes = TolerancePlane::of_scene(scene, &runs.planes);
+            Requirement { grade, mass, speed_rpm, planes }.quality(&found.correction)
+        });
+        Ok((json_of(py, &found)?, page(py, report::balance::html(&scene.name, &found))?))
     }
 
     /// Estimates parameters from a recording; returns JSON and the text of the fitted scene.

@@ -58,6 +58,18 @@ def test_equilibrium(scene: ballrace.Scene) -> None:
     json.dumps(rest.to_dict())
 
 
+def test_balance(scene: ballrace.Scene) -> None:
+    """The recording of the demonstration has 120 g mm at 0.3 rad in the plane at 20 mm."""
+    recording = ballrace.Scene.demonstration().path.parent / "healthy.csv"
+    found = scene.balance(recording, grade=2.5)
+    (plane,) = found.correction.planes
+    assert abs(plane.moment_g_mm - 120) < 12 and abs(plane.angle_deg - 180 - np.degrees(0.3)) < 5
+    assert abs(found.quality.permissible_g_mm - 9549 * 2.5 * 6 / 3000) < 0.1
+    assert len(found.to_pandas()) == 1 and "<svg" in found.to_html()
+    with pytest.raises(ballrace.InputError, match="unknown plane: 'XY'|unknown plane: \"XY\""):
+        scene.balance(recording, {"trial.csv": "XY 5 g mm at 30 deg"})
+
+
 def test_campbell(scene: ballrace.Scene) -> None:
     diagram = scene.campbell(["0 rpm", "6000 rpm"])
     assert [round(at.speed_rpm) for at in diagram.speeds] == [0, 6000]

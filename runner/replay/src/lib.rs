@@ -62,11 +62,12 @@ mod plausibility;
 mod tests;
 mod totals;
 
-// Use: a check of a scene, a table of machines, records of a running monitor.
+// Use: a check of a scene, a table of machines, records of a running monitor, vectors for balancing.
 pub mod check;
 pub mod draft;
 pub mod fleet;
 pub mod record;
+pub mod vectors;
 
 pub use ballrace_outcome::baseline;
 pub use ballrace_outcome::options::{BackgroundSchedule, Options, Progress, Source};

@@ -1,7 +1,12 @@
 //! Masses from vibration vectors: text for the terminal, and the table of blind conditions.
 
+use super::figures::{Shape, vectors};
+use super::number::fixed;
+use super::page::{self, Column, Page, PageSection, Row, Table};
 use anyhow::Result;
-use ballrace_twin::balance::{Balance, Influence, MomentEstimate, PlaneCorrection};
+use ballrace_twin::balance::{
+    Agreement, Balance, HoleMass, Influence, MomentEstimate, PlaneCorrection, Proof, Quality,
+};
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
 
@@ -30,6 +35,8 @@ pub fn text(of: &Balance) -> Result<String> {
     }
     match of.drift_time_s {
         Some(time) => writeln!(out, "The vectors drift; a drift is lost within {}.", duration(time))?,
+        // A recording has no time of day.
+        None if of.twin.is_some() => {}
         None => writeln!(
             out,
             "The runs have no times: each condition is taken to have drifted on its own. Times narrow the intervals where the drift is slow."
@@ -42,20 +49,10 @@ pub fn text(of: &Balance) -> Result<String> {
             of.condition_number
         )?;
     }
-    let proof = &of.proof;
-    if proof.moments == 0 {
-        writeln!(
-            out,
-            "No proof: with one known condition less, the others do not tell coefficients and errors. Repeat the baseline or add a trial."
-        )?;
-    } else {
-        writeln!(
-            out,
-            "Proof: each known condition estimated from the others: mean error {:.2} g mm (largest {:.2}) and {:.1} deg; {} of {} intervals hold \
-         the true moment.",
-            proof.mean_error_g_mm, proof.largest_error_g_mm, proof.mean_angle_error_deg, proof.inside, proof.moments
-        )?;
+    if let Some(twin) = &of.twin {
+        writeln!(out, "{}", agreement(twin))?;
     }
+    writeln!(out, "{}", proof(&of.proof))?;
     if !of.conditions.is_empty() {
         writeln!(out, "\nMASSES OF THE BLIND CONDITIONS, with 95 % intervals")?;
         for condition in &of.conditions {
@@ -72,7 +69,75 @@ pub fn text(of: &Balance) -> Result<String> {
         }
     }
     correction(&mut out, of)?;
+    if let Some(quality) = &of.quality {
+        of_quality(&mut out, quality)?;
+    }
     Ok(out)
+}
+
+/// Returns how well known conditions are estimated.
+fn proof(of: &Proof) -> String {
+    if of.moments == 0 {
+        return "No proof: with one known condition less, the others do not tell coefficients and errors. Repeat the baseline or add a trial."
+            .to_owned();
+    }
+    format!(
+        "Proof: each known condition estimated from the others: mean error {:.2} g mm (largest {:.2}) and {:.1} deg; {} of {} intervals hold \
+         the true moment.",
+        of.mean_error_g_mm, of.largest_error_g_mm, of.mean_angle_error_deg, of.inside, of.moments
+    )
+}
+
+/// Returns what the twin adds to the estimate.
+fn agreement(of: &Agreement) -> String {
+    let far =
+        of.misfit.map_or_else(String::new, |misfit| format!(" ({misfit:.1} times what its errors and theirs allow)"));
+    match (of.used, of.has_trials, of.misfit) {
+        (false, ..) => format!(
+            "The trials disagree with the twin of the scene{far}: its coefficients are not used. Check masses, angles and planes of the trials, or \
+             the scene."
+        ),
+        (true, true, _) => "The coefficients are those of the twin of the scene and of the trials together.".to_owned(),
+        (true, false, Some(misfit)) if misfit > 1.0 => format!(
+            "The coefficients are those of the twin of the scene. Its unbalance on these planes does not explain the vectors{far}: a bow, a \
+             coupling, run-out, other planes, or a scene that is not this machine. A trial tells."
+        ),
+        (true, false, _) => "The coefficients are those of the twin of the scene alone, with the uncertainty of its parameters. A trial narrows the intervals."
+            .to_owned(),
+    }
+}
+
+/// Returns the grades before and after the correction.
+fn grades(of: &Quality) -> String {
+    let verdict = if of.after_high <= of.grade {
+        "within"
+    } else if of.after <= of.grade {
+        "expected to be within"
+    } else {
+        "not within"
+    };
+    format!(
+        "Before G {:.2}, with the correction G {:.2}, at most G {:.2} (95 %): {verdict} G {}.",
+        of.before, of.after, of.after_high, of.grade
+    )
+}
+
+fn of_quality(out: &mut String, of: &Quality) -> Result<()> {
+    writeln!(
+        out,
+        "\nBALANCE QUALITY by ISO 21940-11: G {} of {:.2} kg at {:.0} rpm permits {:.1} g mm",
+        of.grade, of.mass_kg, of.speed_rpm, of.permissible_g_mm
+    )?;
+    writeln!(out, "{:<12} {:>10} {:>10} {:>10} {:>10}   g mm", "plane", "permitted", "before", "after", "at most")?;
+    for plane in &of.planes {
+        writeln!(
+            out,
+            "{:<12} {:>10.1} {:>10.1} {:>10.1} {:>10.1}",
+            plane.plane, plane.permissible_g_mm, plane.before_g_mm, plane.after_g_mm, plane.after_high_g_mm
+        )?;
+    }
+    writeln!(out, "{}", grades(of))?;
+    Ok(())
 }
 
 /// Share of a moment that masses in holes leave, from which other weights are needed.
@@ -95,15 +160,20 @@ fn described(of: &MomentEstimate) -> String {
 
 fn correction(out: &mut String, of: &Balance) -> Result<()> {
     writeln!(out, "\nCORRECTION of the rotor without added masses")?;
-    for PlaneCorrection { plane, moment_g_mm, angle_deg, deviation_g_mm, holes, left_g_mm } in &of.correction.planes {
-        write!(out, "{plane:<12} add {moment_g_mm:.1} +-{:.1} g mm at {angle_deg:.1} deg", 2.0 * deviation_g_mm)?;
-        let masses: Vec<String> = holes
-            .iter()
-            .map(|one| format!("{:.2} g in hole {} ({:.1} deg)", one.mass_g, one.hole, one.angle_deg))
-            .collect();
-        writeln!(out, "{}{}", if masses.is_empty() { "" } else { ": " }, masses.join(", "))?;
+    let removes = of.correction.removes;
+    for one in &of.correction.planes {
+        let PlaneCorrection { plane, moment_g_mm, deviation_g_mm, left_g_mm, .. } = one;
+        let error = 2.0 * deviation_g_mm;
+        let verb = if removes { "remove" } else { "add" };
+        write!(out, "{plane:<12} {verb} {moment_g_mm:.1} +-{error:.1} g mm at {:.1}", placed_angle(one, removes))?;
+        // Beyond its interval a moment has any angle.
+        if error < *moment_g_mm {
+            write!(out, " +-{:.1}", (error / moment_g_mm).asin().to_degrees())?;
+        }
+        let masses = in_holes(one, removes);
+        writeln!(out, " deg{}{masses}", if masses.is_empty() { "" } else { ": " })?;
         if *left_g_mm > LEFT * moment_g_mm {
-            writeln!(out, "{:<12} these weights leave {left_g_mm:.1} g mm: others are needed", "")?;
+            writeln!(out, "{:<12} these masses leave {left_g_mm:.1} g mm: others are needed", "")?;
         }
     }
     if of.correction.not_observed > 0 {
@@ -140,6 +210,77 @@ fn duration(seconds: f64) -> String {
     }
 }
 
+/// Returns the masses in holes as text.
+fn in_holes(of: &PlaneCorrection, removes: bool) -> String {
+    let side = if removes { "from" } else { "in" };
+    let one = |one: &HoleMass| format!("{:.2} g {side} hole {} ({:.1} deg)", one.mass_g, one.hole, one.angle_deg);
+    of.holes.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the HTML page, one file without external references: the correction, polar plots of the vectors, the balance quality.
+///
+/// # Errors
+/// Returns an error if the page cannot be rendered.
+pub fn html(name: &str, of: &Balance) -> Result<String> {
+    let removes = of.correction.removes;
+    let mut corrections = Table {
+        columns: vec![
+            Column::name("Plane"),
+            Column::number(if removes { "Moment to remove" } else { "Moment to add" }, "g mm"),
+            Column::number("Plus or minus", "g mm"),
+            Column::number("Angle", "deg"),
+            Column::words("Holes"),
+        ],
+        ..Table::default()
+    };
+    for plane in &of.correction.planes {
+        corrections.push(Row::new([
+            plane.plane.clone(),
+            fixed(plane.moment_g_mm, 1),
+            fixed(2.0 * plane.deviation_g_mm, 1),
+            fixed(placed_angle(plane, removes), 1),
+            in_holes(plane, removes),
+        ]));
+    }
+    let figures = of.correction.predicted.iter().map(|one| vectors(one, &of.unit)).collect();
+    let mut sections = vec![
+        PageSection::table("Correction", corrections),
+        PageSection::figures("Vectors before and after", Shape::Square, figures),
+    ];
+    if let Some(quality) = &of.quality {
+        let mut planes = Table {
+            columns: vec![
+                Column::name("Plane"),
+                Column::number("Permitted", "g mm"),
+                Column::number("Before", "g mm"),
+                Column::number("After", "g mm"),
+                Column::number("At most", "g mm"),
+            ],
+            ..Table::default()
+        };
+        for one in &quality.planes {
+            let figures = [one.permissible_g_mm, one.before_g_mm, one.after_g_mm, one.after_high_g_mm];
+            let figures = figures.map(|x| fixed(x, 1));
+            planes.push(Row::new(std::iter::once(one.plane.clone()).chain(figures)));
+        }
+        sections.push(PageSection::table("Balance quality by ISO 21940-11", planes));
+    }
+    let notes = of.twin.iter().map(agreement).chain([proof(&of.proof)]).chain(of.quality.iter().map(grades));
+    sections.push(PageSection::list("Notes", notes.collect()));
+    page::render(Page {
+        title: name.to_owned(),
+        subtitle: "Balancing".to_owned(),
+        sections,
+        footer: "Angles from the keyphasor mark in the direction of positive rotation. Intervals of 95 %.".to_owned(),
+        ..Page::default()
+    })
+}
+
+/// Returns the angle at which a moment is added or removed, degrees.
+fn placed_angle(of: &PlaneCorrection, removes: bool) -> f64 {
+    if removes { (of.angle_deg + 180.0) % 360.0 } else { of.angle_deg }
+}
+
 /// Returns the moments of the blind conditions as CSV, a row a condition and plane.
 #[must_use]
 pub fn csv(of: &Balance) -> String {
@@ -157,6 +298,17 @@ pub fn csv(of: &Balance) -> String {
             let figures: Vec<String> = figures.iter().map(|x| format!("{x:.3}")).collect();
             out += &format!("{},{},{}\n", cell_text(&condition.condition), plane + 1, figures.join(","));
         }
+    }
+    out
+}
+
+/// Returns the correction as CSV, a row a plane.
+#[must_use]
+pub fn correction_csv(of: &Balance) -> String {
+    let mut out = "plane,moment_g_mm,deviation_g_mm,angle_deg\n".to_owned();
+    for plane in &of.correction.planes {
+        let figures = [plane.moment_g_mm, plane.deviation_g_mm, plane.angle_deg].map(|x| format!("{x:.3}"));
+        out += &format!("{},{}\n", cell_text(&plane.plane), figures.join(","));
     }
     out
 }

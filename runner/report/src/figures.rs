@@ -33,6 +33,7 @@ mod sweep;
 mod trace;
 mod trade;
 mod trend;
+mod vectors;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
@@ -42,6 +43,7 @@ pub(super) use ring::present_loads;
 pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};
 pub(super) use trade::{Dot, front};
+pub(super) use vectors::vectors;
 
 pub(super) use axis::Axis;
 pub(super) use canvas::{Curve as CurveValues, CurveKind, Drawing, Plot};

@@ -72,7 +72,9 @@ pub(super) const FIT: &str = after_help!(
   ballrace fit machine.toml --turns 2 --only unbalance -o balanced.toml --report fit.html"
 );
 pub(super) const BALANCE: &str = after_help!(
-    "  ballrace balance --vectors vectors.csv -o masses.csv
+    "  ballrace balance machine.toml --run before.csv --trial \"trial.csv: 20 mm 60 g mm at 90 deg\" --grade G2.5
+  ballrace balance machine.toml --run before.csv --report balance.html
+  ballrace balance --vectors vectors.csv -o masses.csv
   ballrace balance --vectors vectors.csv --holes 16 --radius \"30 mm\" --stock \"2 g,4 g,8 g,16 g\""
 );
 pub(super) const FLEET: &str = after_help!(

@@ -9,24 +9,36 @@
 //! masses: an estimate and its interval are those of all choices together, weighted by their evidence. An empty plane so gets an interval
 //! from 0.
 //!
+//! The twin of a machine has coefficients of its own, with the uncertainty of its parameters. They stand for trials that were not made,
+//! and beside those that were: what is known of the coefficients before the trials.
+//!
 //! Source of influence coefficients: ISO 21940-12; of the evidence of choices: MacKay, Information Theory, Inference, and Learning
 //! Algorithms, chapter 28.
 
+mod agreement;
 mod correction;
 mod drift;
 mod moments;
+mod plane;
+mod quality;
 pub mod table;
+mod twin;
 
+pub use agreement::Agreement;
 use ballrace_base::parallel;
-pub use correction::{Correction, HoleMass, Holes, PlaneCorrection, Predicted};
+pub use correction::{Correction, HoleMass, Holes, Placement, PlaneCorrection, Predicted};
 use drift::{Drift, Observation, Solution};
 pub use moments::MomentEstimate;
 use nalgebra::{DMatrix, DVector};
+pub use plane::{MassesError, Plane, masses};
+pub use quality::{PlaneQuality, Quality, Requirement, TolerancePlane};
 use serde::Serialize;
 use table::{C, Record, VectorTable};
+use twin::flat;
+pub use twin::{TwinCoefficients, radial_probes};
 
 /// Runs that differ by less in speed are of one speed.
-const SAME_SPEED: f64 = 0.03;
+pub const SAME_SPEED: f64 = 0.03;
 /// Steps of the search of moments and coefficients together, and the change of a moment over the trial moments at which it ends.
 const STEPS: (usize, f64) = (30, 1e-9);
 /// Logarithm of the likelihood ratio from which the angles are taken to be counted the other way: odds of 1000.
@@ -74,6 +86,43 @@ pub enum BalanceError {
         condition: String,
         /// Speed, rpm.
         speed: f64,
+    },
+    /// Trials and twin do not agree, and there are too few trials without it.
+    #[error(
+        "the vectors are {misfit:.1} times as far from the coefficients of the twin as its errors and those of the vectors allow, expected a scene of \
+         this machine, the right masses and angles, or a trial for each plane"
+    )]
+    Twin {
+        /// Chi-squared over its largest value.
+        misfit: f64,
+    },
+    /// Two planes are exchanged.
+    #[error(
+        "planes {first} and {second} look exchanged: with the masses of each in the other the vectors agree with the twin, expected the planes in which the masses were"
+    )]
+    Planes {
+        /// A plane.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A trial has the vectors of a run without masses.
+    #[error(
+        "{condition}: the vectors are those without added masses, expected the recording of the trial, or larger masses"
+    )]
+    Unmoved {
+        /// Condition.
+        condition: String,
+    },
+    /// Two probes are exchanged.
+    #[error("{}: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene", if condition.is_empty() { "all runs" } else { condition })]
+    Exchanged {
+        /// Condition; empty for all.
+        condition: String,
+        /// A probe.
+        first: String,
+        /// The other.
+        second: String,
     },
 }
 
@@ -139,6 +188,12 @@ pub struct Balance {
     pub proof: Proof,
     /// Correction of the rotor without added masses.
     pub correction: Correction,
+    /// Agreement of the vectors with the coefficients of the twin; `None` without a twin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twin: Option<Agreement>,
+    /// Balance quality before and after the correction; `None` where none is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<Quality>,
 }
 
 /// Coefficients with their covariance.
@@ -148,9 +203,24 @@ struct Vectors<'a> {
     probes: &'a [String],
     drift: &'a Drift,
     solution: Solution,
+    /// Usual moment: mean square of the trial moments; without trials, of the moment that moves the probes as the rotor does.
+    usual: f64,
 }
 
-impl Vectors<'_> {
+impl<'a> Vectors<'a> {
+    fn new(runs: &'a Runs, table: &'a VectorTable, drift: &'a Drift, solution: Solution) -> Self {
+        let mut vectors =
+            Self { runs, planes: &table.planes, probes: &table.probes, drift, solution, usual: runs.usual };
+        if vectors.usual == 0.0 {
+            vectors.usual = 1.0;
+            let of_baseline: f64 =
+                (0..vectors.channels()).map(|c| vectors.baseline(c).norm_sqr() / vectors.noise(c)).sum();
+            let largest = vectors.weighted().singular_values().max();
+            vectors.usual = of_baseline / (largest * largest).max(f64::MIN_POSITIVE);
+        }
+        vectors
+    }
+
     fn channels(&self) -> usize {
         self.runs.channels()
     }
@@ -179,12 +249,30 @@ impl Vectors<'_> {
         self.solution.covariance[(at, at)].re.max(0.0).sqrt()
     }
 
-    /// Returns the coefficients with the trial moments in units of drift and error.
+    /// Returns the variance of the vector of a channel by drift and error.
+    fn noise(&self, channel: usize) -> f64 {
+        (self.drift.covariance[(channel, channel)].re + self.drift.variance[channel]).max(f64::MIN_POSITIVE)
+    }
+
+    /// Returns the coefficients with the usual moment in units of drift and error.
     fn weighted(&self) -> DMatrix<C> {
         DMatrix::from_fn(self.channels(), self.planes.len(), |channel, k| {
-            let noise = self.drift.covariance[(channel, channel)].re + self.drift.variance[channel];
-            self.coefficient(channel, k) * C::new((self.runs.usual / noise.max(f64::MIN_POSITIVE)).sqrt(), 0.0)
+            self.coefficient(channel, k) * C::new((self.usual / self.noise(channel)).sqrt(), 0.0)
         })
+    }
+
+    /// Returns the squares that moments on the planes leave of the vectors without added masses, over their largest sum by errors alone;
+    /// `None` where the planes explain any vectors.
+    fn unexplained(&self, moments: &[C]) -> Option<f64> {
+        let (channels, planes) = (self.channels(), self.planes.len());
+        let spare = channels.checked_sub(planes).filter(|spare| *spare > 0)?;
+        let factors = self.errors(moments).cholesky()?;
+        let baseline = DVector::from_fn(channels, |channel, _| self.baseline(channel));
+        let matrix = DMatrix::from_fn(channels, planes, |channel, k| self.coefficient(channel, k));
+        let (weighted, of_baseline) = (factors.solve(&matrix), factors.solve(&baseline));
+        let least = (matrix.adjoint() * weighted).cholesky()?.solve(&(matrix.adjoint() * &of_baseline));
+        let left = baseline - matrix * least;
+        Some(agreement::over_largest(left.dotc(&factors.solve(&left)).re, spare))
     }
 
     /// Returns the covariance of the vectors with these moments: by the coefficients, by the drift and by the error of a run.
@@ -229,22 +317,17 @@ struct Runs {
     has_times: bool,
     /// Mean square of the trial moments that are not 0.
     usual: f64,
+    /// Squares by which the coefficients of a twin enter the estimate.
+    prior: Option<DMatrix<C>>,
 }
 
 impl Runs {
     fn new(table: &VectorTable) -> Self {
-        let mut speeds: Vec<(f64, usize)> = vec![];
+        let (of_record, speeds) = table.speeds();
         let mut conditions: Vec<String> = vec![];
         let probes = table.probes.len();
         let mut groups: Vec<(Run, Vec<&Record>)> = vec![];
-        for record in &table.records {
-            let is_same = |(sum, count): &(f64, usize)| (record.speed * *count as f64 / sum - 1.0).abs() < SAME_SPEED;
-            let speed = speeds.iter().position(is_same).unwrap_or_else(|| {
-                speeds.push((0.0, 0));
-                speeds.len() - 1
-            });
-            speeds[speed].0 += record.speed;
-            speeds[speed].1 += 1;
+        for (record, &speed) in table.records.iter().zip(&of_record) {
             let condition = conditions.iter().position(|name| *name == record.condition).unwrap_or_else(|| {
                 conditions.push(record.condition.clone());
                 conditions.len() - 1
@@ -290,12 +373,13 @@ impl Runs {
         let (sum, count) = moments.fold((0.0, 0), |(sum, count), u| (sum + u.norm_sqr(), count + 1));
         Self {
             conditions,
-            speeds: speeds.into_iter().map(|(sum, count)| sum / count as f64).collect(),
+            speeds,
             probes,
             planes: table.planes.len(),
             repeat: squares.into_iter().map(|(sum, count)| sum / count.max(1) as f64).collect(),
             has_times,
             usual: sum / f64::from(count.max(1)),
+            prior: None,
             all,
         }
     }
@@ -342,20 +426,53 @@ impl Runs {
         if span > 0.0 { DRIFT_TIMES.iter().map(|share| share * span).collect() } else { vec![f64::MIN_POSITIVE] }
     }
 
-    /// Finds drift and coefficients from the known conditions, with one of `times` for the drift.
+    /// Finds drift and coefficients from the known conditions, with one of `times` for the drift. Where trials determine the coefficients,
+    /// the drift comes from them alone: an error of the twin is no drift.
     fn learned(&self, times: &[f64]) -> Option<(Drift, Solution)> {
         let known = self.all.iter().filter_map(|run| Some(self.observation(run, run.moments.as_deref()?, 0)));
         let known: Vec<Observation> = known.collect();
-        Drift::estimated(&known, &self.repeat, times)
+        let Some(prior) = &self.prior else { return Drift::estimated(&known, &self.repeat, times) };
+        if determined(self).is_err() {
+            return Drift::usual(&known, &self.repeat, prior.clone());
+        }
+        let (drift, _) = Drift::estimated(&known, &self.repeat, times)?;
+        let drift = Drift { prior: Some(prior.clone()), ..drift };
+        let solution = drift.solve(&known)?;
+        Some((drift, solution))
+    }
+
+    /// Returns the runs with what a twin knows of the coefficients; `None` if its covariance has no inverse.
+    fn with_twin(&self, twin: &TwinCoefficients) -> Option<Self> {
+        let precision = twin.covariance.clone().cholesky()?.inverse();
+        let mean = flat(&twin.mean);
+        let weighted = &precision * &mean;
+        let size = 1 + self.coefficients();
+        let mut squares = DMatrix::zeros(size, size);
+        squares[(0, 0)] = mean.dotc(&weighted);
+        let column = |i: usize| 1 + self.column(i / self.planes, 1 + i % self.planes);
+        for i in 0..mean.len() {
+            squares[(column(i), 0)] = weighted[i];
+            squares[(0, column(i))] = weighted[i].conj();
+            for j in 0..mean.len() {
+                squares[(column(i), column(j))] = precision[(i, j)];
+            }
+        }
+        Some(Self { prior: Some(squares), ..self.with(self.all.clone()) })
     }
 
     /// Returns the runs with the angles of all masses counted the other way.
     fn mirrored(&self) -> Self {
-        let mirrored = |run: &Run| {
-            let moments = run.moments.as_ref().map(|moments| moments.iter().map(C::conj).collect());
-            Run { moments, ..run.clone() }
+        self.with_moments(|_, moments| moments.iter_mut().for_each(|moment| *moment = moment.conj()))
+    }
+
+    /// Returns the runs with other masses: `change` has the condition and its moments.
+    fn with_moments(&self, change: impl Fn(usize, &mut [C])) -> Self {
+        let changed = |run: &Run| {
+            let mut run = run.clone();
+            run.moments.iter_mut().for_each(|moments| change(run.condition, moments));
+            run
         };
-        self.with(self.all.iter().map(mirrored).collect())
+        self.with(self.all.iter().map(changed).collect())
     }
 
     /// Returns other runs of the same machine.
@@ -365,6 +482,7 @@ impl Runs {
             conditions: self.conditions.clone(),
             speeds: self.speeds.clone(),
             repeat: self.repeat.clone(),
+            prior: self.prior.clone(),
             ..*self
         }
     }
@@ -445,7 +563,7 @@ impl Runs {
                 if run.condition == *condition { Run { moments: None, ..run.clone() } } else { run.clone() }
             };
             let others = self.with(self.all.iter().map(asked).collect());
-            if others.known() < self.planes + 2 {
+            if others.known() < if self.prior.is_some() { 1 } else { self.planes + 2 } {
                 return None;
             }
             let (drift, solution) = others.learned(&[time])?;
@@ -474,12 +592,27 @@ impl Runs {
 }
 
 /// Estimates influence coefficients, the moments of the blind conditions of a table, and the correction of the rotor without added masses.
+/// `twin` has the coefficients of a scene for the planes, probes and speeds of the table.
 ///
 /// # Errors
-/// Returns an error if the trials do not determine the coefficients of every plane at every speed.
-pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, BalanceError> {
-    let runs = Runs::new(table);
-    check(&runs)?;
+/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree.
+pub fn balance(
+    table: &VectorTable,
+    twin: Option<&TwinCoefficients>,
+    placement: &Placement,
+) -> Result<Balance, BalanceError> {
+    let mut runs = Runs::new(table);
+    let is_determined = determined(&runs);
+    if twin.is_none() {
+        is_determined?;
+    } else if is_determined.is_ok() {
+        agreement::response(&runs, table)?;
+    }
+    let agreement = twin.map(|twin| runs.agreement(table, twin)).transpose()?;
+    if let (Some(twin), Some(Agreement { used: true, .. })) = (twin, agreement) {
+        let singular = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
+        runs = runs.with_twin(twin).ok_or_else(singular)?;
+    }
     let dependent = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
     let (drift, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
     let theta = solution.theta.clone();
@@ -487,7 +620,7 @@ pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, Ba
     if mirrored.is_some_and(|(_, other)| other.log_likelihood > solution.log_likelihood + MIRRORED) {
         return Err(BalanceError::Mirrored);
     }
-    let vectors = Vectors { runs: &runs, planes: &table.planes, probes: &table.probes, drift: &drift, solution };
+    let vectors = Vectors::new(&runs, table, &drift, solution);
     let singular = vectors.weighted().singular_values();
     if singular.max() < correction::OBSERVED {
         return Err(BalanceError::NoResponse);
@@ -517,7 +650,9 @@ pub fn balance(table: &VectorTable, holes: Option<&Holes>) -> Result<Balance, Ba
         drift_time_s: runs.has_times.then_some(drift.time),
         conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
-        correction: correction::correction(&vectors, holes).ok_or_else(dependent)?,
+        correction: correction::correction(&vectors, placement).ok_or_else(dependent)?,
+        twin: agreement,
+        quality: None,
     })
 }
 
@@ -537,7 +672,7 @@ fn few_values(known: usize, planes: usize) -> f64 {
 }
 
 /// Checks that the known conditions determine every coefficient.
-fn check(runs: &Runs) -> Result<(), BalanceError> {
+fn determined(runs: &Runs) -> Result<(), BalanceError> {
     let least = runs.planes + 1;
     for (speed, mean) in runs.speeds.iter().enumerate() {
         let known: Vec<&Vec<C>> =

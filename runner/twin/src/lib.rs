@@ -85,7 +85,7 @@
 //! | `ballrace-plant` | [`plant`], [`probes`], [`spectrum`], [`error`], [`observer`], [`motion`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; displacement and unmodelled force from noisy probes |
 //! | `ballrace-diagnosis` | [`diagnosis`], [`vibration`], [`plausibility`] | kind, place and size of faults; whether a recording can be one of the scene's machine |
 //! | `ballrace-studies` | [`campbell`], [`effect_significance`], [`equilibrium`], [`life`], [`force`], [`sweep`], [`trade`], [`fit`], [`balance`], [`bake`] | one question about a scene each; parameters from a recording, constants for firmware |
-//! | `ballrace-replay` | [`replay`], [`check`], [`draft`], [`fleet`], [`record`] | measured against computed motion: an [`Outcome`](outcome::Outcome); check and draft of a scene; a table of machines; records of a monitor |
+//! | `ballrace-replay` | [`replay`], [`check`], [`draft`], [`fleet`], [`record`], [`vectors`] | measured against computed motion: an [`Outcome`](outcome::Outcome); check and draft of a scene; a table of machines; records of a monitor; 1X vectors for balancing |
 //!
 //! Data flows one way: scene and recording, displacement at each bearing, force, twin, residual, outcome.
 //!
@@ -111,7 +111,7 @@ pub use ballrace_models::{handle, simd};
 pub use ballrace_outcome::{self as outcome, options, verdict};
 pub use ballrace_plant::{self as plant, error, motion, observer, probes, spectrum};
 pub use ballrace_recording::{self as recording, parquet_table};
-pub use ballrace_replay::{self as replay, check, draft, fleet, record};
+pub use ballrace_replay::{self as replay, check, draft, fleet, record, vectors};
 pub use ballrace_scene::{catalogue, flexible_rotor};
 pub use ballrace_studies::{bake, balance, campbell, effect_significance, equilibrium, fit, force, life, sweep, trade};
 

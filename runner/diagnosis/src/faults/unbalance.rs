@@ -8,7 +8,7 @@ use super::super::parameter::{Access, LINEAR, Parameter};
 use super::super::residual::Evidence;
 use super::candidates::{Candidate, Search};
 use super::{AnyFault, Fault};
-use ballrace_outcome::{FaultKind, FaultParameters};
+use ballrace_outcome::{Estimate, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
 
 /// Static unbalance along X or Y.
@@ -98,11 +98,16 @@ impl Fault for Unbalance {
     }
 
     fn sentence(&self, of: &Estimates, p: &FaultParameters) -> String {
+        let value = |of: Option<Estimate>| of.map_or(0.0, |estimate| estimate.value);
+        let correction = p.moment_g_mm.filter(|moment| moment.low > 0.0).map_or_else(String::new, |moment| {
+            let opposite = (value(p.angle_deg) + 180.0).rem_euclid(360.0);
+            format!("; {:.1} g mm at {opposite:.1} deg there balance it", moment.value)
+        });
         format!(
-            "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm",
+            "Unbalance other than the scene's: {} g mm at {} deg from the keyphasor mark, station {:.1} mm{correction}",
             described_size(p.moment_g_mm, 1),
             described(p.angle_deg, 1),
-            p.station_mm.map_or(0.0, |station| station.value) + 1e3 * of.e.scene.drawn_station(0.0)
+            value(p.station_mm) + 1e3 * of.e.scene.drawn_station(0.0)
         )
     }
 }

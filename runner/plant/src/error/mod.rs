@@ -8,7 +8,9 @@ mod study;
 
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
-pub use study::{BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, TradeError, VerifyError};
+pub use study::{
+    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, TradeError, VectorError, VerifyError,
+};
 
 use crate::PlantError;
 use crate::probes::UnobservableError;
@@ -65,6 +67,8 @@ pub enum Error {
     Fleet(#[from] FleetError),
     /// A scene cannot be fitted.
     Fit(#[from] FitError),
+    /// Recordings give no vectors for balancing.
+    Vectors(#[from] VectorError),
     /// Models cannot be compared.
     Trade(#[from] TradeError),
     /// A scene cannot be written as constants.
@@ -129,6 +133,7 @@ impl Error {
                 error,
                 FitError::NoRecording { .. } | FitError::NoProbes { .. } | FitError::NothingToFit { .. }
             ),
+            Self::Vectors(error) => !matches!(error, VectorError::Short { .. }),
             Self::Trade(error) => error.is_usage_error(),
             Self::File { source, .. } | Self::Point { source, .. } => source.is_usage_error(),
             _ => false,

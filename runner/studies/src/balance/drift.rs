@@ -44,6 +44,8 @@ pub struct Drift {
     pub variance: Vec<f64>,
     /// Variance of one record about such a mean, by channel.
     pub repeat: Vec<f64>,
+    /// What is known of the coefficients before: weighted squares as of further vectors, in the order vectors, columns of `A`.
+    pub prior: Option<DMatrix<C>>,
 }
 
 /// Least squares of the coefficients under a drift.
@@ -53,6 +55,8 @@ pub struct Solution {
     pub covariance: DMatrix<C>,
     /// Logarithm of the likelihood of what is left after the coefficients (restricted likelihood).
     pub log_likelihood: f64,
+    /// Weighted sum of squares that is left.
+    pub left: f64,
 }
 
 /// State of the filter at one observation.
@@ -100,6 +104,9 @@ impl Drift {
         let columns = all.first()?.design.ncols();
         let mut states: Vec<Filtered> = Vec::with_capacity(all.len());
         let mut squares = DMatrix::<C>::zeros(columns + 1, columns + 1);
+        if let Some(prior) = &self.prior {
+            squares.view_mut((0, 0), prior.shape()).copy_from(prior);
+        }
         let mut logarithm = 0.0;
         let mut before: Option<(f64, DMatrix<C>, DMatrix<C>)> = None;
         for of in all {
@@ -146,7 +153,7 @@ impl Drift {
         let q = scale.len();
         let start = DMatrix::from_diagonal(&DVector::from_iterator(q, scale.iter().map(|s| C::new(s * s, 0.0))));
         let variance = scale.iter().map(|s| (ERROR * s).powi(2)).collect();
-        let mut drift = Self { time, covariance: start.clone(), variance, repeat: repeat.to_vec() };
+        let mut drift = Self { time, covariance: start.clone(), variance, repeat: repeat.to_vec(), prior: None };
         let coefficients = all.first()?.design.ncols() / q;
         let has_spare = (0..q).all(|c| all.iter().filter(|of| of.has(c)).count() > coefficients);
         // Without a run more than coefficients, nothing but the start is known.
@@ -163,6 +170,21 @@ impl Drift {
         let of = |time: &f64| Self::found(*time, all, &scale, repeat);
         let found = ballrace_base::parallel::map(times, of).into_iter().flatten();
         found.max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood))
+    }
+
+    /// Returns the usual drift of a machine, where observations do not tell it without what is known of the coefficients before.
+    pub fn usual(all: &[Observation], repeat: &[f64], prior: DMatrix<C>) -> Option<(Self, Solution)> {
+        let q = repeat.len();
+        let scale = |channel: usize| {
+            let sizes = all.iter().filter(|of| of.has(channel)).map(|of| of.response[channel - of.first].norm());
+            let (sum, count) = sizes.fold((0.0, 0), |(sum, count), size| (sum + size, count + 1));
+            (USUAL * sum / f64::from(count.max(1))).max(repeat[channel].sqrt()).max(f64::MIN_POSITIVE.sqrt())
+        };
+        let covariance = DMatrix::from_fn(q, q, |i, j| C::new(if i == j { scale(i).powi(2) } else { 0.0 }, 0.0));
+        let variance = (0..q).map(|channel| (ERROR * scale(channel)).powi(2)).collect();
+        let drift = Self { time: f64::MIN_POSITIVE, covariance, variance, repeat: repeat.to_vec(), prior: Some(prior) };
+        let solution = drift.solve(all)?;
+        Some((drift, solution))
     }
 
     /// Returns the drift after one round of expectation and maximisation.
@@ -241,7 +263,7 @@ fn solution(squares: &DMatrix<C>, logarithm: f64) -> Option<Solution> {
     let theta = factors.solve(&right);
     let left = squares[(0, 0)].re - right.dotc(&theta).re;
     let of_normal = 2.0 * factors.l_dirty().diagonal().iter().map(|x| x.re.ln()).sum::<f64>();
-    Some(Solution { covariance: factors.inverse(), theta, log_likelihood: -(logarithm + of_normal + left) })
+    Some(Solution { covariance: factors.inverse(), theta, log_likelihood: -(logarithm + of_normal + left), left })
 }
 
 /// Returns the deviation of each channel that is left by plain least squares.
@@ -251,6 +273,7 @@ fn scales(all: &[Observation], repeat: &[f64]) -> Option<Vec<f64>> {
         covariance: DMatrix::zeros(repeat.len(), repeat.len()),
         variance: vec![1.0; repeat.len()],
         repeat: vec![0.0; repeat.len()],
+        prior: None,
     };
     let theta = plain.solve(all)?.theta;
     let mut sums = vec![(0.0, 0usize, 0.0); repeat.len()];

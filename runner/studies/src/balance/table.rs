@@ -1,5 +1,6 @@
 //! Table of vibration vectors: once-per-turn amplitudes and phases of probes, with known and unknown masses on the planes.
 
+use super::SAME_SPEED;
 use ballrace_base::printable::name as printable;
 use nalgebra::Complex;
 use serde::Serialize;
@@ -213,6 +214,24 @@ impl Line<'_> {
 }
 
 impl VectorTable {
+    /// Returns the speed of each record, by its number, and the mean of each speed, rpm.
+    #[must_use]
+    pub fn speeds(&self) -> (Vec<usize>, Vec<f64>) {
+        let mut speeds: Vec<(f64, usize)> = vec![];
+        let of_record = self.records.iter().map(|record| {
+            let is_same = |(sum, count): &(f64, usize)| (record.speed * *count as f64 / sum - 1.0).abs() < SAME_SPEED;
+            let speed = speeds.iter().position(is_same).unwrap_or_else(|| {
+                speeds.push((0.0, 0));
+                speeds.len() - 1
+            });
+            speeds[speed].0 += record.speed;
+            speeds[speed].1 += 1;
+            speed
+        });
+        let of_record = of_record.collect();
+        (of_record, speeds.into_iter().map(|(sum, count)| sum / count as f64).collect())
+    }
+
     /// Returns true if every record has a time.
     #[must_use]
     pub fn has_times(&self) -> bool {

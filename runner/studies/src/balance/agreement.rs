@@ -1,0 +1,132 @@
+//! Agreement of runs with the twin of their machine, and the probable error where they disagree: probes or planes exchanged, angles counted the
+//! other way, a trial without its mass.
+
+use super::table::{C, VectorTable};
+use super::twin::{TwinCoefficients, flat};
+use super::{BalanceError, Placement, Run, Runs, Vectors, correction, determined};
+use ballrace_base::parallel;
+use ballrace_base::statistics::largest_chi_square;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// Agreement of the vectors with the coefficients of a twin.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Agreement {
+    /// The estimate uses the coefficients of the twin.
+    pub used: bool,
+    /// There were trials.
+    pub has_trials: bool,
+    /// Chi-squared of the vectors over the largest by errors alone: above 1 they disagree; `None` where there is nothing to compare.
+    pub misfit: Option<f64>,
+}
+
+impl Runs {
+    /// Returns chi-squared of the vectors and the coefficients of a twin over its largest value by errors alone: of trials, and without any,
+    /// of the rotor itself, whose vectors the planes explain; `None` where there is nothing to compare.
+    fn misfit_of_twin(&self, table: &VectorTable, twin: &TwinCoefficients) -> Option<f64> {
+        if determined(self).is_ok() {
+            let (_, solution) = self.learned(&self.drift_times())?;
+            let at = |i: usize| self.column(i / self.planes, 1 + i % self.planes);
+            let mean = flat(&twin.mean);
+            let apart = DVector::from_fn(mean.len(), |i, _| solution.theta[at(i)] - mean[i]);
+            let trials = DMatrix::from_fn(mean.len(), mean.len(), |i, j| solution.covariance[(at(i), at(j))]);
+            let weighted = (trials + &twin.covariance).cholesky()?.solve(&apart);
+            return Some(over_largest(apart.dotc(&weighted).re, mean.len()));
+        }
+        let with = self.with_twin(twin)?;
+        let (drift, solution) = with.learned(&self.drift_times())?;
+        if self.usual > 0.0 {
+            let known: usize = self.all.iter().filter(|run| run.moments.is_some()).count() * self.probes;
+            return Some(over_largest(solution.left, known.saturating_sub(self.channels())));
+        }
+        let vectors = Vectors::new(&with, table, &drift, solution);
+        let correction = correction::correction(&vectors, &Placement::default())?;
+        vectors.unexplained(&correction.moments)
+    }
+
+    /// Returns the runs with the vectors of two probes exchanged in one condition, or in all.
+    fn exchanged(&self, [a, b]: [usize; 2], condition: Option<usize>) -> Self {
+        let exchanged = |run: &Run| {
+            let mut run = run.clone();
+            if condition.is_none_or(|condition| condition == run.condition) {
+                run.response.swap_rows(a, b);
+            }
+            run
+        };
+        self.with(self.all.iter().map(exchanged).collect())
+    }
+
+    /// Returns the probable errors of the runs, each with the runs as they are without it.
+    fn probable_errors(&self, table: &VectorTable) -> Vec<(Self, BalanceError)> {
+        let conditions = || std::iter::once(None).chain((0..self.conditions.len()).map(Some));
+        let name = |condition: Option<usize>| condition.map_or(String::new(), |of| self.conditions[of].clone());
+        let mut all = vec![];
+        for [a, b] in pairs(self.probes) {
+            all.extend(conditions().map(|condition| {
+                let [first, second] = [a, b].map(|probe| table.probes[probe].clone());
+                let error = BalanceError::Exchanged { condition: name(condition), first, second };
+                (self.exchanged([a, b], condition), error)
+            }));
+        }
+        if self.usual == 0.0 {
+            return all;
+        }
+        all.push((self.mirrored(), BalanceError::Mirrored));
+        for [a, b] in pairs(self.planes) {
+            let [first, second] = [a, b].map(|plane| table.planes[plane].clone());
+            let exchanged = self.with_moments(|_, moments| moments.swap(a, b));
+            all.push((exchanged, BalanceError::Planes { first, second }));
+        }
+        let is_trial = |of: &usize| {
+            let has_mass = |moments: &Vec<C>| moments.iter().any(|moment| moment.norm_sqr() > 0.0);
+            self.all.iter().any(|run| run.condition == *of && run.moments.as_ref().is_some_and(has_mass))
+        };
+        all.extend((0..self.conditions.len()).filter(is_trial).map(|of| {
+            let empty = self.with_moments(|condition, moments| {
+                if condition == of {
+                    moments.fill(C::new(0.0, 0.0));
+                }
+            });
+            (empty, BalanceError::Unmoved { condition: self.conditions[of].clone() })
+        }));
+        all
+    }
+
+    /// Compares the vectors with a twin. One that disagrees is not used where the trials suffice.
+    pub(super) fn agreement(&self, table: &VectorTable, twin: &TwinCoefficients) -> Result<Agreement, BalanceError> {
+        let has_trials = self.usual > 0.0;
+        let misfit = self.misfit_of_twin(table, twin);
+        let Some(found) = misfit.filter(|misfit| *misfit > 1.0) else {
+            return Ok(Agreement { used: true, has_trials, misfit });
+        };
+        let errors = self.probable_errors(table);
+        let misfits = parallel::map(&errors, |(runs, _)| runs.misfit_of_twin(table, twin).unwrap_or(f64::INFINITY));
+        let best = errors.into_iter().zip(misfits).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(((_, error), _)) = best.filter(|best| best.1 <= 1.0) {
+            return Err(error);
+        }
+        if determined(self).is_err() && has_trials {
+            return Err(BalanceError::Twin { misfit: found });
+        }
+        Ok(Agreement { used: !has_trials, has_trials, misfit })
+    }
+}
+
+/// Checks that the trials move the probes, whatever a twin knows.
+pub(super) fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceError> {
+    let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
+    let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
+    if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
+}
+
+/// Returns the weighted squares of complex numbers that errors leave, over their largest sum by errors alone. Each counts as one degree of
+/// freedom: a parameter of the twin changes it along one direction, errors of vectors along two.
+pub(super) fn over_largest(squares: f64, numbers: usize) -> f64 {
+    let freedom = numbers.max(1) as f64;
+    squares / freedom / largest_chi_square(freedom)
+}
+
+/// Returns each pair of two numbers below `count`.
+fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..count).flat_map(move |a| (a + 1..count).map(move |b| [a, b]))
+}
