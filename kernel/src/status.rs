@@ -14,7 +14,7 @@
 pub struct Status(u8);
 
 /// Name of each flag.
-const NAMES: [(Status, &str); 7] = [
+const NAMES: [(Status, &str); 8] = [
     (Status::INPUT_NOT_FINITE, "input not finite"),
     (Status::RESULT_NOT_FINITE, "result not finite"),
     (Status::CONTACT_LOST, "contact lost"),
@@ -22,6 +22,7 @@ const NAMES: [(Status, &str); 7] = [
     (Status::GYROSCOPIC_SLIP, "gyroscopic slip"),
     (Status::OUT_OF_TABLE, "out of table"),
     (Status::INNOVATION_REJECTED, "innovation rejected"),
+    (Status::INPUT_NOT_OK, "input not ok"),
 ];
 
 impl core::ops::BitOr for Status {
@@ -56,6 +57,8 @@ impl Status {
     pub const OUT_OF_TABLE: Self = Self(32);
     /// The normalised innovation squared exceeds the gate of the observer; the sample corrects nothing.
     pub const INNOVATION_REJECTED: Self = Self(64);
+    /// A reading is outside the linear range of its transducer or does not change; the result is the last valid value.
+    pub const INPUT_NOT_OK: Self = Self(128);
 
     /// Returns the flags as bits.
     #[must_use]
@@ -108,6 +111,6 @@ impl Status {
     #[must_use]
     #[inline]
     pub const fn is_held(self) -> bool {
-        self.0 & (Self::INPUT_NOT_FINITE.0 | Self::RESULT_NOT_FINITE.0) != 0
+        self.intersects(Self(Self::INPUT_NOT_FINITE.0 | Self::RESULT_NOT_FINITE.0 | Self::INPUT_NOT_OK.0))
     }
 }
