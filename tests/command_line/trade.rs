@@ -1,6 +1,6 @@
 //! `ballrace trade`: its figures are those of `force`, its front is a Pareto front, the chosen model meets the goal.
 
-use crate::support::{Sandbox, numbers, swap};
+use crate::support::{Sandbox, list, number, numbers, swap};
 use serde_json::Value;
 
 /// Two angular-contact bearings under preload at speed; damped so that its transient is short.
@@ -246,13 +246,30 @@ fn invalid_goals_are_rejected() {
     refused(&["--deadline", "20 um at 168 MHz"], &["--deadline"]);
     refused(&["-o", "a.toml"], &["--output", "--error or --deadline"]);
     refused(&["--error", "1%", "-o", "scene.toml"], &["--output"]);
-    sandbox.put(
-        "alone.toml",
-        LUMPED.split("[rotor]").next().unwrap().to_owned()
-            + "[[bearing]]"
-            + LUMPED.split("[[bearing]]").nth(1).unwrap(),
-    );
-    sandbox.refused(&["trade", "alone.toml"], 2, &["missing table [rotor]"]);
+}
+
+/// Bearings without a rotor have no motion: their forces are compared about the preload.
+#[test]
+fn a_bearing_alone_is_traded() {
+    let sandbox = Sandbox::empty();
+    let (before, rest) = LUMPED.split_once("[rotor]").unwrap();
+    sandbox.put("alone.toml", format!("{before}[[bearing]]{}", rest.split("[[bearing]]").nth(1).unwrap()));
+    let outcome: Value = sandbox.done(&["trade", "alone.toml", "--format", "json"]).json();
+    assert_eq!(outcome["motion"], "displacements about the preload");
+    assert_eq!((number(&outcome, "/poses"), list(&outcome, "responses").len()), (512.0, 0));
+    let exact = |precision: &'static str| {
+        list(&outcome, "candidates").iter().find(move |one| {
+            one["model"] == "lumped"
+                && one["arithmetic"]["precision"] == precision
+                && one["arithmetic"]["math"] == "exact"
+        })
+    };
+    let single = exact("f32").unwrap();
+    assert!(number(single, "/rounding/largest") < 1e-5 && number(single, "/rounding/largest") > 0.0, "{single}");
+    assert!(number(single, "/cortex/cycles") > 100.0, "{single}");
+    let text = sandbox.done(&["trade", "alone.toml", "--deadline", "100 us at 84 MHz"]).out;
+    assert!(text.contains("512 poses of each bearing from the displacements about the preload"), "{text}");
+    assert!(text.contains("for one sample of every bearing") && text.contains("alone-chosen.toml"), "{text}");
 }
 
 /// A method whose motion overflows is named and on no front; a model is recommended only where a motion with it does not.

@@ -216,12 +216,6 @@ pub enum FitError {
 /// Error returned when the models of a scene cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
-    /// The scene has neither rotor nor system.
-    #[error("{}: missing table [rotor] or [system], without which there is no motion to compare on", file.display())]
-    NoRotor {
-        /// Scene file.
-        file: PathBuf,
-    },
     /// No model can be built from the scene.
     #[error("no model that this scene allows")]
     NoModel,
@@ -304,7 +298,7 @@ impl TradeError {
     /// Returns true where the command or the scene is wrong.
     #[must_use]
     pub const fn is_usage_error(&self) -> bool {
-        matches!(self, Self::NoRotor { .. } | Self::NotCounted | Self::Error { .. } | Self::Deadline { .. })
+        matches!(self, Self::NotCounted | Self::Error { .. } | Self::Deadline { .. })
     }
 }
 

@@ -4,10 +4,10 @@ use super::{Language, Selected};
 use crate::force;
 use crate::trade::FidelityLevel;
 use crate::trade::force::{apart, in_precision, rounded};
-use crate::trade::poses::{self, Pose, Poses, SAMPLES_PER_REVOLUTION, TURNS};
+use crate::trade::poses::{self, Pose, Poses, SAMPLES_PER_REVOLUTION, TURNS, pose_of_sample};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::checksum::ChecksumRange;
-use ballrace::{BearingKinematicState, Displacement, Exact, Wrench};
+use ballrace::{Displacement, Exact, Wrench};
 use ballrace_diagnosis::plausibility::range::{LARGEST_UNSEEN_FORCE, plausible_force};
 use ballrace_models::bearing_model;
 use ballrace_models::build::{self, TableData};
@@ -297,20 +297,4 @@ fn own_model(scene: &Scene, i: usize) -> Result<Reference> {
     let of = scene.bearings.get(i).ok_or(ballrace_plant::error::TradeError::NoModel)?;
     let bearing = force::handle(scene, of, of.model, build::bearing)?;
     Ok((of.model.name().to_owned(), bearing, build::offset_by_preload(scene, of)?))
-}
-
-fn pose_of_sample((u, at): &(Displacement<f32>, BearingKinematicState<f32>), offset: &Displacement<f64>) -> Pose {
-    let mut rotor = u.to_array().map(f64::from);
-    for (x, by_preload) in rotor.iter_mut().zip(offset.to_array()) {
-        *x -= by_preload;
-    }
-    let at = BearingKinematicState {
-        cage: at.cage,
-        inner: at.inner,
-        outer: at.outer,
-        ball: at.ball,
-        inner_speed: f64::from(at.inner_speed),
-        outer_speed: f64::from(at.outer_speed),
-    };
-    Pose { u: Displacement::from_array(rotor), at }
 }

@@ -1,10 +1,10 @@
 //! Displacements and speeds of a bearing's checksum.
 
 use super::accuracy::BakedModel;
+use crate::trade::poses::{Extent, about_offset, radius, speeds, three_digits};
 use ballrace::bearing::LastValidWrench;
 use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use ballrace::{Displacement, Status};
-use ballrace_models::build;
 use ballrace_models::handle::ForceModel;
 use ballrace_scene::{Bearing, Scene};
 use std::cmp::Reverse;
@@ -15,13 +15,6 @@ const FACTORS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 0.5];
 const WANTED: u32 = CHECKSUM_SAMPLES as u32 / 32;
 /// Largest number of samples outside the table in a good range.
 const MAX_OUTSIDE: u32 = CHECKSUM_SAMPLES as u32 / 8;
-/// First and last speed over a constant shaft speed; both are inside a table's default range.
-const SPEEDS: [f64; 2] = [0.9, 1.1];
-/// Elastic approach over ball diameter, for a scene without poses.
-const RELATIVE_APPROACH: f64 = 5e-4;
-/// Approach, m, and radius of the elements' circle, m, of a bearing without geometry.
-const SMALL: f64 = 10e-6;
-const RADIUS: f64 = 20e-3;
 
 /// Number of samples of a checksum with a property.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -82,9 +75,6 @@ impl Coverage {
     }
 }
 
-/// Centre and amplitude of a range.
-type Extent = ([f64; 5], [f64; 5]);
-
 /// Returns centre and half the extent of the poses and of the displacement 0, with a margin.
 fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> Extent {
     let (mut low, mut high) = ([0.0_f64; 5], [0.0_f64; 5]);
@@ -104,37 +94,6 @@ fn hull(of: &Bearing, totals: &[Displacement<f64>]) -> Extent {
     }
     let array = |v: &[f64]| std::array::from_fn(|i| v.get(i).copied().unwrap_or_default());
     (array(&centre), array(&amplitude))
-}
-
-/// Returns centre and amplitudes about the displacement by preload, for a scene without poses.
-fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
-    let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
-    let elastic = of.diameters().map_or(SMALL, |[element, _]| RELATIVE_APPROACH * element);
-    let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
-    let along = approach + play;
-    let tilt = 0.3 * along / radius(of);
-    let centre = offset.to_array();
-    let mut amplitude = [along, along, along, tilt, tilt];
-    // The displacement 0, at which preloaded rings do not touch, is inside.
-    for (x, by_preload) in amplitude.iter_mut().zip(centre) {
-        *x = x.max(1.2 * by_preload.abs());
-    }
-    (centre, amplitude)
-}
-
-fn radius(of: &Bearing) -> f64 {
-    of.diameters().map_or(RADIUS, |[_, pitch]| 0.5 * pitch)
-}
-
-/// Returns the speed of the first sample and its increment.
-fn speeds((low, high): (f64, f64)) -> [f32; 2] {
-    let [first, last] = if low == high { SPEEDS.map(|part| part * low) } else { [low, high] };
-    [three_digits(first), three_digits((last - first) / f64::from(CHECKSUM_SAMPLES))]
-}
-
-/// Returns the number rounded to three digits, the same on every desktop.
-fn three_digits(x: f64) -> f32 {
-    format!("{x:.2e}").parse().unwrap_or(0.0)
 }
 
 /// Counts the samples of a range without contact and outside the table.

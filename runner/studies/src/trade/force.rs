@@ -52,11 +52,11 @@ pub trait Forces {
     fn time(&self, poses: &Poses) -> (f64, f64);
 }
 
-/// Creates the candidate's bearings as mounted in the plant.
+/// Creates the candidate's bearings as mounted in the plant, or alone without one.
 ///
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
-pub fn forces(scene: &Scene, plant: &Plant, arithmetic: Arithmetic) -> Result<Box<dyn Forces>, BuildError> {
+pub fn forces(scene: &Scene, plant: Option<&Plant>, arithmetic: Arithmetic) -> Result<Box<dyn Forces>, BuildError> {
     Ok(match (arithmetic.precision, arithmetic.math) {
         ("f32", "exact") => Box::new(CandidateBearings::try_new(scene, plant, build::force_model::<f32, Exact>)?),
         ("f32", _) => Box::new(CandidateBearings::try_new(scene, plant, build::force_model::<f32, Fast>)?),
@@ -73,17 +73,19 @@ struct CandidateBearings<T, H> {
 impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
     fn try_new(
         scene: &Scene,
-        plant: &Plant,
+        plant: Option<&Plant>,
         build: fn(&Scene, &ballrace_scene::Bearing, Model) -> Result<H, BuildError>,
     ) -> Result<Self, BuildError> {
-        let mounted = |(of, mounted): (&ballrace_scene::Bearing, &ballrace_plant::MountedBearing)| {
-            let bearing =
-                if of.is_linearised() { build::spring_of(&mounted.bearing) } else { build(scene, of, of.model)? };
-            Ok((bearing, rounded(&mounted.offset)))
+        let mounted = |(i, of): (usize, &ballrace_scene::Bearing)| {
+            let mounted = plant.and_then(|plant| plant.bearings.get(i));
+            let bearing = match mounted {
+                Some(mounted) if of.is_linearised() => build::spring_of(&mounted.bearing),
+                _ => build(scene, of, of.model)?,
+            };
+            let offset = mounted.map_or_else(|| build::offset_by_preload(scene, of), |mounted| Ok(mounted.offset))?;
+            Ok((bearing, rounded(&offset)))
         };
-        Ok(Self {
-            bearings: scene.bearings.iter().zip(&plant.bearings).map(mounted).collect::<Result<_, BuildError>>()?,
-        })
+        Ok(Self { bearings: scene.bearings.iter().enumerate().map(mounted).collect::<Result<_, BuildError>>()? })
     }
 }
 
@@ -205,7 +207,7 @@ pub fn apart(f: &Wrench<f64>, g: &Wrench<f64>, arm: f64) -> f64 {
 /// # Errors
 /// Returns an error if the kernel rejects a parameter.
 pub(crate) fn in_single(scene: &Scene, mut plant: Plant) -> Result<Plant, BuildError> {
-    let single = CandidateBearings::try_new(scene, &plant, build::force_model::<f32, Exact>)?;
+    let single = CandidateBearings::try_new(scene, Some(&plant), build::force_model::<f32, Exact>)?;
     for (mounted, (bearing, offset)) in plant.bearings.iter_mut().zip(single.bearings) {
         let double = mounted.cold();
         mounted.replace(AnyBearing::new(Single { bearing, offset, double }));

@@ -33,7 +33,7 @@ use serde::Serialize;
 pub struct Trade {
     /// The scene's name.
     pub scene: String,
-    /// Source of the motion: `recording` or `simulation`.
+    /// Source of the poses: `recording`, `simulation`, or `displacements about the preload` of bearings without a rotor.
     pub motion: &'static str,
     /// Poses of each bearing at which forces are compared.
     pub poses: usize,
@@ -124,16 +124,17 @@ pub struct Impossible {
 struct Allowed {
     level: FidelityLevel,
     scene: Scene,
-    plant: Plant,
+    /// None for bearings without a rotor.
+    plant: Option<Plant>,
 }
 
 /// Callback of the progress: number of finished steps, number of all steps.
 pub type Progress<'a> = &'a dyn Fn(usize, usize);
 
-/// Compares all levels that the scene allows; without `motions` their forces only.
+/// Compares all levels that the scene allows; without `motions` or without a rotor their forces only.
 ///
 /// # Errors
-/// A scene without a rotor, or without a possible level.
+/// A scene without a possible level.
 pub fn trade(
     scene: &Scene,
     text: &str,
@@ -144,19 +145,22 @@ pub fn trade(
     let dearest = dearest(&allowed).ok_or(TradeError::NoModel)?;
     let truth_level = dearest.level.converged();
     let truth_scene = truth_level.scene(text, &scene.path, scene)?;
-    let truth_plant = Plant::try_new(&truth_scene)?;
+    let truth_plant = dearest.plant.is_some().then(|| Plant::try_new(&truth_scene)).transpose()?;
     // Where the rotor bends or its supports move, the probes do not show the displacement of the bearings.
-    let recording = scene.recording.as_ref().filter(|_| truth_plant.layout.is_rigid());
-    let poses = match recording {
-        Some(recording) => poses::measured(scene, &truth_plant, recording, usize::MAX)?,
-        None => poses::computed(&truth_scene, &truth_plant)?,
+    let is_rigid = truth_plant.as_ref().is_some_and(|plant| plant.layout.is_rigid());
+    let recording = scene.recording.as_ref().filter(|_| is_rigid);
+    let (motion, poses) = match (&truth_plant, recording) {
+        (Some(plant), Some(recording)) => ("recording", poses::measured(scene, plant, recording, usize::MAX)?),
+        (Some(plant), None) => ("simulation", poses::computed(&truth_scene, plant)?),
+        (None, _) => ("displacements about the preload", poses::about_preload(&truth_scene)?),
     };
-    let right = forces(&truth_scene, &truth_plant, ARITHMETICS[0])?;
+    let right = forces(&truth_scene, truth_plant.as_ref(), ARITHMETICS[0])?;
     let truth = Reference::new(&truth_scene, right.as_ref(), &poses);
     if truth.largest() <= 0.0 {
         return Err(TradeError::NoLoad { file: scene.path.clone() }.into());
     }
-    let work = allowed.len() * if motions { 1 + METHODS.len() * STEPS.len() } else { 1 };
+    let solved = truth_plant.as_ref().filter(|_| motions);
+    let work = allowed.len() * if solved.is_some() { 1 + METHODS.len() * STEPS.len() } else { 1 };
     let mut candidates = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
         if !one.level.has_moving_elements() {
@@ -164,7 +168,10 @@ pub fn trade(
         }
         progress(i + 1, work);
     }
-    let responses = if motions { responses(&allowed, (&truth_scene, &truth_plant), work, progress)? } else { vec![] };
+    let responses = match solved {
+        Some(plant) => responses(&allowed, (&truth_scene, plant), work, progress)?,
+        None => vec![],
+    };
     for candidate in &mut candidates {
         let level = allowed.iter().find(|one| one.level.name() == candidate.model);
         let model = level.map_or(candidate.model.as_str(), |one| one.level.name_without_steps());
@@ -178,7 +185,7 @@ pub fn trade(
     let spreads = candidates.iter().map(|c| c.desktop_spread).chain(responses.iter().map(|r| r.spread)).collect();
     Ok(Trade {
         scene: scene.name.clone(),
-        motion: if recording.is_some() { "recording" } else { "simulation" },
+        motion,
         poses: poses.first().map_or(0, Vec::len),
         truth: truth_level.name().to_owned(),
         largest_load: truth.largest(),
@@ -203,12 +210,14 @@ pub fn written(scene: &Scene, text: &str, level: &str) -> Result<String, TradeEr
 
 fn allowed(scene: &Scene, text: &str) -> Result<(Vec<Allowed>, Vec<Impossible>)> {
     check_forces(scene)?;
-    if scene.rotor.is_none() && scene.system.is_none() {
-        return Err(TradeError::NoRotor { file: scene.path.clone() }.into());
-    }
+    let moves = scene.rotor.is_some() || scene.system.is_some();
     let (mut allowed, mut impossible) = (Vec::new(), Vec::new());
     for level in FidelityLevel::all(scene) {
-        let tried = level.scene(text, &scene.path, scene).and_then(|scene| Ok((Plant::try_new(&scene)?, scene)));
+        let tried = level.scene(text, &scene.path, scene).and_then(|scene| {
+            let plant = moves.then(|| Plant::try_new(&scene)).transpose()?;
+            forces(&scene, plant.as_ref(), ARITHMETICS[0])?;
+            Ok((plant, scene))
+        });
         match tried {
             Ok((plant, scene)) => allowed.push(Allowed { level, scene, plant }),
             Err(error) => impossible.push(Impossible { model: level.name().to_owned(), why: with_causes(&error) }),
@@ -223,10 +232,10 @@ fn dearest(allowed: &[Allowed]) -> Option<&Allowed> {
 }
 
 fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Result<Vec<Candidate>> {
-    let exact = forces(&one.scene, &one.plant, ARITHMETICS[0])?;
+    let exact = forces(&one.scene, one.plant.as_ref(), ARITHMETICS[0])?;
     let modelling = truth.errors(exact.as_ref(), poses);
     let candidate = |arithmetic: Arithmetic| {
-        let forces = forces(&one.scene, &one.plant, arithmetic)?;
+        let forces = forces(&one.scene, one.plant.as_ref(), arithmetic)?;
         let cost = |of| cortex::sample(of, arithmetic.precision, arithmetic.math);
         let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Ok(a?.plus(b?))).transpose();
         let (desktop_ns, desktop_spread) = forces.time(poses);
@@ -259,7 +268,7 @@ fn responses(
 ) -> Result<Vec<Response>> {
     // Balls with mass describe the motion more accurately than balls in equilibrium.
     let dynamic = allowed.iter().find(|one| one.level.has_moving_elements());
-    let (moving, plant) = dynamic.map_or(solved, |one| (&one.scene, &one.plant));
+    let (moving, plant) = dynamic.and_then(|one| Some((&one.scene, one.plant.as_ref()?))).unwrap_or(solved);
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
     let span = poses::span(moving, &truth_plant);
     let truth = response::run(moving, &truth_plant, span)?;
@@ -275,7 +284,8 @@ fn responses(
                 if one.level.has_own_steps() {
                     continue;
                 }
-                let plant = one.plant.with_step(method, part);
+                let Some(plant) = &one.plant else { continue };
+                let plant = plant.with_step(method, part);
                 let usual = part == 1.0 && method == Method::RungeKutta;
                 all.push(response_of(one, &plant, (name, "f64", usual), span, &truth)?);
                 if usual && !one.level.has_moving_elements() {

@@ -1,6 +1,8 @@
-//! Poses of the scene's bearings over its motion, measured or computed.
+//! Poses of the scene's bearings: over its motion, measured or computed, or about the preload of bearings without a rotor.
 
+use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use ballrace::{BearingKinematicState, Displacement};
+use ballrace_models::build;
 use ballrace_plant::Plant;
 use ballrace_plant::error::{Error, Result, TradeError};
 use ballrace_plant::motion::{self, Span};
@@ -8,7 +10,7 @@ use ballrace_plant::probes::PoseSolver;
 use ballrace_recording::Reader;
 use ballrace_recording::rotation::Tracker;
 use ballrace_recording::run_out::RunOut;
-use ballrace_scene::{Recording, Scene};
+use ballrace_scene::{Bearing, Recording, Scene};
 use std::f64::consts::TAU;
 
 /// Number of samples per revolution of a computed motion.
@@ -19,6 +21,14 @@ pub const TURNS: f64 = 16.0;
 const MAX_POSES: usize = 512;
 /// Samples per second at standstill.
 const STILL_RATE: f64 = 10e3;
+
+/// First and last speed over a constant shaft speed; both are inside a table's default range.
+const SPEEDS: [f64; 2] = [0.9, 1.1];
+/// Elastic approach over ball diameter, for a scene without poses.
+const RELATIVE_APPROACH: f64 = 5e-4;
+/// Approach, m, and radius of the elements' circle, m, of a bearing without geometry.
+const SMALL: f64 = 10e-6;
+const RADIUS: f64 = 20e-3;
 
 /// Displacement and kinematic state of one bearing at one sample.
 #[derive(Debug, Clone, Copy)]
@@ -127,4 +137,77 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: 
         return Err(TradeError::NoSample { file: path.clone() }.into());
     }
     Ok(thinned)
+}
+
+/// Returns poses of bearings without a rotor: displacements about that by preload, at and beyond which contact is made and lost.
+///
+/// # Errors
+/// Returns an error if the kernel rejects a parameter.
+pub fn about_preload(scene: &Scene) -> Result<Poses> {
+    let of_bearing = |of: &Bearing| {
+        let offset = build::offset_by_preload(scene, of)?;
+        let (centre, amplitude) = about_offset(of, &offset);
+        let range = ChecksumRange {
+            centre: Displacement::from_array(centre.map(three_digits)),
+            amplitude: Displacement::from_array(amplitude.map(three_digits)),
+            inner_speed: speeds(scene.shaft.speed.range()),
+            outer_speed: [three_digits(scene.shaft.outer_speed), 0.0],
+        };
+        let stride = usize::from(CHECKSUM_SAMPLES).div_ceil(MAX_POSES);
+        Ok(range.samples().step_by(stride).map(|sample| pose_of_sample(&sample, &offset)).collect())
+    };
+    scene.bearings.iter().map(of_bearing).collect()
+}
+
+/// Centre and amplitude of a range.
+pub(crate) type Extent = ([f64; 5], [f64; 5]);
+
+/// Returns centre and amplitudes about the displacement by preload, for a scene without poses.
+pub(crate) fn about_offset(of: &Bearing, offset: &Displacement<f64>) -> Extent {
+    let play = build::law(of).map_or(0.0, |(_, _, play)| play.abs());
+    let elastic = of.diameters().map_or(SMALL, |[element, _]| RELATIVE_APPROACH * element);
+    let approach = of.table.and_then(|table| table.approach).map_or(elastic, |[_, most]| 0.4 * most);
+    let along = approach + play;
+    let tilt = 0.3 * along / radius(of);
+    let centre = offset.to_array();
+    let mut amplitude = [along, along, along, tilt, tilt];
+    // The displacement 0, at which preloaded rings do not touch, is inside.
+    for (x, by_preload) in amplitude.iter_mut().zip(centre) {
+        *x = x.max(1.2 * by_preload.abs());
+    }
+    (centre, amplitude)
+}
+
+pub(crate) fn radius(of: &Bearing) -> f64 {
+    of.diameters().map_or(RADIUS, |[_, pitch]| 0.5 * pitch)
+}
+
+/// Returns the speed of the first sample and its increment.
+pub(crate) fn speeds((low, high): (f64, f64)) -> [f32; 2] {
+    let [first, last] = if low == high { SPEEDS.map(|part| part * low) } else { [low, high] };
+    [three_digits(first), three_digits((last - first) / f64::from(CHECKSUM_SAMPLES))]
+}
+
+/// Returns the number rounded to three digits, the same on every desktop.
+pub(crate) fn three_digits(x: f64) -> f32 {
+    format!("{x:.2e}").parse().unwrap_or(0.0)
+}
+
+pub(crate) fn pose_of_sample(
+    (u, at): &(Displacement<f32>, BearingKinematicState<f32>),
+    offset: &Displacement<f64>,
+) -> Pose {
+    let mut rotor = u.to_array().map(f64::from);
+    for (x, by_preload) in rotor.iter_mut().zip(offset.to_array()) {
+        *x -= by_preload;
+    }
+    let at = BearingKinematicState {
+        cage: at.cage,
+        inner: at.inner,
+        outer: at.outer,
+        ball: at.ball,
+        inner_speed: f64::from(at.inner_speed),
+        outer_speed: f64::from(at.outer_speed),
+    };
+    Pose { u: Displacement::from_array(rotor), at }
 }
