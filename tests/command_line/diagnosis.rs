@@ -3,7 +3,7 @@
 
 use crate::frames_source::signal;
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{DEMO_SCENE, Sandbox, changed, list, number, short_recording, swap};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, changed, list, number, recorded, short_recording, swap};
 use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
@@ -305,4 +305,29 @@ fn an_unexplained_line_has_order_bearing_precession_and_frame() {
         "{diagnosis:#}"
     );
     assert!(number(strongest, "/force_n") > 1.0, "{diagnosis:#}");
+}
+
+/// A simulated recording of the machine in good order without noise, and a scene that states none: what remains is the integration, no fault. A
+/// fault is found without a stated noise too.
+#[test]
+fn a_recording_without_noise_is_sound() {
+    let silent = DEMO_SCENE.replace(", noise = \"0.03 um\"", "");
+    let sandbox = Sandbox::with(&silent, DEMO_RECORDING);
+    sandbox.done(&[
+        "simulate",
+        "scene.toml",
+        "--duration",
+        "1 s",
+        "--settle",
+        "1 s",
+        "--as-recording",
+        "-o",
+        "sound.csv",
+    ]);
+    let sound: Value = sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json();
+    assert_eq!(list(&sound, "findings").len(), 0, "{:#}", sound["findings"]);
+    assert!(sound["verdict"].as_str().unwrap().starts_with("The twin follows the machine"), "{}", sound["verdict"]);
+    let spall = recorded("outer-spall.csv");
+    let found: Value = sandbox.done(&["replay", "scene.toml", "--recording", &spall, "--format", "json"]).json();
+    assert_eq!(found["findings"][0]["kind"], "outer-race", "{:#}", found["findings"]);
 }

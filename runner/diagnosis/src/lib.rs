@@ -139,6 +139,18 @@ pub fn not_applicable(scene: &Scene, samples: &[Sample]) -> Option<String> {
     })
 }
 
+/// Share of a probe's motion to which scale and instant of its readings are known where nothing states their noise: API 670 allows 5 % of scale,
+/// and half a sample of the keyphasor is 1 % of a line with 300 samples per period. A residual below it is none of the machine.
+const SCALE_KNOWN: f64 = 0.01;
+
+/// Returns the rms of the readings of a probe about their mean, m.
+fn scatter(samples: &[Sample], probe: usize) -> f64 {
+    let readings = || samples.iter().filter_map(|sample| sample.row.probes.get(probe)).filter(|x| x.is_finite());
+    let count = readings().count().max(1) as f64;
+    let mean = readings().sum::<f64>() / count;
+    (readings().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
 impl<'a> Prepared<'a> {
     fn new(of: &DiagnosisInput<'a>, machine: &Machine, world: World) -> Result<Option<Self>> {
         let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
@@ -149,7 +161,12 @@ impl<'a> Prepared<'a> {
             .enumerate()
             .map(|(p, probe)| {
                 let given = if world == World::Site { None } else { probe.noise };
-                ballrace_plant::observer::noise(of.samples, p, given)
+                let noise = ballrace_plant::observer::noise(of.samples, p, given);
+                if world == World::Exact && given.is_none() {
+                    noise.max(SCALE_KNOWN * scatter(of.samples, p))
+                } else {
+                    noise
+                }
             })
             .collect();
         let axial = of.plant.pose(&of.plant.rest).w;

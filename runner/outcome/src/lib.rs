@@ -344,7 +344,7 @@ pub enum Standing {
     /// The residuals are within 2 % of each other.
     #[default]
     Same,
-    /// The residual of the twin is more than 2 % larger.
+    /// The residual of the twin is more than 2 % larger, and more than 0.1 % of the motion.
     Worse,
 }
 
@@ -359,13 +359,15 @@ pub struct SimplePredictor {
 }
 
 impl SimplePredictor {
-    /// Creates the comparison from the residuals of the predictor and of the twin.
+    /// Creates the comparison from the residuals of the predictor and of the twin, and the rms of the signal about its mean.
     #[must_use]
-    pub fn new(residual_rms_um: f64, twin_rms_um: f64) -> Self {
+    pub fn new(residual_rms_um: f64, twin_rms_um: f64, signal_rms_um: f64) -> Self {
         const MARGIN: f64 = 0.02;
+        // What integration and the digits of a file leave of a motion that is predicted exactly.
+        const EXACT: f64 = 1e-3;
         let twin_is = if twin_rms_um < (1.0 - MARGIN) * residual_rms_um {
             Standing::Better
-        } else if twin_rms_um > (1.0 + MARGIN) * residual_rms_um {
+        } else if twin_rms_um > (1.0 + MARGIN) * residual_rms_um && twin_rms_um > EXACT * signal_rms_um {
             Standing::Worse
         } else {
             Standing::Same

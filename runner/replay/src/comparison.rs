@@ -214,7 +214,7 @@ impl OneProbe {
         let (_, one_x_left) = self.measured.one_x(&angles);
         let residual = self.residual.rms() * UM;
         let spread = self.measured.rms_about_mean() * UM;
-        let against = |rms: f64| SimplePredictor::new(rms, residual);
+        let against = |rms: f64| SimplePredictor::new(rms, residual, spread);
         let baselines = SimplePredictors {
             mean: against(spread),
             persistence: against(self.persistence.rms() * UM),

@@ -83,10 +83,10 @@ fn probe(name: &str, station: f64, angle: Option<f64>, size: f64) -> ProbeOutcom
         nrmse_normaliser: "the peak-to-peak value of the measured signal".to_owned(),
         noise_um: Some(0.03),
         baselines: SimplePredictors {
-            mean: SimplePredictor::new(0.71 * size, 0.034 * size),
-            persistence: SimplePredictor::new(0.045 * size, 0.034 * size),
-            one_x: SimplePredictor::new(0.098, 0.034 * size),
-            linear: SimplePredictor::new(0.1834, 0.034 * size),
+            mean: SimplePredictor::new(0.71 * size, 0.034 * size, 0.71 * size),
+            persistence: SimplePredictor::new(0.045 * size, 0.034 * size, 0.71 * size),
+            one_x: SimplePredictor::new(0.098, 0.034 * size, 0.71 * size),
+            linear: SimplePredictor::new(0.1834, 0.034 * size, 0.71 * size),
         },
         list: Some(TabularList {
             direct_um_pp: 2.3 * size,
