@@ -1,6 +1,5 @@
 //! Load-deflection laws `F = K Delta^n` for `Delta > 0` (Hajzman, eq. 1, with `C = K^(-1/n)`).
 
-use crate::bearing::geometry::{InvalidParameter, check};
 use crate::math::Math;
 use crate::scalar::Scalar;
 
@@ -16,12 +15,6 @@ pub trait LoadDeflectionLaw<T: Scalar, M: Math<T>>: Copy + Send + Sync + 'static
 
     /// Returns the factor from unscaled loads to newtons: `K / 2^n`.
     fn scale(&self) -> T;
-
-    /// Checks the constants. For set-up.
-    ///
-    /// # Errors
-    /// The first constant out of its range.
-    fn checked(&self) -> Result<(), InvalidParameter>;
 
     /// Returns the load at a deflection (m, 0 or more), N.
     #[inline(always)]
@@ -57,11 +50,6 @@ pub struct PowerLaw<T> {
 /// 2^(-10/9)
 const TWO_TO_MINUS_TEN_NINTHS: f64 = 0.462_937_356_143_645_2;
 
-fn check_stiffness<T: Scalar>(stiffness: T) -> Result<(), InvalidParameter> {
-    let stiffness = stiffness.to_f64();
-    check(stiffness > 0.0, "stiffness", stiffness, "above 0")
-}
-
 impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PointContactLaw<T> {
     #[inline(always)]
     fn unscaled_load<const K: usize>(&self, twice_deflection: [T; K]) -> [T; K] {
@@ -75,9 +63,6 @@ impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PointContactLaw<T> {
     #[inline(always)]
     fn scale(&self) -> T {
         self.stiffness * T::from_f64(core::f64::consts::FRAC_1_SQRT_2 / 2.0)
-    }
-    fn checked(&self) -> Result<(), InvalidParameter> {
-        check_stiffness(self.stiffness)
     }
 }
 
@@ -97,9 +82,6 @@ impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for LineContactLaw<T> {
     fn scale(&self) -> T {
         self.stiffness * T::from_f64(TWO_TO_MINUS_TEN_NINTHS)
     }
-    fn checked(&self) -> Result<(), InvalidParameter> {
-        check_stiffness(self.stiffness)
-    }
 }
 
 impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PowerLaw<T> {
@@ -118,10 +100,5 @@ impl<T: Scalar, M: Math<T>> LoadDeflectionLaw<T, M> for PowerLaw<T> {
     fn scale(&self) -> T {
         // `unscaled_load` halves its argument: 2^n would need a power.
         self.stiffness
-    }
-    fn checked(&self) -> Result<(), InvalidParameter> {
-        check_stiffness(self.stiffness)?;
-        let exponent = self.exponent.to_f64();
-        check(exponent >= 1.0, "exponent", exponent, "1 or more")
     }
 }
