@@ -18,10 +18,10 @@
 // bearing_radial largest load: 1.564e0 N
 // bearing_radial largest error: 3.2e-6 N
 // bearing_radial largest relative error: 2.1e-6
-// bearing_radial instructions: ~233
-// bearing_radial cycles: ~539
-// bearing_radial stack: ~148 bytes
-// bearing_radial flash of code: ~836 bytes
+// bearing_radial instructions: ~354
+// bearing_radial cycles: ~696
+// bearing_radial stack: ~180 bytes
+// bearing_radial flash of code: ~1232 bytes
 // bearing_radial flash of table: 0 bytes
 // bearing_radial flash of other constants: 172 bytes
 // bearing_radial checksum samples: 1024, 928 without contact, 0 outside the table
@@ -63,8 +63,8 @@
 // bearing_angular largest load: 1.330e1 N
 // bearing_angular largest error: 1.2e1 N
 // bearing_angular largest relative error: 8.4e-1
-// bearing_angular instructions: ~693
-// bearing_angular cycles: ~1768
+// bearing_angular instructions: ~815
+// bearing_angular cycles: ~1925
 // bearing_angular stack: ~90 bytes
 // bearing_angular flash of code: ~562 bytes
 // bearing_angular flash of table: 0 bytes
@@ -78,10 +78,10 @@
 // bearing_springs largest load: 0.000e0 N
 // bearing_springs largest error: 0.0e0 N
 // bearing_springs largest relative error: -
-// bearing_springs instructions: ~98
-// bearing_springs cycles: ~224
-// bearing_springs stack: ~64 bytes
-// bearing_springs flash of code: ~350 bytes
+// bearing_springs instructions: ~212
+// bearing_springs cycles: ~369
+// bearing_springs stack: ~72 bytes
+// bearing_springs flash of code: ~726 bytes
 // bearing_springs flash of table: 0 bytes
 // bearing_springs flash of other constants: 140 bytes
 // bearing_springs checksum samples: 1024, 0 without contact, 0 outside the table
@@ -108,8 +108,8 @@
 // bearing_balls largest load: 3.461e1 N
 // bearing_balls largest error: 9.1e0 N
 // bearing_balls largest relative error: 2.7e-1
-// bearing_balls instructions: ~3306
-// bearing_balls cycles: ~6433
+// bearing_balls instructions: ~3428
+// bearing_balls cycles: ~6590
 // bearing_balls stack: ~328 bytes
 // bearing_balls flash of code: ~2118 bytes
 // bearing_balls flash of table: 792 bytes

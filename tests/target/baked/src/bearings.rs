@@ -19,10 +19,10 @@
 // bearing_de largest load: 3.353e2 N
 // bearing_de largest error: 2.0e-1 N
 // bearing_de largest relative error: 5.9e-4
-// bearing_de instructions: 2428
-// bearing_de cycles: 4720
-// bearing_de stack: 328 bytes
-// bearing_de flash of code: 2118 bytes
+// bearing_de instructions: 2532
+// bearing_de cycles: 4849
+// bearing_de stack: 344 bytes
+// bearing_de flash of code: 2438 bytes
 // bearing_de flash of table: 11704 bytes
 // bearing_de flash of other constants: 244 bytes
 // bearing_de checksum samples: 1024, 0 without contact, 50 outside the table

@@ -20,10 +20,10 @@
 // bearing_de largest load: 4.606e1 N
 // bearing_de largest error: 7.5e-5 N
 // bearing_de largest relative error: 1.7e-6
-// bearing_de instructions: 503
-// bearing_de cycles: 1252
-// bearing_de stack: 136 bytes
-// bearing_de flash of code: 606 bytes
+// bearing_de instructions: 618
+// bearing_de cycles: 1399
+// bearing_de stack: 144 bytes
+// bearing_de flash of code: 980 bytes
 // bearing_de flash of table: 0 bytes
 // bearing_de flash of other constants: 192 bytes
 // bearing_de checksum samples: 1024, 634 without contact, 0 outside the table
@@ -35,10 +35,10 @@
 // bearing_nde largest load: 4.119e1 N
 // bearing_nde largest error: 8.4e-5 N
 // bearing_nde largest relative error: 2.1e-6
-// bearing_nde instructions: 503
-// bearing_nde cycles: 1252
-// bearing_nde stack: 136 bytes
-// bearing_nde flash of code: 606 bytes
+// bearing_nde instructions: 618
+// bearing_nde cycles: 1399
+// bearing_nde stack: 144 bytes
+// bearing_nde flash of code: 980 bytes
 // bearing_nde flash of table: 0 bytes
 // bearing_nde flash of other constants: 192 bytes
 // bearing_nde checksum samples: 1024, 632 without contact, 0 outside the table
