@@ -158,6 +158,27 @@ fn described(of: &MomentEstimate) -> String {
     }
 }
 
+/// Returns the half of the 95 % interval of the angle of a correction, deg; none where the moment may have any angle.
+fn angle_error(of: &PlaneCorrection) -> Option<f64> {
+    let share = 2.0 * of.deviation_g_mm / of.moment_g_mm;
+    (share < 1.0).then(|| share.asin().to_degrees())
+}
+
+/// Share of a moment beyond which its interval leaves more of the unbalance than a first balancing should.
+const KNOWN: f64 = 0.5;
+
+/// Returns a sentence where a correction is hardly known.
+fn hardly_known(of: &Balance) -> Option<String> {
+    let is_vague = |one: &&PlaneCorrection| one.moment_g_mm > 0.0 && 2.0 * one.deviation_g_mm > KNOWN * one.moment_g_mm;
+    let planes: Vec<&str> = of.correction.planes.iter().filter(is_vague).map(|one| one.plane.as_str()).collect();
+    (!planes.is_empty()).then(|| {
+        format!(
+            "The moment of {} is known to no better than half of itself: make a trial with a mass of this size before you rely on it.",
+            planes.join(", ")
+        )
+    })
+}
+
 fn correction(out: &mut String, of: &Balance) -> Result<()> {
     writeln!(out, "\nCORRECTION of the rotor without added masses")?;
     let removes = of.correction.removes;
@@ -166,15 +187,17 @@ fn correction(out: &mut String, of: &Balance) -> Result<()> {
         let error = 2.0 * deviation_g_mm;
         let verb = if removes { "remove" } else { "add" };
         write!(out, "{plane:<12} {verb} {moment_g_mm:.1} +-{error:.1} g mm at {:.1}", placed_angle(one, removes))?;
-        // Beyond its interval a moment has any angle.
-        if error < *moment_g_mm {
-            write!(out, " +-{:.1}", (error / moment_g_mm).asin().to_degrees())?;
+        if let Some(error) = angle_error(one) {
+            write!(out, " +-{error:.1}")?;
         }
         let masses = in_holes(one, removes);
         writeln!(out, " deg{}{masses}", if masses.is_empty() { "" } else { ": " })?;
         if *left_g_mm > LEFT * moment_g_mm {
             writeln!(out, "{:<12} these masses leave {left_g_mm:.1} g mm: others are needed", "")?;
         }
+    }
+    if let Some(sentence) = hardly_known(of) {
+        writeln!(out, "{sentence}")?;
     }
     if of.correction.not_observed > 0 {
         writeln!(
@@ -229,6 +252,7 @@ pub fn html(name: &str, of: &Balance) -> Result<String> {
             Column::number(if removes { "Moment to remove" } else { "Moment to add" }, "g mm"),
             Column::number("Plus or minus", "g mm"),
             Column::number("Angle", "deg"),
+            Column::number("Plus or minus", "deg"),
             Column::words("Holes"),
         ],
         ..Table::default()
@@ -239,6 +263,7 @@ pub fn html(name: &str, of: &Balance) -> Result<String> {
             fixed(plane.moment_g_mm, 1),
             fixed(2.0 * plane.deviation_g_mm, 1),
             fixed(placed_angle(plane, removes), 1),
+            fixed(angle_error(plane).unwrap_or(f64::NAN), 1),
             in_holes(plane, removes),
         ]));
     }
@@ -265,7 +290,8 @@ pub fn html(name: &str, of: &Balance) -> Result<String> {
         }
         sections.push(PageSection::table("Balance quality by ISO 21940-11", planes));
     }
-    let notes = of.twin.iter().map(agreement).chain([proof(&of.proof)]).chain(of.quality.iter().map(grades));
+    let notes = hardly_known(of).into_iter().chain(of.twin.iter().map(agreement));
+    let notes = notes.chain([proof(&of.proof)]).chain(of.quality.iter().map(grades));
     sections.push(PageSection::list("Notes", notes.collect()));
     page::render(Page {
         title: name.to_owned(),

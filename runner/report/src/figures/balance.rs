@@ -1,10 +1,10 @@
-//! A bearing in equilibrium: load of each element around the ring, contact angles beside it.
+//! A bearing in equilibrium: load of each element around the ring; beside it contact angles, or the pressure along the most loaded roller.
 
 use super::Picture;
 use super::axis::{Axis, extent};
 use super::canvas::{Key, MEASURED, Stroke, TWIN, WIDE, picture};
 use super::line::{Point, Thinning};
-use super::ring::{Polar, beside};
+use super::ring::{Polar, beside, beside_over};
 use ballrace_twin::equilibrium::Element;
 
 const SPOKE: Stroke = Stroke(MEASURED, 3.0);
@@ -12,9 +12,11 @@ const SPOKE: Stroke = Stroke(MEASURED, 3.0);
 const INNER: Stroke = Stroke(MEASURED, 1.4);
 const OUTER: Stroke = Stroke(TWIN, 1.4);
 
-/// Draws loads and contact angles of the elements of one bearing.
+/// Draws the loads of the elements of one bearing, with their contact angles, or the pressure along the roller with the most loaded lamina.
 pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
     let top = 28.0;
+    let rollers = elements.iter().filter_map(|e| Some((e.number, e.roller.as_ref()?)));
+    let pressed = rollers.max_by(|a, b| a.1.largest_lamina_load.total_cmp(&b.1.largest_lamina_load));
     let polar = Polar::new(top, elements.iter().flat_map(|e| [e.inner_load, e.outer_load]));
     let angles = |of: fn(&Element) -> Option<f64>| -> Vec<Point> {
         let mut points: Vec<Point> =
@@ -23,8 +25,16 @@ pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
         points
     };
     let (inner, outer) = (angles(|e| e.inner_angle), angles(|e| e.outer_angle));
-    let range = extent(inner.iter().chain(&outer).map(|p| p.1));
-    let frame = beside(top, Axis::padded(range, 6, "Contact angle, deg"));
+    let along: Vec<Point> =
+        pressed.iter().flat_map(|(_, roller)| &roller.lamina_pressures).zip(1..).map(in_megapascal).collect();
+    let frame = if pressed.is_some() {
+        let highest = along.iter().map(|p| p.1).fold(0.0, f64::max);
+        let laminae = Axis::exact(Some((0.0, along.len() as f64 + 1.0)), 6, "Lamina, from -Z to +Z");
+        beside_over(top, laminae, Axis::from_zero(Some(highest), 6, "Pressure, inner race, MPa"))
+    } else {
+        let range = extent(inner.iter().chain(&outer).map(|p| p.1));
+        beside(top, Axis::padded(range, 6, "Contact angle, deg"))
+    };
     let drawing = picture((WIDE, polar.bottom()), |canvas| {
         canvas.legend(8.0, 0.0, &[(Key::Line(SPOKE), "inner contact"), (Key::Ring(TWIN), "outer contact")]);
         polar.rings(canvas);
@@ -35,6 +45,11 @@ pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
         }
         polar.labels(canvas, least_loaded(elements));
         frame.axes(canvas, true);
+        if pressed.is_some() {
+            frame.series(canvas, ("pressure at the inner race", &along), Thinning::None, INNER);
+            frame.note_if_empty(canvas, &[&along]);
+            return;
+        }
         for (name, points, stroke) in [("inner contact", &inner, INNER), ("outer contact", &outer, OUTER)] {
             frame.series(canvas, (name, points), Thinning::None, stroke);
             frame.inside(canvas, |canvas| {
@@ -46,11 +61,19 @@ pub(crate) fn balance(name: &str, elements: &[&Element]) -> Picture {
         frame.note_if_empty(canvas, &[&inner, &outer]);
     });
     Picture {
-        title: format!("Bearing {name}: load on each element and contact angles"),
+        title: match pressed {
+            Some((number, _)) => format!("Bearing {name}: load on each roller and pressure along roller {number}"),
+            None => format!("Bearing {name}: load on each element and contact angles"),
+        },
         note: "Left: spokes are the inner contact, rings the outer one. Azimuth from +X towards +Y.".to_owned(),
         drawing,
         ..Picture::default()
     }
+}
+
+/// Returns a lamina and its pressure, Pa, as a point in MPa.
+fn in_megapascal((pressure, lamina): (&f64, u32)) -> Point {
+    (f64::from(lamina), pressure / 1e6)
 }
 
 /// Returns the azimuth between the least loaded element and the next one, rad, for the labels of the circles.

@@ -177,6 +177,11 @@ fn unloaded(loads: &ElementLoads) -> f64 {
 pub(super) fn beside(top: f64, y: Axis) -> Frame {
     let mut x = Axis::exact(Some((0.0, 360.0)), 4, "Azimuth, deg");
     x.ticks = [0.0, 90.0, 180.0, 270.0, 360.0].map(|degrees: f64| (degrees, format!("{degrees:.0}"))).to_vec();
+    beside_over(top, x, y)
+}
+
+/// Returns a frame to the right of a polar picture below `top`.
+pub(super) fn beside_over(top: f64, x: Axis, y: Axis) -> Frame {
     let bottom = top + MIDDLE.1 + RADIUS - 14.0;
     Frame { start: BESIDE, left: BESIDE + gutter(&[&y]), top: top + 8.0, right: WIDE_RIGHT, bottom, x, y }
 }
