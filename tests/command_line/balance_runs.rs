@@ -451,3 +451,11 @@ fn wrong_runs_have_one_clear_error() {
     sandbox.put("fan.toml", swap(SCENE, marked, ""));
     assert!(error(&[&BEFORE]).contains("fan.toml: recording: no mark on the shaft"));
 }
+
+/// The twin alone hardly knows the stiffness of a lightly loaded bearing with clearance: the masses are not recommended without a trial.
+#[test]
+fn masses_that_are_hardly_known_ask_for_a_trial() {
+    let sandbox = Sandbox::rig();
+    let text = sandbox.done(&["balance", "scene.toml", "--run", "healthy.csv"]).out;
+    assert!(text.contains("known to no better than half of itself: make a trial"), "{text}");
+}

@@ -291,7 +291,9 @@ fn a_tilted_roller_bearing_lives_shorter() {
     );
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", fitted("NU205", "model = \"roller\""));
-    let text = sandbox.done(&["equilibrium", "scene.toml", "--load", "4000,0,0,0,10"]).out;
+    let text = sandbox.done(&["equilibrium", "scene.toml", "--load", "4000,0,0,0,10", "--report", "page.html"]).out;
+    let page = sandbox.read("page.html");
+    assert!(page.contains("pressure along roller 1") && page.contains("Ratings and life") && !page.contains("no data"));
     assert!(text.contains("  ratings       C 30.4") && text.contains("  life L10r     "), "{text}");
 }
 

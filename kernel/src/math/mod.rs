@@ -53,7 +53,7 @@ pub struct Exact;
 /// Backend with the square root of `micromath`, accurate to 0.18 %, without division or iteration.
 ///
 /// It computes in `f32` also for `f64`. It saves 4 to 10 % of the cycles of a force on a Cortex-M4F; on cores without an FPU its steps in
-/// software floats take 12 to 27 % more instructions than the root of [`Exact`].
+/// software floats take longer than the root of [`Exact`].
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Fast;
 

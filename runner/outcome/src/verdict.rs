@@ -165,7 +165,14 @@ fn judged(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TwinSpread;
+    use crate::{SimplePredictor, TwinSpread};
+
+    /// What integration and digits leave of an exact prediction makes no simpler model better; a thousandth of the motion does.
+    #[test]
+    fn a_residual_of_digits_is_not_worse() {
+        let standing = |twin: f64, motion: f64| SimplePredictor::new(0.5 * twin, twin, motion).twin_is;
+        assert_eq!([standing(1e-7, 1.0), standing(2e-3, 1.0)], [Standing::Same, Standing::Worse]);
+    }
 
     /// A residual far above the noise has no meaning where no twin has the phase of the machine.
     #[test]
