@@ -307,6 +307,40 @@ fn an_unexplained_line_has_order_bearing_precession_and_frame() {
     assert!(number(strongest, "/force_n") > 1.0, "{diagnosis:#}");
 }
 
+/// A machine in good order whose probes are far quieter than the instants of its marks, known to a sample only: at speeds that divide the rate
+/// and that do not, and with a rotor that rattles.
+#[test]
+fn the_instant_of_a_mark_is_no_fault() {
+    for (moment, load, speed) in [("3000", "-3000", "3000"), ("6000", "0", "2987"), ("1000", "-3000", "2987")] {
+        let scene = DEMO_SCENE
+            .replace("noise = \"0.03 um\"", "noise = \"0.002 um\"")
+            .replace("120 g mm", &format!("{moment} g mm"))
+            .replace("load = [\"0 N\", \"0 N\"", &format!("load = [\"0 N\", \"{load} N\""))
+            .replace("3000 rpm", &format!("{speed} rpm"));
+        assert!(scene.contains(moment) && scene.contains(load) && scene.contains("0.002 um"), "{scene}");
+        let sandbox = Sandbox::with(&scene, DEMO_RECORDING);
+        sandbox.done(&[
+            "simulate",
+            "scene.toml",
+            "--duration",
+            "1 s",
+            "--settle",
+            "0.5 s",
+            "--as-recording",
+            "-o",
+            "sound.csv",
+        ]);
+        let outcome: Value =
+            sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json();
+        assert_eq!(
+            list(&outcome, "findings").len(),
+            0,
+            "{moment} g mm, {load} N, {speed} rpm: {:#}",
+            outcome["findings"]
+        );
+    }
+}
+
 /// A simulated recording of the machine in good order without noise, and a scene that states none: what remains is the integration, no fault. A
 /// fault is found without a stated noise too.
 #[test]

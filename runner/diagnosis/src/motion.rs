@@ -56,6 +56,21 @@ impl Motion {
         self.angle.iter().map(of).collect()
     }
 
+    /// Returns the motion at a shaft angle that is larger by `error`, rad, sample by sample.
+    pub(crate) fn turned(&self, error: &dyn Fn(usize) -> f64) -> Self {
+        let error = |t: usize| error(t) / TAU;
+        Self {
+            turns: self.turns.iter().enumerate().map(|(t, turns)| turns + error(t)).collect(),
+            angle: self
+                .angle
+                .iter()
+                .enumerate()
+                .map(|(t, angle)| angle.wrapping_add(Phase::from_revolutions(error(t))))
+                .collect(),
+            ..self.clone()
+        }
+    }
+
     /// Returns the motion of consecutive samples with a reading of every probe; the axial coordinate is `axial` where no probe
     /// measures it.
     pub fn new(samples: &[Sample], period: f64, solver: &PoseSolver, axial: f64) -> Self {

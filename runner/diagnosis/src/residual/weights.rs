@@ -3,7 +3,7 @@
 use super::super::Result;
 use super::super::dynamics::{Square, Tangent};
 use super::super::machine::{Evaluated, Machine};
-use super::super::motion::{C, D};
+use super::super::motion::{C, D, Motion};
 use super::super::parameter::Unknown;
 use super::dot;
 use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
@@ -18,6 +18,12 @@ const NEIGHBOURS: usize = 6;
 const DRAWS: usize = 3;
 /// Square of the change of the residual, in units of the noise, below which the uncertainty of a parameter is neglected.
 const MIN_TOLERANCE: f64 = 1e-3;
+
+/// Standard deviation of the instant of a mark, in samples: it lies anywhere between two of them.
+const INSTANT_ERROR: f64 = 0.289;
+
+/// Marks through which the shaft angle is smoothed.
+const MARKS: usize = 11;
 
 /// Share of the deviation of a learned parameter by which it moves the residual of a later recording of a site: what a wrong parameter moves
 /// in the baseline as well is part of the gaps and lines that are learned with it.
@@ -88,11 +94,12 @@ impl Evidence<'_> {
         let mut slopes = unknowns.iter().map(|u| self.slope(&spectra, machine, *u)).collect::<Result<Vec<_>>>()?;
         let of_uncertain = slopes.clone();
         slopes.extend(self.elasticity_slope(&spectra, machine)?);
+        slopes.extend(self.instant_slope(&spectra, machine)?);
         let n = slopes.len();
         if n == 0 {
             return Ok(());
         }
-        // The elasticity is independent of the rest, its slope that of one deviation.
+        // Elasticity and instants are independent of the rest, their slopes those of one deviation.
         let left = self.left_by_baseline();
         let root =
             DMatrix::from_fn(n, n, |i, j| known.get((i, j)).map_or(if i == j { 1.0 } else { 0.0 }, |x| left * x));
@@ -122,6 +129,43 @@ impl Evidence<'_> {
         let changed = other.residual(&other.spectra(machine)?);
         Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
     }
+
+    /// Returns the change of the residual by a shaft angle that is larger by one deviation: the instant at which the mark passes the keyphasor is
+    /// known to a sample. `None` at a site, whose unbalance is less known than that.
+    fn instant_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
+        if self.site.is_some() {
+            return Ok(None);
+        }
+        let error = self.instant_error();
+        let motion = self.motion.turned(&|_| error);
+        let unit = motion.unit_unbalance();
+        let lines = self.transform.pair(0, |t| unit[t][0], |t| unit[t][1]);
+        let other = Self { motion: Arc::new(motion), unit_unbalance_lines: Arc::new(lines), ..self.clone() };
+        let changed = other.residual(&other.spectra(machine)?);
+        Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
+    }
+
+    /// Returns the standard deviation of the shaft angle by the instant of one mark, rad.
+    fn instant_error(&self) -> f64 {
+        INSTANT_ERROR * self.motion.mean_speed() * self.motion.period
+    }
+
+    /// Returns the motion at a shaft angle with errors as the instants of the marks leave them where the speed is no divisor of the rate: each is
+    /// smoothed with its neighbours and interpolated between them.
+    fn motion_by_instants(&self, normal: &mut Normal) -> Motion {
+        let turns = &self.motion.turns;
+        let first = turns.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = turns.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let marks: Vec<f64> =
+            (0..(last - first) as usize + 1 + MARKS).map(|_| self.instant_error() * normal.next()).collect();
+        let smooth: Vec<f64> = marks.windows(MARKS).map(|marks| marks.iter().sum::<f64>() / MARKS as f64).collect();
+        self.motion.turned(&|t| {
+            let at = turns[t] - first;
+            let (mark, share) = (at as usize, at.fract());
+            smooth[mark] * (1.0 - share) + smooth[mark + 1] * share
+        })
+    }
+
     pub(super) fn own_whitening(&self, own: &MeanStiffness) -> Vec<Vec<[C; D]>> {
         let mut whitening = self.whitening_of(own);
         for (rows, scales) in whitening.iter_mut().zip(&self.noise_scale) {
@@ -265,6 +309,18 @@ impl Evidence<'_> {
                 let changes: Vec<([f64; D], [f64; D])> = (0..self.motion.len()).map(change).collect();
                 add(&mut force, b, &|t| changes[t].0);
                 add(&mut correction, b, &|t| changes[t].1.map(|x| -x / DRAWS as f64));
+            }
+            if self.site.is_none() {
+                let motion = self.motion_by_instants(&mut normal);
+                let (with, without) = (motion.unit_unbalance(), self.motion.unit_unbalance());
+                let lines = self.transform.pair(0, |t| with[t][0] - without[t][0], |t| with[t][1] - without[t][1]);
+                for (sum, part) in force.iter_mut().zip(self.shaft.dynamics.unbalance(machine.unbalance, &lines)) {
+                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+                }
+                for (b, one) in evaluated.iter().enumerate() {
+                    let forces = one.forces(&motion);
+                    add(&mut force, b, &|t| std::array::from_fn(|i| forces[t][i] - exact[b][t][i]));
+                }
             }
             let residual = self.at_probes(&force);
             for (k, squares) in square.iter_mut().enumerate() {
