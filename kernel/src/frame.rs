@@ -3,7 +3,7 @@
 //! Fixed frame: X, Y radial, Z along the shaft, right-handed.
 
 use crate::scalar::Scalar;
-use core::ops::Add;
+use core::ops::{Add, Sub};
 use nalgebra::SMatrix;
 
 /// Displacement of a ring, or of the inner ring relative to the outer ring.
@@ -88,6 +88,14 @@ impl<T: Scalar> Add for Displacement<T> {
     }
 }
 
+impl<T: Scalar> Sub for Displacement<T> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, b: Self) -> Self {
+        Self { u: self.u - b.u, v: self.v - b.v, w: self.w - b.w, thu: self.thu - b.thu, thv: self.thv - b.thv }
+    }
+}
+
 impl<T: Scalar> Add for Wrench<T> {
     type Output = Self;
     #[inline]
@@ -103,6 +111,9 @@ impl<T> From<Displacement<T>> for [T; 5] {
 }
 
 impl<T: Scalar> Wrench<T> {
+    /// No force and no moment.
+    pub const ZERO: Self = Self { fx: T::ZERO, fy: T::ZERO, fz: T::ZERO, mx: T::ZERO, my: T::ZERO };
+
     /// Returns the five entries in order.
     pub fn to_array(self) -> [T; 5] {
         [self.fx, self.fy, self.fz, self.mx, self.my]

@@ -9,6 +9,7 @@ pub mod frame;
 pub mod kinematic_state;
 pub mod math;
 pub mod phase;
+pub mod probe;
 pub mod rotor;
 pub mod scalar;
 pub mod status;

@@ -27,15 +27,21 @@ impl Phase {
 
     /// Converts revolutions; drops whole revolutions. NaN and infinity give 0. For set-up: uses `f64`.
     #[must_use]
-    pub fn from_revolutions(revolutions: f64) -> Self {
-        let fraction = revolutions - libm::floor(revolutions);
-        // A cast to an integer saturates and maps NaN to 0; a fraction that rounds to 1 is the angle 0.
-        if fraction >= 1.0 { Self::ZERO } else { Self((fraction * COUNTS_PER_TURN) as u64) }
+    pub const fn from_revolutions(revolutions: f64) -> Self {
+        // From here on numbers are whole; the comparison is also false for NaN.
+        if revolutions.abs() < 4_503_599_627_370_496.0 {
+            let whole = revolutions as i64 as f64;
+            let fraction = revolutions - if whole > revolutions { whole - 1.0 } else { whole };
+            // A fraction that rounds to 1 is the angle 0.
+            if fraction < 1.0 { Self((fraction * COUNTS_PER_TURN) as u64) } else { Self::ZERO }
+        } else {
+            Self::ZERO
+        }
     }
 
     /// Converts radians. NaN and infinity give 0. For set-up: uses `f64`.
     #[must_use]
-    pub fn from_radians(radians: f64) -> Self {
+    pub const fn from_radians(radians: f64) -> Self {
         Self::from_revolutions(radians / core::f64::consts::TAU)
     }
 
@@ -140,7 +146,7 @@ const RATIO_DIGITS: u32 = 56;
 impl SpeedRatio {
     /// Converts a number between -128 and 128, both excluded; saturates outside. For set-up.
     #[must_use]
-    pub fn new(ratio: f64) -> Self {
+    pub const fn new(ratio: f64) -> Self {
         Self((ratio * (1_u64 << RATIO_DIGITS) as f64) as i64)
     }
 

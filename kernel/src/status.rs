@@ -1,9 +1,44 @@
 //! Status flags of evaluations and integration steps.
 
 /// A set of flags of one evaluation or step; [`Status::OK`] is the empty set.
+///
+/// ```
+/// use ballrace::Status;
+///
+/// let status = Status::CONTACT_LOST | Status::NOT_CONVERGED;
+/// assert!(status.contains(Status::CONTACT_LOST) && status.intersects(Status::CONTACT_LOST | Status::OUT_OF_TABLE));
+/// assert!(status.names().eq(["contact lost", "not converged"]));
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status(u8);
+
+/// Name of each flag.
+const NAMES: [(Status, &str); 8] = [
+    (Status::INPUT_NOT_FINITE, "input not finite"),
+    (Status::RESULT_NOT_FINITE, "result not finite"),
+    (Status::CONTACT_LOST, "contact lost"),
+    (Status::NOT_CONVERGED, "not converged"),
+    (Status::GYROSCOPIC_SLIP, "gyroscopic slip"),
+    (Status::OUT_OF_TABLE, "out of table"),
+    (Status::INNOVATION_REJECTED, "innovation rejected"),
+    (Status::INPUT_NOT_OK, "input not ok"),
+];
+
+impl core::ops::BitOr for Status {
+    type Output = Self;
+    #[inline]
+    fn bitor(self, other: Self) -> Self {
+        self.union(other)
+    }
+}
+
+impl core::ops::BitOrAssign for Status {
+    #[inline]
+    fn bitor_assign(&mut self, other: Self) {
+        *self = self.union(other);
+    }
+}
 
 impl Status {
     /// No flag.
@@ -22,6 +57,8 @@ impl Status {
     pub const OUT_OF_TABLE: Self = Self(32);
     /// The normalised innovation squared exceeds the gate of the observer; the sample corrects nothing.
     pub const INNOVATION_REJECTED: Self = Self(64);
+    /// A reading is outside the linear range of its transducer or does not change; the result is the last valid value.
+    pub const INPUT_NOT_OK: Self = Self(128);
 
     /// Returns the flags as bits.
     #[must_use]
@@ -58,10 +95,22 @@ impl Status {
         self.0 & other.0 == other.0
     }
 
+    /// Returns true if any flag of `other` is set.
+    #[must_use]
+    #[inline]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Returns the names of the flags that are set, in the order of the bits.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        NAMES.into_iter().filter(move |(flag, _)| self.contains(*flag)).map(|(_, name)| name)
+    }
+
     /// Returns true if the result is the last valid value instead of a new one.
     #[must_use]
     #[inline]
     pub const fn is_held(self) -> bool {
-        self.0 & (Self::INPUT_NOT_FINITE.0 | Self::RESULT_NOT_FINITE.0) != 0
+        self.intersects(Self(Self::INPUT_NOT_FINITE.0 | Self::RESULT_NOT_FINITE.0 | Self::INPUT_NOT_OK.0))
     }
 }

@@ -24,6 +24,7 @@ pub struct BallBearingGeometry {
 
 /// Error returned when a parameter of a geometry, a bearing or a rotor is outside its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InvalidParameter {
     /// Name of the parameter.
     pub name: &'static str,

@@ -22,6 +22,7 @@ use crate::status::Status;
 /// assert!(status.contains(Status::INPUT_NOT_FINITE) && held.held_count() == 1);
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LastValidWrench<T> {
     last: Wrench<T>,
     held_count: u32,
@@ -30,8 +31,8 @@ pub struct LastValidWrench<T> {
 impl<T: Scalar> LastValidWrench<T> {
     /// Creates the state before the first sample; an invalid first sample gives the zero wrench.
     #[must_use]
-    pub fn new() -> Self {
-        Self::default()
+    pub const fn new() -> Self {
+        Self { last: Wrench::ZERO, held_count: 0 }
     }
 
     /// Returns the number of samples replaced by an earlier wrench (saturating).
@@ -55,5 +56,22 @@ impl<T: Scalar> LastValidWrench<T> {
         self.held_count = self.held_count.saturating_add(u32::from(!is_valid));
         self.last = Wrench::select(is_valid, fresh.wrench, self.last);
         (self.last, status)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// States and angles of firmware are statics, without code at start-up.
+    #[test]
+    fn states_are_constants() {
+        static HELD: LastValidWrench<f32> = LastValidWrench::new();
+        static STATISTICS: crate::twin::Statistics<f32> = crate::twin::Statistics::new(64);
+        const RATIO: crate::phase::SpeedRatio = crate::phase::SpeedRatio::new(0.4);
+        const QUARTER: crate::Phase = crate::Phase::from_revolutions(-1.75);
+        let (held, mut statistics) = (HELD, STATISTICS);
+        assert_eq!((held.held_count(), RATIO.bits(), QUARTER), (0, 0x0066_6666_6666_6668, crate::Phase(1 << 62)));
+        assert!(statistics.add::<crate::Exact>(1.0).is_none());
     }
 }

@@ -74,14 +74,26 @@ pub struct Axial<T, M, L, P> {
 #[derive(Debug, Clone, Copy)]
 pub struct Combined<A, B>(pub A, pub B);
 
+/// Checks a law by its load and slope at a deflection of 1 m, whose ratio is the exponent. For set-up.
+fn check_law<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>>(law: &L) -> Result<(), InvalidParameter> {
+    let (load, slope) = law.unscaled_load_and_slope(T::ONE + T::ONE);
+    let (stiffness, exponent) = (law.load(T::ONE).to_f64(), (slope / load).to_f64());
+    check(exponent >= 1.0 - 1e-6, "exponent", exponent, "1 or more")?;
+    check(stiffness > 0.0, "stiffness", stiffness, "above 0")
+}
+
+/// Largest play and interference, m: ten times the largest clearance of bearings with a bore of 1 m (ISO 5753-1, group 5).
+pub const LARGEST_PLAY: f64 = 10e-3;
+
 impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Radial<T, M, L, P> {
     /// Creates the bearing from element positions, law and radial play (m, half the diametral clearance; negative is
     /// preload).
     ///
     /// # Errors
-    /// A play that is not finite; a negative play with opposed pairs.
+    /// A law out of its range; a play above [`LARGEST_PLAY`]; a negative play with opposed pairs.
     pub fn try_new(positions: P, law: L, radial_play: f64) -> Result<Self, InvalidParameter> {
-        check(true, "radial_play", radial_play, "a finite length")?;
+        check_law::<T, M, L>(&law)?;
+        check(radial_play.abs() <= LARGEST_PLAY, "radial_play", radial_play, "-10 to 10 mm")?;
         check(!P::IS_PAIRED || radial_play >= 0.0, "radial_play", radial_play, "0 m or more with opposite pairs")?;
         Ok(Self::from_constants(positions, law, T::from_f64(radial_play)))
     }
@@ -102,9 +114,10 @@ impl<T: Scalar, M: Math<T>, L: LoadDeflectionLaw<T, M>, P: ElementLayout<T>> Axi
     /// Creates the bearing from element positions, law, axial play (m) and the radius at which the elements act (m).
     ///
     /// # Errors
-    /// A play or radius that is not finite; a negative radius.
+    /// A law out of its range; a play above [`LARGEST_PLAY`]; a radius that is negative or not finite.
     pub fn try_new(positions: P, law: L, axial_play: f64, radius: f64) -> Result<Self, InvalidParameter> {
-        check(true, "axial play", axial_play, "a finite length")?;
+        check_law::<T, M, L>(&law)?;
+        check(axial_play.abs() <= LARGEST_PLAY, "axial play", axial_play, "-10 to 10 mm")?;
         check(radius >= 0.0, "axial radius", radius, "0 m or more")?;
         Ok(Self::from_constants(positions, law, T::from_f64(axial_play), T::from_f64(radius)))
     }
@@ -281,5 +294,38 @@ impl<T: Scalar, A: CageFrame<T>, B: CageFrame<T>> CageFrame<T> for Combined<A, B
         loads: &mut [T],
     ) -> Reaction<T> {
         self.0.reaction_and_loads_in_cage_frame(u, at, loads) + self.1.reaction_in_cage_frame(u, at)
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::bearing::evenly_spaced;
+    use crate::contact::law::{PointContactLaw, PowerLaw};
+
+    type Point<T> = Radial<T, crate::Exact, PointContactLaw<T>, [ElementPosition<T>; 8]>;
+    type Power = Radial<f32, crate::Exact, PowerLaw<f32>, [ElementPosition<f32>; 8]>;
+
+    fn rejected<T: core::fmt::Debug>(made: Result<T, InvalidParameter>) -> &'static str {
+        made.unwrap_err().name
+    }
+
+    /// What no bearing can have is an error at set-up.
+    #[test]
+    fn impossible_constants_are_rejected() {
+        for stiffness in [0.0, -8e9, f32::NAN, f32::INFINITY] {
+            let made = Point::<f32>::try_new(evenly_spaced(Phase::ZERO), PointContactLaw { stiffness }, 2e-6);
+            assert_eq!(rejected(made), "stiffness", "{stiffness}");
+        }
+        for play in [5.0, -0.02, f64::NAN, f64::INFINITY] {
+            let made = Point::<f64>::try_new(evenly_spaced(Phase::ZERO), PointContactLaw { stiffness: 8e9 }, play);
+            assert_eq!(rejected(made), "radial_play", "{play}");
+        }
+        for exponent in [0.5, f32::NAN] {
+            let law = PowerLaw { stiffness: 8e9, exponent };
+            assert_eq!(rejected(Power::try_new(evenly_spaced(Phase::ZERO), law, 0.0)), "exponent", "{exponent}");
+        }
+        assert!(Power::try_new(evenly_spaced(Phase::ZERO), PowerLaw { stiffness: 8e9, exponent: 1.0 }, -1e-5).is_ok());
     }
 }

@@ -53,6 +53,7 @@ impl<T: Scalar> ForceLine<T> {
 
 /// Lines of a force in the frame of each component, orders 1 to `H` of the component's fundamental.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ForceOrders<T, const H: usize> {
     /// Outer ring: orders of the ball pass `N (cage - outer)`, directions from +X of the ring.
     pub outer: [ForceLine<T>; H],

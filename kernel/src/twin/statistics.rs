@@ -6,6 +6,7 @@ use crate::scalar::Scalar;
 
 /// Statistics of one block.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BlockStatistics<T> {
     /// Mean.
     pub mean: T,
@@ -37,13 +38,13 @@ pub struct Statistics<T, S = CompensatedSum<T>> {
 impl<T: Scalar, S: Accumulator<T>> Statistics<T, S> {
     /// Creates the state for blocks of `length` samples, 1 or more.
     #[must_use]
-    pub fn new(length: u32) -> Self {
+    pub const fn new(length: u32) -> Self {
         Self::about(T::ZERO, length)
     }
 
     /// Creates the state with a value near the mean of the first block, about which its powers are taken.
     #[must_use]
-    pub fn about(about: T, length: u32) -> Self {
+    pub const fn about(about: T, length: u32) -> Self {
         Self { length, count: 0, about, powers: [S::ZERO; 4], least: T::ZERO, greatest: T::ZERO }
     }
 
