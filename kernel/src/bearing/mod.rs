@@ -1,5 +1,5 @@
 //! Bearing models, one module per model in the order of their cost: [`linear`], [`lumped`], [`angular`], [`tabulated`],
-//! [`quasi_static`]; rollers by laminae: [`roller`].
+//! [`quasi_static`]; rollers by laminae: [`roller`]. Without a floating-point unit: [`fixed_point`].
 
 pub mod angular;
 pub mod batch;
@@ -7,6 +7,7 @@ pub mod checksum;
 mod common;
 mod element_position;
 mod elements;
+pub mod fixed_point;
 pub mod flexible;
 pub mod geometry;
 pub mod kinematics;
@@ -71,7 +72,7 @@ impl<T: Scalar> Add for Reaction<T> {
 /// A bearing model: force on the inner ring from its displacement relative to the outer ring.
 ///
 /// All methods are pure and take a constant number of instructions on a core with a floating-point unit of the precision `T`; the routines
-/// of software floats branch on their values. Displacements and speeds must be finite, except in
+/// of software floats branch on their values ([`fixed_point`] is for a core without one). Displacements and speeds must be finite, except in
 /// [`Bearing::sample`].
 pub trait Bearing<T: Scalar>: Send + Sync {
     /// Computes the force on the inner ring.

@@ -18,6 +18,11 @@ pub fn run_hot() -> ! {
     measured(inputs::COUNT, subjects::hot)
 }
 
+/// Measures what firmware takes on a core without a floating-point unit.
+pub fn run_without_fpu() -> ! {
+    measured(inputs::COUNT, subjects::without_fpu)
+}
+
 fn measured(inputs: u32, subjects: fn(&Bench)) -> ! {
     if let Some(bench) = Bench::start(inputs) {
         subjects(&bench);

@@ -27,7 +27,7 @@ pub fn all<T: Scalar, M: Math<T>>(bench: &Bench, precision: &'static str, math: 
 }
 
 #[inline(never)]
-fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> Wrench<T> {
+pub fn force<T: Scalar, B: Bearing<T>>(bearing: &B, u: &Displacement<T>, cage: Phase) -> Wrench<T> {
     bearing.reaction(u, &cage.into()).wrench
 }
 

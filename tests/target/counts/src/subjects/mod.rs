@@ -2,6 +2,7 @@
 
 mod balls;
 mod bearings;
+mod fixed_point;
 mod flexible;
 mod indicators;
 mod rotor;
@@ -33,6 +34,11 @@ pub fn hot(bench: &Bench) {
     balls::all(bench);
     rotor::all::<f32>(bench, "f32");
     flexible::observers(bench);
+}
+
+/// What a core without a floating-point unit takes.
+pub fn without_fpu(bench: &Bench) {
+    fixed_point::all(bench);
 }
 
 #[inline(never)]

@@ -1,0 +1,313 @@
+//! Model `lumped` in fixed-point arithmetic: a constant number of instructions on cores without a floating-point unit.
+//!
+//! Radial elements with `F = K Delta^n` as [`super::lumped::Radial`], on counts as a converter delivers them. The routines of software
+//! floats branch on their values; here are sums, products, shifts and two tables that no value is too large or too small for. The power law
+//! is `Delta = m 2^-k` with `m` in a table of 128 straight lines: a relative error of at most `n (n - 1) / 130 000`, 5.7e-6 of a ball and
+//! 1e-6 of a roller, beside the rounding to counts.
+
+use super::geometry::{InvalidParameter, check};
+use crate::phase::Phase;
+use crate::status::Status;
+
+/// A number in units of 2^-30.
+const ONE: f64 = 1_073_741_824.0;
+/// Straight lines of the power law between two powers of 2.
+const LINES: usize = 128;
+
+/// `sin(pi w / 2)` for `w` from -1 to 1: coefficients of `w`, `w^3` to `w^9`, least largest error (3.3e-9), in units of 2^-30.
+const SINE: [i64; 5] = [1_686_629_674, -693_597_876, 85_564_854, -5_016_767, 161_942];
+
+/// A bearing of `N` radial elements between rigid rings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RadialParams {
+    /// K, N/m^n.
+    pub stiffness: f64,
+    /// n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+    pub exponent: f64,
+    /// Radial play, m: half the diametral clearance; negative is preload.
+    pub radial_play: f64,
+    /// Displacement of 2^31 counts, m: about ten times what the shaft moves.
+    pub range: f64,
+}
+
+/// Radial elements on counts.
+///
+/// ```
+/// use ballrace::bearing::fixed_point::{Radial, RadialParams};
+/// use ballrace::{Phase, Status};
+///
+/// // Eight balls, 1 um of play; a ball that is pressed by 1 um carries 8e9 N/m^1.5 * (1 um)^1.5 = 8 N.
+/// let params = RadialParams { stiffness: 8e9, exponent: 1.5, radial_play: 1e-6, range: 100e-6 };
+/// let bearing = Radial::<8>::try_new(Phase::ZERO, &params)?;
+/// let u = (2e-6 / bearing.metres_per_count()) as i32;
+/// let force = bearing.reaction(u, 0, Phase::ZERO);
+/// // And its neighbours by 0.41 um.
+/// assert!((f64::from(force.fx) * bearing.newtons_per_count() + 11.02).abs() < 0.01);
+/// assert!(force.status == Status::OK && force.fy.abs() < 10);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
+///
+/// Cost without a floating-point unit: `docs/src/performance.md`; 850 bytes of constants beside 8 per element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radial<const N: usize> {
+    /// Cosine and sine of the azimuth of each element with the cage at angle 0, in units of 2^-30.
+    directions: [[i32; 2]; N],
+    /// Play over the range, in units of 2^-30.
+    play: i32,
+    /// `m^n` at the ends of the lines, m from 1/2 to 1, in units of 2^-31.
+    shape: [u32; LINES + 1],
+    /// `2^(-n k) / N` for each k, in units of 2^-31.
+    scale: [u32; 32],
+    metres_per_count: f64,
+    newtons_per_count: f64,
+}
+
+/// Force of a bearing on its inner ring, in counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Reaction {
+    /// Force along X.
+    pub fx: i32,
+    /// Force along Y.
+    pub fy: i32,
+    /// Sum of the element loads; 0 without contact.
+    pub load: i32,
+    /// [`Status::CONTACT_LOST`] without contact.
+    pub status: Status,
+}
+
+impl<const N: usize> Radial<N> {
+    /// Creates the bearing with evenly spaced elements, the first at `first`. For set-up: uses `f64` and `libm`.
+    ///
+    /// # Errors
+    /// A stiffness or range that is not above 0, an exponent outside 1 to 2, a play above a quarter of the range, no elements.
+    pub fn try_new(first: Phase, of: &RadialParams) -> Result<Self, InvalidParameter> {
+        let RadialParams { stiffness, exponent, radial_play, range } = *of;
+        check(stiffness > 0.0, "stiffness", stiffness, "above 0")?;
+        check((1.0..=2.0).contains(&exponent), "exponent", exponent, "1 to 2")?;
+        check(range > 0.0, "range", range, "above 0 m")?;
+        check(radial_play.abs() <= 0.25 * range, "radial_play", radial_play, "at most a quarter of the range")?;
+        check(N > 0, "elements", N as f64, "1 or more")?;
+        let rounded = |x: f64| libm::round(x * ONE) as i32;
+        let directions = core::array::from_fn(|j| {
+            let azimuth = super::ElementPosition::<f64>::evenly_spaced(first, j, N);
+            let (cos, sin) = azimuth.direction();
+            [rounded(cos), rounded(sin)]
+        });
+        let line = |i: usize| libm::pow(0.5 + 0.5 * i as f64 / LINES as f64, exponent);
+        let step = |k: usize| libm::pow(0.5, exponent * k as f64) / N as f64;
+        // The deflection of 2^31 counts is twice the range.
+        let largest = stiffness * libm::pow(2.0 * range, exponent) * N as f64;
+        check(largest.is_finite(), "stiffness", stiffness, "one whose force at the range is finite")?;
+        Ok(Self {
+            directions,
+            play: rounded(radial_play / range),
+            shape: core::array::from_fn(|i| libm::round(line(i) * 2.0 * ONE) as u32),
+            // Only the deflection 0 is shifted by 31.
+            scale: core::array::from_fn(|k| if k < 31 { libm::round(step(k) * 2.0 * ONE) as u32 } else { 0 }),
+            metres_per_count: 0.5 * range / ONE,
+            newtons_per_count: largest / ONE,
+        })
+    }
+
+    /// Returns the displacement of one count, m.
+    #[must_use]
+    pub const fn metres_per_count(&self) -> f64 {
+        self.metres_per_count
+    }
+
+    /// Returns the force of one count, N.
+    #[must_use]
+    pub const fn newtons_per_count(&self) -> f64 {
+        self.newtons_per_count
+    }
+
+    /// Computes the force on the inner ring at the displacement `u` along X and `v` along Y, in counts of [`Radial::metres_per_count`]; any
+    /// counts are valid.
+    #[must_use]
+    pub fn reaction(&self, u: i32, v: i32, cage: Phase) -> Reaction {
+        let (cos, sin) = (sine(cage.wrapping_add(Phase(1 << 62))), sine(cage));
+        // In the frame of the cage, and in units of 2^-30 of the range.
+        let x = (product(u, cos) + product(v, sin)) >> 31;
+        let y = (product(v, cos) - product(u, sin)) >> 31;
+        let (x, y) = (x as i32, y as i32);
+        let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
+        for [cos, sin] in self.directions {
+            let deflection = ((product(x, cos) + product(y, sin)) >> 30) as i32 - self.play;
+            let of_element = self.load(positive_part(deflection));
+            sum_x += product(of_element as i32, cos);
+            sum_y += product(of_element as i32, sin);
+            load += of_element;
+        }
+        let (x, y) = ((sum_x >> 30) as i32, (sum_y >> 30) as i32);
+        Reaction {
+            fx: -((product(x, cos) - product(y, sin)) >> 30) as i32,
+            fy: -((product(x, sin) + product(y, cos)) >> 30) as i32,
+            load: load as i32,
+            // The load is below 2^31: the difference borrows where it is 0, without a branch.
+            status: Status::from_bits(Status::CONTACT_LOST.bits() * (load.wrapping_sub(1) >> 31) as u8),
+        }
+    }
+
+    /// Returns the load of an element at a deflection below 2^31, in units of 2^-30 of `N` elements at twice the range.
+    #[inline(always)]
+    fn load(&self, deflection: u32) -> u32 {
+        let (mantissa, k) = normalised(deflection);
+        let line = (mantissa >> 23) as usize & (LINES - 1);
+        let along = (mantissa >> 7) & 0xffff;
+        let [from, to] = [self.shape[line], self.shape[line + 1]];
+        let shape = from + ((((to - from) >> 9) * along) >> 7);
+        ((u64::from(shape) * u64::from(self.scale[k as usize & 31])) >> 32) as u32
+    }
+}
+
+/// Returns a product, in whose units two factors of 2^-30 make 2^-60.
+#[inline(always)]
+fn product(a: i32, b: i32) -> i64 {
+    i64::from(a) * i64::from(b)
+}
+
+/// Returns `x` if it is positive, else 0, without a branch.
+#[inline(always)]
+fn positive_part(x: i32) -> u32 {
+    (x & !(x >> 31)) as u32
+}
+
+/// Returns a number below 2^31, shifted to the left until it is 2^30 or more, and the shift; 0 and 31 for 0. Counted without a branch: a core
+/// without the instruction for it has a loop or a table.
+#[inline(always)]
+fn normalised(mut x: u32) -> (u32, u32) {
+    let mut shift = 0;
+    for step in [16, 8, 4, 2, 1] {
+        // 1 where the number is below 2^(31 - step): the difference borrows.
+        let by = (x.wrapping_sub(1 << (31 - step)) >> 31) * step;
+        x <<= by;
+        shift += by;
+    }
+    (x, shift)
+}
+
+/// Returns the sine of an angle in units of 2^-30, to 1e-8.
+#[inline(always)]
+fn sine(angle: Phase) -> i32 {
+    let angle = (angle.0 >> 32) as i32;
+    // In the second and third quarter of a turn the angle from the other zero: half a turn less the angle.
+    let is_beyond = (angle ^ (angle << 1)) >> 31;
+    let w = i64::from((angle ^ is_beyond).wrapping_add(is_beyond & (i32::MIN + 1)));
+    let square = (w * w) >> 30;
+    let [a, b, c, d, e] = SINE;
+    let series = a + ((square * (b + ((square * (c + ((square * (d + ((square * e) >> 30))) >> 30))) >> 30))) >> 30);
+    ((series * w) >> 30) as i32
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::bearing::lumped;
+    use crate::bearing::{Bearing, evenly_spaced};
+    use crate::contact::law::PowerLaw;
+    use crate::frame::Displacement;
+    use crate::math::Exact;
+
+    /// Pseudo-random numbers from 0 to 1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / 9_007_199_254_740_992.0
+        }
+    }
+
+    #[test]
+    fn a_sine_is_that_of_libm() {
+        let mut number = numbers();
+        let edges = [0.0, 0.25, 0.5, 0.75, 0.999_999_999];
+        for turns in edges.into_iter().chain((0..10_000).map(|_| number())) {
+            let found = f64::from(sine(Phase::from_revolutions(turns))) / ONE;
+            assert!((found - libm::sin(core::f64::consts::TAU * turns)).abs() < 1e-8, "{turns}: {found}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_normalised() {
+        for x in (0..31).flat_map(|bit| [1_u32 << bit, (1 << bit) | 1, (2 << bit) - 1]) {
+            assert_eq!(normalised(x), (x << (x.leading_zeros() - 1), x.leading_zeros() - 1), "{x}");
+        }
+        assert_eq!(normalised(0), (0, 31));
+    }
+
+    /// The force is that of the model in `f64`, to the stated share of the sum of the loads and two counts per element.
+    #[test]
+    fn the_force_is_that_of_the_lumped_model() {
+        for (exponent, stiffness, share) in [(1.5, 8e9, 6e-6), (10.0 / 9.0, 3e8, 1.5e-6), (1.0, 1e8, 3e-7)] {
+            for radial_play in [5e-6, 0.0, -3e-6] {
+                let params = RadialParams { stiffness, exponent, radial_play, range: 100e-6 };
+                let fixed = Radial::<9>::try_new(Phase::from_revolutions(0.1), &params).unwrap();
+                let positions = evenly_spaced::<f64, 9>(Phase::from_revolutions(0.1));
+                let law = PowerLaw { stiffness, exponent };
+                let float = lumped::Radial::<f64, Exact, _, _>::try_new(positions, law, radial_play).unwrap();
+                let (mut number, per_count) = (numbers(), fixed.newtons_per_count());
+                for i in 0..3000 {
+                    // Motions of all sizes, up to the range.
+                    let (size, angle) = (100e-6 * libm::pow(10.0, -4.0 * number()), core::f64::consts::TAU * number());
+                    let counts = [libm::cos(angle), libm::sin(angle)]
+                        .map(|x| (0.999 * size * x / fixed.metres_per_count()) as i32);
+                    let cage = Phase::from_revolutions(number());
+                    let [u, v] = counts.map(|x| f64::from(x) * fixed.metres_per_count());
+                    let expected = float.reaction(&Displacement { u, v, ..Displacement::default() }, &cage.into());
+                    let found = fixed.reaction(counts[0], counts[1], cage);
+                    // The sine is off by 1e-8 of the displacement, which the stiffness amplifies.
+                    let allowed = share * expected.load
+                        + 20.0 * per_count
+                        + 1e-7 * float_stiffness(stiffness, exponent, size) * size;
+                    for (found, expected) in
+                        [(found.fx, expected.wrench.fx), (found.fy, expected.wrench.fy), (found.load, expected.load)]
+                    {
+                        let found = f64::from(found) * per_count;
+                        assert!((found - expected).abs() < allowed, "{i}: {size:e} m: {found} {expected} +-{allowed}");
+                    }
+                    let lost = expected.load == 0.0;
+                    assert!(found.status.contains(Status::CONTACT_LOST) || !lost || found.load <= 9);
+                }
+            }
+        }
+    }
+
+    fn float_stiffness(stiffness: f64, exponent: f64, size: f64) -> f64 {
+        9.0 * exponent * stiffness * libm::pow(2.0 * size, exponent - 1.0)
+    }
+
+    /// No counts overflow, and the force stays within its own.
+    #[test]
+    fn any_counts_have_a_force() {
+        for radial_play in [25e-6, -25e-6] {
+            let params = RadialParams { stiffness: 8e9, exponent: 1.5, radial_play, range: 100e-6 };
+            let bearing = Radial::<1>::try_new(Phase::ZERO, &params).unwrap();
+            for u in [i32::MIN, i32::MIN + 1, -1, 0, 1, i32::MAX] {
+                for v in [i32::MIN, -1, 0, i32::MAX] {
+                    for eighth in 0..8 {
+                        let force = bearing.reaction(u, v, Phase(eighth << 61));
+                        assert!((0..=1 << 30).contains(&force.load), "{u} {v} {eighth}: {force:?}");
+                        assert_eq!(force.status == Status::CONTACT_LOST, force.load == 0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_parameters_are_rejected() {
+        let params = RadialParams { stiffness: 8e9, exponent: 1.5, radial_play: 0.0, range: 100e-6 };
+        for (params, name) in [
+            (RadialParams { stiffness: f64::NAN, ..params }, "stiffness"),
+            (RadialParams { stiffness: 1e308, exponent: 1.0, range: 1e6, ..params }, "stiffness"),
+            (RadialParams { exponent: 0.9, ..params }, "exponent"),
+            (RadialParams { range: 0.0, ..params }, "range"),
+            (RadialParams { radial_play: 26e-6, ..params }, "radial_play"),
+        ] {
+            assert_eq!(Radial::<8>::try_new(Phase::ZERO, &params).unwrap_err().name, name);
+        }
+        assert_eq!(Radial::<0>::try_new(Phase::ZERO, &params).unwrap_err().name, "elements");
+    }
+}
