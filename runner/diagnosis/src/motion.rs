@@ -56,6 +56,12 @@ impl Motion {
         self.angle.iter().map(of).collect()
     }
 
+    /// Returns true where the measured speed changes.
+    pub(crate) fn is_turning_unevenly(&self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        self.speed.iter().any(|speed| (speed - self.mean_speed).abs() > ROUNDING * self.mean_speed.abs())
+    }
+
     /// Returns the motion at a shaft angle that is larger by `error`, rad, sample by sample.
     pub(crate) fn turned(&self, error: &dyn Fn(usize) -> f64) -> Self {
         let error = |t: usize| error(t) / TAU;

@@ -91,6 +91,19 @@ impl Plant {
     /// # Errors
     /// A bearing without model, no rotor, too many bearings, a parameter that the kernel rejects, an unsupported rotor.
     pub fn try_new(scene: &Scene) -> Result<Self> {
+        Self::with_coordinates(scene, None)
+    }
+
+    /// Creates the plant of a scene of the same machine with other values: with the coordinates of `like`, whose error is not found again. For
+    /// searches, which evaluate many.
+    ///
+    /// # Errors
+    /// As [`Plant::try_new`].
+    pub fn alike(scene: &Scene, like: &Self) -> Result<Self> {
+        Self::with_coordinates(scene, Some(like))
+    }
+
+    fn with_coordinates(scene: &Scene, like: Option<&Self>) -> Result<Self> {
         build::check_forces(scene)?;
         if scene.rotor.is_none() && scene.system.is_none() {
             return Err(PlantError::NoRotor { file: scene.path.clone() });
@@ -106,7 +119,10 @@ impl Plant {
         let flexible = scene.rotor.as_ref().and_then(|r| r.flexible.as_ref());
         let body = match (&scene.system, flexible) {
             (Some(system), _) => Body::Given(Given::read(scene, system)?),
-            (None, Some(rotor)) => Body::Flexible(reduction::first(scene, rotor, &mounted)?),
+            (None, Some(rotor)) => Body::Flexible(match like.and_then(|like| like.layout.flexible()) {
+                Some(like) => reduction::alike(scene, rotor, &mounted, like)?,
+                None => reduction::first(scene, rotor, &mounted)?,
+            }),
             (None, None) => Body::Rigid,
         };
         let layout = Layout::new(body, &scene.bearings, &mounted);
@@ -129,7 +145,10 @@ impl Plant {
             notes: bearing_notes(scene)?,
         };
         plant.settle()?;
-        plant.refine(scene)?;
+        match like {
+            Some(like) => plant.reduction = like.reduction,
+            None => plant.refine(scene)?,
+        }
         let linearised: Vec<bool> = scene.bearings.iter().map(Bearing::is_linearised).collect();
         if linearised.contains(&true) {
             plant = plant.linearised(&linearised)?;

@@ -57,6 +57,16 @@ pub(super) fn first(scene: &Scene, rotor: &FlexibleRotor, mounted: &[MountedBear
     reduced(scene, free(scene, rotor, mounted)?, mounted, (count, &[]))
 }
 
+/// Returns the reduction with the coordinates of another one of the same rotor.
+pub(super) fn alike(
+    scene: &Scene,
+    rotor: &FlexibleRotor,
+    mounted: &[MountedBearing],
+    like: &ReducedRotor,
+) -> Result<ReducedRotor> {
+    reduced(scene, free(scene, rotor, mounted)?, mounted, (like.elastic(), &like.axial_forces))
+}
+
 /// Reduces the mesh of a rotor to `count` elastic coordinates in each plane, and one for the axial force at each of the stations `axial`.
 fn reduced(
     scene: &Scene,

@@ -10,7 +10,6 @@ pub use mode_shape::{ModeShape, ModeShapePoint, mode_shapes, nominal_mode_shapes
 use ballrace_base::eigenvalues::{eigenvalues, resolution};
 use ballrace_outcome::RotorOutcome;
 use ballrace_plant::{Plant, PlantError, Result};
-use ballrace_scene::flexible_rotor::ReducedRotor;
 use ballrace_scene::{Scene, Speed};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::Serialize;
@@ -77,24 +76,17 @@ const ROUND: f64 = 1e-3;
 /// # Errors
 /// Returns an error if the scene has no rotor, the kernel rejects a parameter or eigenvalues cannot be computed.
 pub fn campbell(scene: &Scene, speeds: &[f64]) -> Result<Vec<AtSpeed>> {
-    let at_speed = |scene: &Scene, speed: f64| {
+    let at_speed = |speed: f64| {
         let mut turning = scene.clone();
         turning.shaft.speed = Speed::Constant(speed);
         turning
     };
-    let mut scene = scene.clone();
+    // Every speed uses the coordinates that the highest speed requires, so that the curves do not jump.
     let highest = speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max);
-    if scene.rotor.as_ref().is_some_and(|rotor| rotor.flexible.is_some()) {
-        // Every speed uses the coordinates that the highest speed requires, so that the curves do not jump.
-        let elastic = Plant::try_new(&at_speed(&scene, highest))?.layout.flexible().map(ReducedRotor::elastic);
-        let drawn = scene.rotor.as_mut().and_then(|rotor| rotor.flexible.as_mut());
-        if let (Some(drawn), Some(elastic)) = (drawn, elastic) {
-            drawn.coordinates.get_or_insert(5 + 2 * elastic);
-        }
-    }
+    let of_highest = Plant::try_new(&at_speed(highest))?;
     let at = |&speed: &f64| -> Result<AtSpeed> {
-        let turning = at_speed(&scene, speed);
-        let plant = Plant::try_new(&turning)?;
+        let turning = at_speed(speed);
+        let plant = Plant::alike(&turning, &of_highest)?;
         let modes = modes(&plant, speed, true)?;
         Ok(AtSpeed { speed_rpm: speed * 60.0 / TAU, modes, rotor: plant.rotor_outcome(&turning) })
     };

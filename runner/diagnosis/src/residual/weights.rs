@@ -151,19 +151,22 @@ impl Evidence<'_> {
     }
 
     /// Returns the motion at a shaft angle with errors as the instants of the marks leave them where the speed is no divisor of the rate: each is
-    /// smoothed with its neighbours and interpolated between them.
-    fn motion_by_instants(&self, normal: &mut Normal) -> Motion {
+    /// smoothed with its neighbours and interpolated between them. `None` at a speed without any change: all marks are off by the same.
+    fn motion_by_instants(&self, normal: &mut Normal) -> Option<Motion> {
+        if !self.motion.is_turning_unevenly() {
+            return None;
+        }
         let turns = &self.motion.turns;
         let first = turns.iter().copied().fold(f64::INFINITY, f64::min);
         let last = turns.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let marks: Vec<f64> =
             (0..(last - first) as usize + 1 + MARKS).map(|_| self.instant_error() * normal.next()).collect();
         let smooth: Vec<f64> = marks.windows(MARKS).map(|marks| marks.iter().sum::<f64>() / MARKS as f64).collect();
-        self.motion.turned(&|t| {
+        Some(self.motion.turned(&|t| {
             let at = turns[t] - first;
             let (mark, share) = (at as usize, at.fract());
             smooth[mark] * (1.0 - share) + smooth[mark + 1] * share
-        })
+        }))
     }
 
     pub(super) fn own_whitening(&self, own: &MeanStiffness) -> Vec<Vec<[C; D]>> {
@@ -310,8 +313,9 @@ impl Evidence<'_> {
                 add(&mut force, b, &|t| changes[t].0);
                 add(&mut correction, b, &|t| changes[t].1.map(|x| -x / DRAWS as f64));
             }
-            if self.site.is_none() {
-                let motion = self.motion_by_instants(&mut normal);
+            if self.site.is_none()
+                && let Some(motion) = self.motion_by_instants(&mut normal)
+            {
                 let (with, without) = (motion.unit_unbalance(), self.motion.unit_unbalance());
                 let lines = self.transform.pair(0, |t| with[t][0] - without[t][0], |t| with[t][1] - without[t][1]);
                 for (sum, part) in force.iter_mut().zip(self.shaft.dynamics.unbalance(machine.unbalance, &lines)) {

@@ -274,7 +274,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     let last = of.samples.last().unwrap_or(first);
     let turns = turns_of(last) - total;
     let (all_turns, time) = (turns.abs(), (plan.time_limit, end));
-    let model = Model { of, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at, all_turns, time };
+    let model = Model { of, plant: &plant, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at, all_turns, time };
     let before = model.residuals(&at)?;
     let everything = model.search(progress)?;
     let open = covariance(&everything, &model);
@@ -381,6 +381,8 @@ fn turns_of(sample: &Sample) -> f64 {
 #[derive(Clone, Copy)]
 struct Model<'a> {
     of: &'a FitInput<'a>,
+    /// Plant of the scene: those of the search have its coordinates.
+    plant: &'a Plant,
     rows: &'a [Vec<f64>],
     sigma: &'a [f64],
     unknown: &'a [Parameter],
@@ -527,7 +529,7 @@ impl Model<'_> {
         }
         let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());
         let scene = with(self.of.scene, self.unknown, &values);
-        let plant = Plant::try_new(&scene)?;
+        let plant = Plant::alike(&scene, self.plant)?;
         let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
         let given = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
         let Some(first) = self.of.samples.first() else { return Ok(vec![]) };
