@@ -4,7 +4,7 @@ use super::super::Result;
 use super::super::dynamics::{Square, Tangent};
 use super::super::machine::{Evaluated, Machine};
 use super::super::motion::{C, D, Motion};
-use super::super::parameter::Unknown;
+use super::super::parameter::{ForceSource, Unknown};
 use super::dot;
 use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
 use ballrace::Displacement;
@@ -130,18 +130,17 @@ impl Evidence<'_> {
         Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
     }
 
-    /// Returns the change of the residual by a shaft angle that is larger by one deviation: the instant at which the mark passes the keyphasor is
-    /// known to a sample. `None` at a site, whose unbalance is less known than that.
+    /// Returns the change of the residual by the unbalance at a shaft angle that is larger by one deviation: the instant at which the mark passes the
+    /// keyphasor is known to a sample. The angle of a cage is an unknown of its own. `None` at a site, whose unbalance is less known than that.
     fn instant_slope(&self, spectra: &Spectra, machine: &Machine) -> Result<Option<Vec<f64>>> {
         if self.site.is_some() {
             return Ok(None);
         }
         let error = self.instant_error();
-        let motion = self.motion.turned(&|_| error);
-        let unit = motion.unit_unbalance();
+        let unit = self.motion.turned(&|_| error).unit_unbalance();
         let lines = self.transform.pair(0, |t| unit[t][0], |t| unit[t][1]);
-        let other = Self { motion: Arc::new(motion), unit_unbalance_lines: Arc::new(lines), ..self.clone() };
-        let changed = other.residual(&other.spectra(machine)?);
+        let other = Self { unit_unbalance_lines: Arc::new(lines), ..self.clone() };
+        let changed = other.residual(&other.changed(spectra, machine, ForceSource::Rotor)?);
         Ok(Some(changed.iter().zip(self.residual(spectra)).map(|(a, b)| a - b).collect()))
     }
 
