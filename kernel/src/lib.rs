@@ -3,10 +3,12 @@
 #![deny(unsafe_code)]
 
 pub mod bearing;
+pub mod block;
 mod choice;
 pub mod contact;
 pub mod frame;
 pub mod kinematic_state;
+pub mod log;
 pub mod math;
 pub mod phase;
 pub mod probe;

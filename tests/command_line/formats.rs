@@ -156,6 +156,32 @@ fn the_same_figures_from_sound() {
     assert_eq!(figures(&sandbox, "r.wav"), figures(&sandbox, "healthy.csv"));
 }
 
+/// The log of a device, frame by frame, gives the figures of the same readings as text; a damaged frame is a flaw with its place.
+#[test]
+fn the_same_figures_from_frames() {
+    let (names, columns) = table();
+    let reading = |name: &str, row: usize| columns[names.iter().position(|own| own == name).unwrap()][row] as f32;
+    let used = ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um", "keyphasor"];
+    let row = |row: usize| used.map(|name| reading(name, row));
+    let frame = |i: usize| ballrace::log::frame::<6, 32>(i as u32, &row(i));
+    let text = |i: usize| row(i).map(|x| f64::from(x).to_string()).join(",") + "\n";
+    let rows: String = (0..SHORT).map(text).collect();
+    let sandbox = Sandbox::with(DEMO_SCENE, &(used.join(",") + "\n" + &rows));
+    let mut bytes: Vec<u8> = (0..SHORT).flat_map(frame).collect();
+    sandbox.put("r.frames", &bytes);
+    assert_eq!(figures(&sandbox, "r.frames"), figures(&sandbox, "healthy.csv"));
+
+    bytes[32 * 1000 + 7] ^= 4;
+    sandbox.put("r.frames", &bytes);
+    let outcome = sandbox.replay("scene.toml", &["--recording", "r.frames"]);
+    let flaws = outcome["flaws"].as_array().unwrap();
+    let at = |kind: &str| flaws.iter().find(|flaw| flaw["kind"] == kind).map(|flaw| flaw["places"][0]["index"].clone());
+    assert_eq!([at("damaged_frame"), at("gap")], [Some(1001.into()), Some(1001.into())], "{outcome:#}");
+    sandbox.put("r.frames", &bytes[..31]);
+    let said = "r.frames: unreadable file: no frame of 32 bytes with the right checksum in ";
+    sandbox.refused(&["replay", "scene.toml", "--recording", "r.frames"], 1, &[said]);
+}
+
 #[test]
 fn files_that_contradict_the_scene() {
     let sandbox = Sandbox::rig();

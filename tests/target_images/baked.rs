@@ -7,6 +7,8 @@ pub mod bearings;
 #[path = "../target/baked/src/flexible.rs"]
 #[rustfmt::skip]
 mod flexible;
+#[path = "../target/baked/src/framed.rs"]
+mod framed;
 #[path = "../target/baked/src/log.rs"]
 #[expect(dead_code, reason = "the columns are those of the replay in tests/command_line/bake.rs")]
 mod log;
@@ -35,6 +37,10 @@ fn expected() -> String {
         lines += &format!("rotor,{i}{bits}\n");
     })
     .expect("symmetric matrices");
+    let mut device = framed::device();
+    for i in 0..framed::SAMPLES {
+        lines += &format!("frame,{}\n", framed::Row::new(&mut device, i));
+    }
     lines
 }
 

@@ -94,6 +94,11 @@ struct ballrace_rotor;
 #define BALLRACE_ENVELOPE_SIZE 88
 
 /**
+ * Size of `ballrace_probe`, bytes.
+ */
+#define BALLRACE_PROBE_SIZE 44
+
+/**
  * No flag.
  */
 #define BALLRACE_OK 0
@@ -132,6 +137,11 @@ struct ballrace_rotor;
  * The normalised innovation squared exceeds the gate of the observer; the sample corrects nothing.
  */
 #define BALLRACE_INNOVATION_REJECTED 64
+
+/**
+ * A reading is outside the linear range of its probe or does not change; the probe has its last valid displacement.
+ */
+#define BALLRACE_INPUT_NOT_OK 128
 
 /**
  * A state was not initialised, or by another version of the library. The call has no effect.
@@ -397,6 +407,58 @@ typedef struct ballrace_invalid_parameter {
      */
     double found;
 } ballrace_invalid_parameter;
+
+/**
+ * Parameters and state of one probe. Opaque: `ballrace_probe_init` writes it.
+ */
+typedef struct ballrace_probe {
+    /**
+     * Private.
+     */
+    uint32_t words[11];
+} ballrace_probe;
+
+/**
+ * A bearing whose displacement channels measure, and where its shaft and cage are.
+ */
+typedef struct ballrace_probed_bearing {
+    /**
+     * Head of the bearing.
+     */
+    const struct ballrace_bearing *bearing;
+    /**
+     * Last valid force.
+     */
+    struct ballrace_last_valid *last_valid;
+    /**
+     * Initialised probes in the order in which the buffer has their channels; not read where the buffer has metres.
+     */
+    struct ballrace_probe *probes;
+    /**
+     * Displacement of the bearing per metre of each channel, five floats a channel: the probe along X has 1 and four times 0.
+     */
+    const float *directions;
+    /**
+     * Number of channels.
+     */
+    uint32_t channel_count;
+    /**
+     * Displacement where all channels read 0, such as that by preload.
+     */
+    float offset[5];
+    /**
+     * Speed of the cage by that of the shaft, from `ballrace_speed_ratio`.
+     */
+    int64_t cage_ratio;
+    /**
+     * Angle of the shaft at the last sample, 2^-64 revolutions.
+     */
+    uint64_t shaft;
+    /**
+     * Angle of the cage at the last sample, 2^-64 revolutions.
+     */
+    uint64_t cage;
+} ballrace_probed_bearing;
 
 /**
  * Displacements and speeds of the 1024 evaluations of a checksum. `ballrace bake --language c` writes it.
@@ -820,6 +882,28 @@ typedef struct ballrace_order_sums {
      */
     uint32_t words[4];
 } ballrace_order_sums;
+
+/**
+ * Scale and limits of a probe.
+ */
+typedef struct ballrace_probe_params {
+    /**
+     * Displacement at the count 0, m.
+     */
+    float at_zero;
+    /**
+     * Displacement per count, m; its sign is the direction in which the count rises.
+     */
+    float per_count;
+    /**
+     * Smallest and largest count of the linear range of the transducer, both inside the rails of the converter.
+     */
+    uint32_t linear_range[2];
+    /**
+     * Samples without any change of the count after which the channel is stuck; 0: it may stand still.
+     */
+    uint32_t stuck_after;
+} ballrace_probe_params;
 
 /**
  * State of a rotor. Opaque: `ballrace_rotor_state_init` writes it.
@@ -1538,6 +1622,54 @@ uint32_t ballrace_elements_evenly_spaced(struct ballrace_element *elements,
 uint32_t ballrace_elements_mirror(struct ballrace_element *elements, uint32_t count);
 
 /**
+ * Computes force and status of every sample of a buffer of unsigned counts: `channel_count` of them a sample, in the order of the probes. The
+ * shaft turns by `turned` (2^-64 revolutions) before each sample, at `inner_speed` (rad/s). Writes five floats a sample to `wrenches` and the
+ * status bits, as of `ballrace_sample_at` and of the probes, to `statuses`; returns the bits of all samples.
+ *
+ * Every sample takes the same number of instructions.
+ *
+ * Preconditions:
+ * `end` points to a struct with valid pointers that no other thread or interrupt uses; `buffer` has `sample_count * channel_count` entries,
+ * `wrenches` five times and `statuses` once `sample_count`.
+ */
+uint32_t ballrace_block_u16(struct ballrace_probed_bearing *end,
+                            const uint16_t *buffer,
+                            uint32_t sample_count,
+                            int64_t turned,
+                            float inner_speed,
+                            float *wrenches,
+                            uint32_t *statuses);
+
+/**
+ * As `ballrace_block_u16`, for a converter with a sign: a probe takes its counts in offset binary, in which -32768 is the count 0 and 0 the
+ * count 32768.
+ *
+ * Preconditions:
+ * As `ballrace_block_u16`.
+ */
+uint32_t ballrace_block_i16(struct ballrace_probed_bearing *end,
+                            const int16_t *buffer,
+                            uint32_t sample_count,
+                            int64_t turned,
+                            float inner_speed,
+                            float *wrenches,
+                            uint32_t *statuses);
+
+/**
+ * As `ballrace_block_u16`, for readings that are metres already. A reading that is not finite is flagged by the bearing.
+ *
+ * Preconditions:
+ * As `ballrace_block_u16`; the probes are not read.
+ */
+uint32_t ballrace_block_metres(struct ballrace_probed_bearing *end,
+                               const float *buffer,
+                               uint32_t sample_count,
+                               int64_t turned,
+                               float inner_speed,
+                               float *wrenches,
+                               uint32_t *statuses);
+
+/**
  * Computes the checksum of 1024 forces by `ballrace_sample_at`: FNV-1a with 64 bits over the bits of force, moment and
  * status. For start-up: a value other than that of `ballrace bake` shows a damaged image. A NULL pointer gives 0.
  *
@@ -1658,6 +1790,21 @@ uint32_t ballrace_last_valid_init(struct ballrace_last_valid *last_valid);
  * `last_valid` points to a struct.
  */
 uint32_t ballrace_held_count(const struct ballrace_last_valid *last_valid);
+
+/**
+ * Writes a frame of `4 (count + 2)` bytes: the sequence number, the readings, and the CRC-32 (IEEE 802.3, as in zlib) of the bytes before it,
+ * all little-endian.
+ *
+ * The readings are those of the columns of a recording in the order probes, sensors, keyphasor or speed, in the units of the scene; one that is
+ * not finite is missing. The number counts samples and wraps. The number of instructions depends on `count` only.
+ *
+ * Preconditions:
+ * `readings` has `count` entries, `frame` has `4 (count + 2)` bytes.
+ */
+uint32_t ballrace_log_frame(uint32_t number,
+                            const float *readings,
+                            uint32_t count,
+                            uint8_t *frame);
 
 /**
  * Initialises a radial ball bearing (n = 3/2) with `&ballrace_lumped_radial_model` and checks its parameters. For set-up;
@@ -1822,6 +1969,51 @@ int64_t ballrace_speed_ratio(double ratio);
  */
 int64_t ballrace_speed_ratio_apply(int64_t ratio,
                                    int64_t delta);
+
+/**
+ * Initialises a probe before its first sample. For set-up. `invalid` may be NULL.
+ *
+ * Preconditions:
+ * `probe` and `params` point to structs, `invalid` to a struct or nothing.
+ */
+uint32_t ballrace_probe_init(struct ballrace_probe *probe,
+                             const struct ballrace_probe_params *params,
+                             struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Writes the displacement at this count, m, or the last valid one with `BALLRACE_INPUT_NOT_OK` where the channel is not OK: a count outside
+ * the linear range, or one that does not change. Before a first valid sample the displacement is 0. Constant number of instructions.
+ *
+ * Preconditions:
+ * `probe` points to an initialised probe that no other thread or interrupt uses, `displacement` to a float.
+ */
+uint32_t ballrace_probe_sample(struct ballrace_probe *probe,
+                               uint32_t counts,
+                               float *displacement);
+
+/**
+ * Returns the age of the displacement in samples: 0 where the last one was valid (saturating), or where the probe is not initialised.
+ *
+ * Preconditions:
+ * `probe` points to a struct.
+ */
+uint32_t ballrace_probe_held_in_a_row(const struct ballrace_probe *probe);
+
+/**
+ * Returns the number of samples since the start or the last reset that were not OK (saturating); 0 for a probe that is not initialised.
+ *
+ * Preconditions:
+ * `probe` points to a struct.
+ */
+uint32_t ballrace_probe_held_count(const struct ballrace_probe *probe);
+
+/**
+ * Forgets samples and counters, after a repair of the channel.
+ *
+ * Preconditions:
+ * `probe` points to a struct.
+ */
+uint32_t ballrace_probe_reset(struct ballrace_probe *probe);
 
 /**
  * Initialises a rotor. For set-up: uses `double`.

@@ -22,6 +22,8 @@ pub const ORDER_SUMS_SIZE: u32 = 16;
 pub const STATISTICS_SIZE: u32 = 64;
 /// Size of `ballrace_envelope`, bytes.
 pub const ENVELOPE_SIZE: u32 = 88;
+/// Size of `ballrace_probe`, bytes.
+pub const PROBE_SIZE: u32 = 44;
 
 const _: () = {
     assert!(LAST_VALID_SIZE as usize == size_of::<LastValid>() && align_of::<LastValid>() <= ALIGNMENT as usize);
@@ -39,5 +41,6 @@ const _: () = {
             && align_of::<OrderAccumulators>() <= ALIGNMENT as usize
     );
     assert!(STATISTICS_SIZE as usize == size_of::<Statistics>() && align_of::<Statistics>() <= ALIGNMENT as usize);
+    assert!(PROBE_SIZE as usize == size_of::<Probe>() && align_of::<Probe>() <= ALIGNMENT as usize);
     assert!(ENVELOPE_SIZE as usize == size_of::<Envelope>() && align_of::<Envelope>() <= ALIGNMENT as usize);
 };

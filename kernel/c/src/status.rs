@@ -19,6 +19,8 @@ pub const GYROSCOPIC_SLIP: u32 = 16;
 pub const OUT_OF_TABLE: u32 = 32;
 /// The normalised innovation squared exceeds the gate of the observer; the sample corrects nothing.
 pub const INNOVATION_REJECTED: u32 = 64;
+/// A reading is outside the linear range of its probe or does not change; the probe has its last valid displacement.
+pub const INPUT_NOT_OK: u32 = 128;
 /// A state was not initialised, or by another version of the library. The call has no effect.
 pub const STATE_INVALID: u32 = 256;
 /// A parameter is outside its range, or a pointer is NULL. The call has no effect.
@@ -36,6 +38,7 @@ const _: () = {
     assert!(GYROSCOPIC_SLIP == Status::GYROSCOPIC_SLIP.bits() as u32);
     assert!(OUT_OF_TABLE == Status::OUT_OF_TABLE.bits() as u32);
     assert!(INNOVATION_REJECTED == Status::INNOVATION_REJECTED.bits() as u32);
+    assert!(INPUT_NOT_OK == Status::INPUT_NOT_OK.bits() as u32);
 };
 
 /// Returns the bits of a reaction, among them that of lost contact.

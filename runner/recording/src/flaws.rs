@@ -22,6 +22,8 @@ pub enum Flaw {
     StrayTimeStamp,
     /// Samples are missing in the file.
     Gap,
+    /// The bytes between two frames are no frame, or one with a wrong checksum. They are omitted.
+    DamagedFrame,
     /// A probe repeats one reading. The sample has no reading there once the probe is known to be stuck.
     StuckProbe,
     /// Many samples are exactly at the highest or lowest reading. The readings are kept.
@@ -234,6 +236,7 @@ impl Entry {
                 format!("{} out of line, {place}: the row is kept in its place", counted(count, "time stamp"))
             }
             Flaw::Gap => format!("{samples} missing in {}, {place}", counted(count, "gap")),
+            Flaw::DamagedFrame => format!("{} omitted, {place}", counted(self.samples, "damaged frame")),
             Flaw::StuckProbe => self.stuck(first, &samples),
             Flaw::ClippedProbe => format!("clipped{} in {samples}, {place}", at_reading(first)),
             Flaw::MissedPulse => {

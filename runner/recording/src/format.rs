@@ -7,8 +7,8 @@ use std::path::Path;
 use super::compressed::{self, Compression};
 use super::error::RecordingError;
 use super::table::Table;
-use super::{csv, hdf5, mat, npy, npz, parquet, tdms, uff, wav};
-use ballrace_scene::FileLayout;
+use super::{csv, frames, hdf5, mat, npy, npz, parquet, tdms, uff, wav};
+use ballrace_scene::{FileLayout, Recording};
 
 /// Function that opens a file of one format.
 type Open = fn(File, &Path, FileLayout) -> Result<Box<dyn Table>, RecordingError>;
@@ -31,7 +31,7 @@ const fn wav(begins: &'static [u8]) -> Format {
     Format { goes_on: (8, b"WAVE"), ..format("wav", begins, |file, path, _| wav::open(file, path)) }
 }
 
-const FORMATS: [Format; 15] = [
+const FORMATS: [Format; 16] = [
     format("mat", b"MATLAB 5.0 MAT-file", |file, path, _| mat::open(file, path)),
     format("mat", b"MATLAB 7.3 MAT-file", |file, path, _| hdf5::open(file, path)),
     format("h5", hdf5::SIGNATURE, |file, path, _| hdf5::open(file, path)),
@@ -47,6 +47,8 @@ const FORMATS: [Format; 15] = [
     wav(wav::BEGINNINGS[3]),
     Format { goes_on: (4, b"\x15"), ..format("parquet", b"PAR1", |file, path, _| parquet::open(file, path)) },
     Format { goes_on: (5, b"\0\0\0"), ..format("tdms", b"TDSm", |file, path, _| tdms::open(file, path)) },
+    // Without a beginning of its own: by the extension.
+    format(frames::ENDING, b"", |_, path, _| Err(frames::without_scene(path))),
 ];
 
 /// Returns true for the extension of a binary format.
@@ -61,6 +63,23 @@ const MAT_VERSION: usize = 124;
 const MAT_VERSIONS: [&[u8]; 2] = [b"\0\x01IM", b"\x01\0MI"];
 /// Extensions of formats whose arrays have an orientation.
 const ORIENTED: [&str; 2] = ["npy", "npz"];
+
+/// Opens the file of a scene as [`open`] does; the columns of frames are those of the scene.
+///
+/// # Errors
+/// As [`open`].
+pub(super) fn open_of_scene(
+    file: File,
+    path: &Path,
+    recording: &Recording,
+) -> Result<(Box<dyn Table>, Option<u64>), RecordingError> {
+    let of_frames = |format: &Format| format.ending == frames::ENDING;
+    if !identified(&[], path, recording.layout).is_ok_and(|format| format.is_some_and(of_frames)) {
+        return open(file, path, recording.layout);
+    }
+    let size = file.metadata().map_err(|cause| RecordingError::Open { file: path.into(), cause })?.len();
+    Ok((frames::open(file, path, recording)?, Some(size)))
+}
 
 /// Opens a file of any format and returns its size, where that is comparable with the bytes read. The format is detected from
 /// the content, then from the extension; compressed files are unpacked.
@@ -106,7 +125,9 @@ fn first_bytes(source: &mut impl Read) -> io::Result<Vec<u8>> {
 /// Returns the binary format of a file with these first bytes or this extension; nothing for text.
 fn identified(begin: &[u8], path: &Path, layout: FileLayout) -> Result<Option<&'static Format>, RecordingError> {
     let has = |at: usize, bytes: &[u8]| begin.get(at..).unwrap_or_default().starts_with(bytes);
-    let by_content = FORMATS.iter().find(|format| has(0, format.begins) && has(format.goes_on.0, format.goes_on.1));
+    let has_beginning = |format: &&Format| !format.begins.is_empty();
+    let mut formats = FORMATS.iter().filter(has_beginning);
+    let by_content = formats.find(|format| has(0, format.begins) && has(format.goes_on.0, format.goes_on.1));
     let is_mat = MAT_VERSIONS.iter().any(|version| has(MAT_VERSION, version));
     let by_content = by_content.or_else(|| FORMATS.iter().find(|format| is_mat && format.ending == "mat"));
     let ending = path.extension().unwrap_or_default();

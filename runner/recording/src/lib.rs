@@ -11,6 +11,7 @@ pub mod error;
 pub mod files;
 pub mod flaws;
 mod format;
+pub mod frames;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod harness;

@@ -20,7 +20,7 @@ use super::format;
 use super::instants::Instants;
 use super::memory::Memory;
 use super::probe::{ProbeWatch, ReadingState};
-use super::table::{Cells, Table};
+use super::table::{Cells, Omitted, Table};
 use ballrace_base::bounded::open_regular;
 use ballrace_base::printable::name;
 use ballrace_scene::units;
@@ -88,10 +88,19 @@ struct Column {
     offset: f64,
 }
 
-/// A row before its sample number is known, with the number of its complete cells.
+/// A row before its sample number is known.
 struct Parsed {
     row: Row,
+    extent: Extent,
+}
+
+/// What the file has of a row.
+#[derive(Clone, Copy)]
+struct Extent {
+    /// Number of complete cells.
     whole: usize,
+    /// Omitted before the row.
+    omitted: Omitted,
 }
 
 /// Source of the sample numbers.
@@ -140,7 +149,7 @@ impl<'a> Reader<'a> {
     pub fn open_file(path: &Path, recording: &Recording) -> Result<Self, RecordingError> {
         let unopened = |cause| RecordingError::Open { file: path.into(), cause };
         let file = open_regular(path).map_err(unopened)?;
-        let (table, size) = format::open(file, path, recording.layout)?;
+        let (table, size) = format::open_of_scene(file, path, recording)?;
         Self::new(table, path, size, recording)
     }
 
@@ -257,8 +266,8 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// A cell that is not a number, a row that is too long, a file that cannot be read further.
     pub fn next_row(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
-        while let Some(whole) = self.fetch(row)? {
-            if self.place(row)? {
+        while let Some(Extent { whole, omitted }) = self.fetch(row)? {
+            if self.place(row, omitted)? {
                 let rate = self.rate();
                 if let Some(instants) = &mut self.instants {
                     row.rotation = instants.next(row.time, rate);
@@ -337,12 +346,12 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Sets `row` to the next row of the file, read ahead or not; returns the number of complete cells.
-    fn fetch(&mut self, row: &mut Row) -> Result<Option<usize>, RecordingError> {
+    /// Sets `row` to the next row of the file, read ahead or not; returns its extent.
+    fn fetch(&mut self, row: &mut Row) -> Result<Option<Extent>, RecordingError> {
         match self.ahead.pop_front() {
             Some(parsed) => {
                 *row = parsed.row;
-                Ok(Some(parsed.whole))
+                Ok(Some(parsed.extent))
             }
             None => self.parse(row),
         }
@@ -350,11 +359,16 @@ impl<'a> Reader<'a> {
 
     fn parse_new(&mut self) -> Result<Option<Parsed>, RecordingError> {
         let mut row = Row::default();
-        Ok(self.parse(&mut row)?.map(|whole| Parsed { row, whole }))
+        Ok(self.parse(&mut row)?.map(|extent| Parsed { row, extent }))
     }
 
-    fn parse(&mut self, row: &mut Row) -> Result<Option<usize>, RecordingError> {
+    fn parse(&mut self, row: &mut Row) -> Result<Option<Extent>, RecordingError> {
         if !self.table.next(&mut self.cells)? {
+            if let Timing::Rate { rate, next } = self.timing {
+                let end = Position { index: next, line: self.cells.line + 1, time: next as f64 / rate };
+                let omitted = std::mem::take(&mut self.cells.omitted);
+                self.note_omitted(omitted, end);
+            }
             return Ok(None);
         }
         // Infinity stands for an overload or for a division by zero, not for a reading.
@@ -363,16 +377,17 @@ impl<'a> Reader<'a> {
         }
         row.line = self.cells.line;
         self.wanted.fill(&self.cells.values, row);
-        Ok(Some(self.cells.whole))
+        Ok(Some(Extent { whole: self.cells.whole, omitted: self.cells.omitted }))
     }
 
     /// Sets sample number and time of the row; returns false where it is omitted.
-    fn place(&mut self, row: &mut Row) -> Result<bool, RecordingError> {
+    fn place(&mut self, row: &mut Row, omitted: Omitted) -> Result<bool, RecordingError> {
         let grid = match &mut self.timing {
             Timing::Rate { rate, next } => {
-                row.index = *next;
-                row.time = *next as f64 / *rate;
-                *next += 1;
+                row.index = *next + omitted.missing;
+                row.time = row.index as f64 / *rate;
+                *next = row.index + 1;
+                self.note_omitted(omitted, Position::from(&*row));
                 return Ok(true);
             }
             Timing::Stamps(grid) => grid,
@@ -387,6 +402,15 @@ impl<'a> Reader<'a> {
             }
         }
         Ok(true)
+    }
+
+    fn note_omitted(&mut self, Omitted { missing, damaged }: Omitted, before: Position) {
+        if damaged > 0 {
+            self.ledger.record(Flaw::DamagedFrame, None, before, damaged);
+        }
+        if missing > 0 {
+            self.ledger.record(Flaw::Gap, None, before, missing);
+        }
     }
 
     /// Checks that stamps without a zone do not go back by one hour and go on from there.

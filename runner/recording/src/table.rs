@@ -98,6 +98,15 @@ pub(super) struct TimeOrigin {
     pub(super) has_date: bool,
 }
 
+/// What a format that counts its samples lacks before a row.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Omitted {
+    /// Number of samples that are missing.
+    pub(super) missing: u64,
+    /// Number of damaged places.
+    pub(super) damaged: u64,
+}
+
 /// The cells of one row that are used.
 #[derive(Default)]
 pub(super) struct Cells {
@@ -107,6 +116,8 @@ pub(super) struct Cells {
     pub(super) values: Vec<f64>,
     /// Number of cells in the row of the file, from its first column.
     pub(super) whole: usize,
+    /// Omitted before the row, or before the end of the file.
+    pub(super) omitted: Omitted,
 }
 
 /// Checks that the columns of the scene have the same number of values, at least one; returns that number.

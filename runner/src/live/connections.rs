@@ -1,7 +1,7 @@
 //! TCP connections: connections with a valid preamble are read one after the other; the others are refused.
 
 use super::feed::{EventSender, StopFlag, lock};
-use super::frames::FrameLayout;
+use ballrace_twin::recording::frames::FrameLayout;
 use socket2::{SockRef, TcpKeepalive};
 use std::io::{ErrorKind, Read};
 use std::net::{SocketAddr, TcpListener, TcpStream};

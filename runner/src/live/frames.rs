@@ -1,12 +1,5 @@
-//! Binary frames: a sequence number and one reading of each column, little-endian.
-//!
-//! A frame consists of the `u32` sequence number, one `f32` for each probe in the order of the scene, and one `f32` for the
-//! keyphasor or speed column if the scene has one, in the units of the scene. The sequence number counts samples and wraps. A
-//! reading that is not finite is missing. Frames with a checksum end with the `u32` CRC-32 (IEEE 802.3, as in zlib) of the
-//! bytes before it.
+//! Sequence numbers of frames from a live source, which may lose, repeat and count anew.
 
-use ballrace_twin::recording::Row;
-use ballrace_twin::scene::Recording;
 use std::time::Instant;
 
 /// Time of acknowledged frames that a source may repeat, in addition to all unacknowledged frames, s.
@@ -163,77 +156,6 @@ impl SequenceTracker {
     }
 }
 
-/// Decoder of frames.
-#[derive(Debug, Clone)]
-pub struct FrameLayout {
-    /// Metres per unit, and offset in metres, of each probe.
-    probes: Vec<[f64; 2]>,
-    /// Number of vibration sensors.
-    sensors: usize,
-    /// Factor of the keyphasor column (1, or volts per unit) or of the speed column (rad/s per unit); `None` without such a column.
-    rotation: Option<f64>,
-    /// Frames end with their CRC-32.
-    has_checksum: bool,
-}
-
-/// Length of a CRC-32, bytes.
-const CHECKSUM_LENGTH: usize = 4;
-
-impl FrameLayout {
-    /// Creates the decoder for the columns of a recording.
-    #[must_use]
-    pub fn new(recording: &Recording, has_checksum: bool) -> Self {
-        Self {
-            probes: recording.probes.iter().map(|p| [p.metres_per_unit, p.offset]).collect(),
-            sensors: recording.sensors.len(),
-            rotation: recording.rotation.factor(),
-            has_checksum,
-        }
-    }
-
-    /// Returns the length of a frame, bytes.
-    #[must_use]
-    pub fn size(&self) -> usize {
-        4 * (1 + self.probes.len() + self.sensors + usize::from(self.rotation.is_some()))
-            + if self.has_checksum { CHECKSUM_LENGTH } else { 0 }
-    }
-
-    /// Returns `true` if the frame has the right length and, for frames with a checksum, the right CRC-32.
-    #[must_use]
-    pub fn is_valid(&self, frame: &[u8]) -> bool {
-        if frame.len() != self.size() {
-            return false;
-        }
-        match frame.split_last_chunk::<CHECKSUM_LENGTH>() {
-            Some((content, crc)) if self.has_checksum => crc32fast::hash(content) == u32::from_le_bytes(*crc),
-            _ => true,
-        }
-    }
-
-    /// Stores the readings of a frame in `row` and returns its sequence number; `None` if the frame is invalid.
-    pub fn read(&self, frame: &[u8], row: &mut Row) -> Option<u32> {
-        if !self.is_valid(frame) {
-            return None;
-        }
-        let mut words = frame.chunks_exact(4).filter_map(|word| <[u8; 4]>::try_from(word).ok());
-        let number = u32::from_le_bytes(words.next()?);
-        let mut values = words.map(|word| f64::from(f32::from_le_bytes(word)));
-        row.probes.clear();
-        for ([unit, offset], value) in self.probes.iter().zip(values.by_ref()) {
-            row.probes.push(if value.is_finite() { value * unit - offset } else { f64::NAN });
-        }
-        row.sensors.clear();
-        row.sensors.extend(values.by_ref().take(self.sensors).map(|x| if x.is_finite() { x } else { f64::NAN }));
-        row.temperatures.clear();
-        row.rotation = match self.rotation.map(|unit| (unit, values.next())) {
-            Some((unit, Some(value))) if value.is_finite() => value * unit,
-            Some(_) => f64::NAN,
-            None => 0.0,
-        };
-        Some(number)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -315,32 +237,5 @@ mod tests {
             assert_eq!(tracker.locate(number, now, Some(900)), FramePosition::Repeated, "{number}");
         }
         assert_eq!(tracker.locate(1000, start, Some(900)), sample(1000, 0));
-    }
-
-    #[test]
-    fn frames_of_a_wrong_size_or_checksum_are_rejected() {
-        for has_checksum in [false, true] {
-            let probes = vec![[1e-6, 0.0], [1e-6, 2e-6]];
-            let layout = FrameLayout { probes, sensors: 2, rotation: Some(1.0), has_checksum };
-            let mut frame = 7_u32.to_le_bytes().to_vec();
-            for value in [1.5_f32, f32::INFINITY, 0.25, f32::NAN, 1.0] {
-                frame.extend(value.to_le_bytes());
-            }
-            if has_checksum {
-                frame.extend(crc32fast::hash(&frame).to_le_bytes());
-            }
-            let mut row = Row::default();
-            assert_eq!(layout.read(&frame, &mut row), Some(7));
-            assert_eq!((row.probes[0], row.rotation), (1.5e-6, 1.0));
-            assert!(row.probes[1].is_nan() && row.sensors[0] == 0.25 && row.sensors[1].is_nan());
-            for size in 0..frame.len() {
-                assert_eq!(layout.read(&frame[..size], &mut row), None);
-            }
-            for byte in 0..if has_checksum { frame.len() } else { 0 } {
-                let mut wrong = frame.clone();
-                wrong[byte] ^= 1;
-                assert_eq!(layout.read(&wrong, &mut row), None);
-            }
-        }
     }
 }

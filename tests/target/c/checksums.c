@@ -1,4 +1,5 @@
 /* Checksums of the results of every call: `name;checksum`. */
+#include "blocks.h"
 #include "board.h"
 #include "inputs.h"
 #include "machine.h"
@@ -69,6 +70,48 @@ static void bearing(const struct subject *subject)
     add_bits(ballrace_held_count(&held));
     add_bits(ballrace_held_count(&held_at));
     end(subject->name);
+}
+
+/* Buffers of all kinds, one after the other through the same probes. */
+static void blocks(void)
+{
+    struct block_buffer buffer;
+    float wrenches[5 * BLOCK_SAMPLES], there;
+    uint32_t statuses[BLOCK_SAMPLES];
+    start();
+    for (int s = 0; s < SUBJECT_COUNT; s++) {
+        add_bits(block_start(subjects[s].bearing, 1));
+        for (uint32_t i = 1; i <= 12; i++) {
+            block_fill(&buffer, i);
+            const uint32_t n = BLOCK_SAMPLES;
+            const int64_t turned = BLOCK_TURNED;
+            const float speed = BLOCK_SPEED;
+            uint32_t all = i % 3 == 0   ? ballrace_block_u16(&block_end, buffer.counts, n, turned, speed, wrenches, statuses)
+                           : i % 3 == 1 ? ballrace_block_i16(&block_end, buffer.signed_counts, n, turned, speed, wrenches, statuses)
+                                        : ballrace_block_metres(&block_end, buffer.metres, n, turned, speed, wrenches, statuses);
+            add_bits(all);
+            add(wrenches, 5 * n);
+            for (uint32_t k = 0; k < n; k++) add_bits(statuses[k]);
+        }
+        add_phase(block_end.shaft);
+        add_phase(block_end.cage);
+        add_bits(ballrace_held_count(&block_last_valid));
+        for (int k = 0; k < 2; k++) {
+            add_bits(ballrace_probe_held_in_a_row(&block_probes[k]));
+            add_bits(ballrace_probe_held_count(&block_probes[k]));
+            add_bits(ballrace_probe_sample(&block_probes[k], 40000, &there));
+            add(&there, 1);
+        }
+    }
+    for (uint32_t i = 1; i <= INPUT_COUNT; i++) {
+        const struct input in = finite_input(i);
+        uint8_t frame[4 * 6];
+        add_bits(ballrace_log_frame((uint32_t)in.cage, in.displacement, 4, frame));
+        for (uint32_t k = 0; k < sizeof frame; k++) add_bits(frame[k]);
+    }
+    add_bits(ballrace_probe_reset(&block_probes[0]));
+    add_bits(ballrace_probe_held_count(&block_probes[0]));
+    end("blocks");
 }
 
 static void phases(void)
@@ -207,6 +250,15 @@ static void misuse(void)
     add_bits(ballrace_rotor_step(&rotor_on_2, &state, &shaft));
     add_bits(ballrace_angular_init(&angular, &geometry, BALLRACE_DATUM_CENTRED, angular_9.head.elements, 9, &invalid));
     for (uint32_t i = 0; i < invalid.name_length; i++) add_bits((uint32_t)invalid.name[i]);
+    const ballrace_probe_params no_range = { 0.0f, 1e-6f, { 7, 7 }, 0 };
+    ballrace_probe probe = { { 0 } };
+    add_bits(ballrace_probe_sample(&probe, 0, wrench));
+    add_bits(ballrace_probe_init(&probe, &no_range, &invalid));
+    for (uint32_t i = 0; i < invalid.name_length; i++) add_bits((uint32_t)invalid.name[i]);
+    block_start(subjects[0].bearing, 1);
+    block_end.probes = &probe;
+    block_end.channel_count = 1;
+    add_bits(ballrace_block_u16(&block_end, (const uint16_t[1]){ 7 }, 1, 0, 0.0f, wrench, (uint32_t[1]){ 0 }));
     add_bits(ballrace_angular_init(&angular, &geometry, 2, angular_9.head.elements, 9, NULL));
     end("misuse");
 }
@@ -218,6 +270,7 @@ void run(void)
         return;
     }
     for (int i = 0; i < SUBJECT_COUNT; i++) bearing(&subjects[i]);
+    blocks();
     phases();
     rotor(&rotor_on_2, "rotor on 2 bearings");
     rotor(&rotor_on_4, "rotor on 4 bearings");

@@ -1,4 +1,5 @@
 /* Instructions and stack of every call over the inputs: `name;function;least;most;stack`. */
+#include "blocks.h"
 #include "board.h"
 #include "inputs.h"
 #include "machine.h"
@@ -45,6 +46,21 @@ CALL(force_close, ballrace_force_tracker_close(&force_tracker, lines[0], lines[1
 CALL(advance_counts, in.cage = ballrace_phase_advance_counts(in.cage, (int32_t)(in.cage >> 40), at.inner))
 CALL(ratio_apply, in.cage = (uint64_t)ballrace_speed_ratio_apply((int64_t)at.inner, (int64_t)in.cage))
 
+static struct block_buffer buffer;
+static float block_wrenches[5 * BLOCK_SAMPLES];
+static uint32_t block_statuses[BLOCK_SAMPLES];
+
+#define BLOCK(kind, readings)                                                                                           \
+    ballrace_block_##kind(&block_end, readings, BLOCK_SAMPLES, BLOCK_TURNED, BLOCK_SPEED, block_wrenches, block_statuses)
+
+CALL(block_u16, BLOCK(u16, buffer.counts))
+CALL(block_i16, BLOCK(i16, buffer.signed_counts))
+CALL(block_metres, BLOCK(metres, buffer.metres))
+static uint8_t frame[4 * 6];
+
+CALL(log_frame, ballrace_log_frame((uint32_t)in.cage, in.displacement, 4, frame))
+CALL(probe_sample, ballrace_probe_sample(&block_probes[0], buffer.counts[2], &amplitude))
+
 static void measure(const char *name, const char *function, void (*prepare)(uint32_t), uint32_t (*call)(void))
 {
     uint32_t least = UINT32_MAX, most = 0, stack = 0;
@@ -79,6 +95,18 @@ static void take_input(uint32_t i)
     at = (ballrace_kinematic_state){ .cage = in.cage, .inner = 2 * in.cage, .inner_speed = 1256.0f };
 }
 
+static void take_buffer(uint32_t i)
+{
+    block_start(bearing, i);
+    block_fill(&buffer, i);
+}
+
+static void take_reading(uint32_t i)
+{
+    take_buffer(i);
+    ballrace_probe_sample(&block_probes[0], buffer.counts[0], &amplitude);
+}
+
 static void measure_bearing(const struct subject *subject)
 {
     bearing = subject->bearing;
@@ -89,6 +117,7 @@ static void measure_bearing(const struct subject *subject)
     measure(subject->name, "force at speed, input checked", take_input, sample_at);
     measure(subject->name, "force and tangent", take_input, tangent);
     measure(subject->name, "element loads", take_input, element_loads);
+    measure(subject->name, "block of 16 samples, counts", take_buffer, block_u16);
 }
 
 /* The states and speeds of the Rust tests. */
@@ -134,6 +163,11 @@ void run(void)
         return;
     }
     for (int i = 0; i < SUBJECT_COUNT; i++) measure_bearing(&subjects[i]);
+    bearing = &angular_9.head;
+    measure("angular, 9", "block of 16 samples, signed counts", take_buffer, block_i16);
+    measure("angular, 9", "block of 16 samples, metres", take_buffer, block_metres);
+    measure("log", "frame of 4 readings", take_input, log_frame);
+    measure("probe", "reading", take_reading, probe_sample);
     measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);
     measure("rotor on four angular bearings, 9", "Verlet step", take_motion_of_4, rotor_step_of_4);
     measure("observer of a rigid rotor, two angular bearings, 5 probes, 9", "sample, one Verlet step", take_motion,

@@ -78,7 +78,7 @@
 // bearing_springs largest load: 0.000e0 N
 // bearing_springs largest error: 0.0e0 N
 // bearing_springs largest relative error: -
-// bearing_springs instructions: ~212
+// bearing_springs instructions: ~210
 // bearing_springs cycles: ~369
 // bearing_springs stack: ~72 bytes
 // bearing_springs flash of code: ~726 bytes
@@ -108,7 +108,7 @@
 // bearing_balls largest load: 3.461e1 N
 // bearing_balls largest error: 9.1e0 N
 // bearing_balls largest relative error: 2.7e-1
-// bearing_balls instructions: ~3428
+// bearing_balls instructions: ~3429
 // bearing_balls cycles: ~6590
 // bearing_balls stack: ~328 bytes
 // bearing_balls flash of code: ~2118 bytes

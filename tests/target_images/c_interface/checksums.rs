@@ -9,7 +9,9 @@ use super::image::{Abi, Image};
 fn firmware_of_c_gives_the_bits_of_the_desktop() {
     let expected = super::expected::lines();
     for abi in [Abi::Hard, Abi::Soft] {
-        let image = Image::new(abi).sources(&["checksums.c", "inputs.c", "subjects.c", "machine.c"]).link("checksums");
+        let image = Image::new(abi)
+            .sources(&["checksums.c", "blocks.c", "inputs.c", "subjects.c", "machine.c"])
+            .link("checksums");
         let found = image.run();
         for (found, expected) in found.lines().zip(expected.lines()) {
             assert_eq!(found, expected, "{abi:?}");

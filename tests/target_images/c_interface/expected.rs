@@ -1,14 +1,16 @@
 //! Results of the kernel, called directly, that the images of C print as checksums.
 
-use super::super::counts_inputs::{COUNT, input};
+use super::super::counts_inputs::{COUNT, counts, input};
 use super::tables::{de, nde};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{ElementPosition, LastValidWrench, Mirrored, evenly_spaced};
+use ballrace::block::{Metres, ProbedBearing};
 use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
+use ballrace::probe::{Probe, ProbeParams};
 use ballrace::rotor::{
     BearingAtStation, ComponentAngles, Integrator, RigidRotor, RotorBearingSystem, RotorParams, RotorState,
     ShaftMotion, SpeedRatios, Unbalance, Verlet,
@@ -210,6 +212,89 @@ fn of_bearing(Subject(_, count, bearing): &Subject) -> u64 {
     sum.0
 }
 
+/// Buffers of all kinds, one after the other through the same probes.
+fn blocks() -> u64 {
+    const SAMPLES: usize = 16;
+    const STILL: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
+    let params = ProbeParams { at_zero: -32.768e-3, per_count: 1e-6, linear_range: [400, 65_000], stuck_after: 2 };
+    let (turned, speed) = (PhaseDelta(0x0123_4567_89ab_cdef), 1256.0);
+    let mut sum = Checksum::new();
+    let mut seen = Status::OK;
+    for Subject(_, _, bearing) in subjects() {
+        let mut end = ProbedBearing {
+            bearing: &*bearing,
+            channels: [Probe::try_new(params).expect("a probe"); 2],
+            directions: [Displacement { u: 1.0, ..STILL }, Displacement { v: 1.0, ..STILL }],
+            offset: Displacement { w: 20e-6, ..STILL },
+            cage_ratio: SpeedRatio::new(0.3983),
+            shaft: Phase(1 << 48),
+            cage: Phase(1 << 40),
+            last_valid: LastValidWrench::new(),
+        };
+        sum.bits(OK);
+        for i in 1..=12 {
+            let counts: [u16; 2 * SAMPLES] = std::array::from_fn(|k| counts(i, k as u32));
+            let mut results = [(Wrench::ZERO, Status::OK); SAMPLES];
+            match i % 3 {
+                0 => {
+                    end.samples(&counts, turned, speed, &mut results);
+                }
+                1 => {
+                    let signed = counts.map(|x| (i32::from(x) - 0x8000) as i16);
+                    end.samples(&signed, turned, speed, &mut results);
+                }
+                _ => {
+                    let metres: [f32; 2 * SAMPLES] =
+                        std::array::from_fn(|k| input::<f32>(16 * i + k as u32).0.to_array()[k % 2]);
+                    let ProbedBearing { bearing, channels, directions, offset, cage_ratio, shaft, cage, last_valid } =
+                        end;
+                    let mut of_metres = ProbedBearing {
+                        bearing,
+                        channels: [Metres; 2],
+                        directions,
+                        offset,
+                        cage_ratio,
+                        shaft,
+                        cage,
+                        last_valid,
+                    };
+                    of_metres.samples(&metres, turned, speed, &mut results);
+                    let ProbedBearing { shaft, cage, last_valid, .. } = of_metres;
+                    end = ProbedBearing { bearing, channels, directions, offset, cage_ratio, shaft, cage, last_valid };
+                }
+            }
+            let all = results.iter().fold(Status::OK, |all, (_, status)| all | *status);
+            seen |= all;
+            sum.bits(u32::from(all.bits()));
+            sum.add(results.iter().flat_map(|(wrench, _)| wrench.to_array()));
+            for (_, status) in results {
+                sum.bits(u32::from(status.bits()));
+            }
+        }
+        sum.phase(end.shaft.0);
+        sum.phase(end.cage.0);
+        sum.bits(end.last_valid.held_count());
+        for probe in &mut end.channels {
+            sum.bits(probe.held_in_a_row());
+            sum.bits(probe.held_count());
+            let (there, status) = probe.sample(40_000);
+            sum.bits(u32::from(status.bits()));
+            sum.add([there]);
+        }
+    }
+    assert!(seen.contains(Status::INPUT_NOT_OK | Status::INPUT_NOT_FINITE), "{seen:?}");
+    for i in 1..=COUNT {
+        let (u, cage) = finite_input(i);
+        sum.bits(OK);
+        let frame: [u8; 24] = ballrace::log::frame(cage.0 as u32, &[u.u, u.v, u.w, u.thu]);
+        frame.into_iter().for_each(|byte| sum.bits(u32::from(byte)));
+    }
+    // After a reset.
+    sum.bits(OK);
+    sum.bits(0);
+    sum.0
+}
+
 fn phases() -> u64 {
     let mut sum = Checksum::new();
     sum.phase(Phase::from_revolutions(-3.3).0);
@@ -404,6 +489,13 @@ fn misuse() -> u64 {
     for letter in "pitch_diameter".bytes() {
         sum.bits(u32::from(letter));
     }
+    for status in [STATE_INVALID, INVALID_ARGUMENT] {
+        sum.bits(status);
+    }
+    for letter in "linear_range".bytes() {
+        sum.bits(u32::from(letter));
+    }
+    sum.bits(STATE_INVALID);
     sum.bits(INVALID_ARGUMENT);
     sum.0
 }
@@ -415,6 +507,7 @@ pub fn lines() -> String {
     for subject in subjects() {
         line(subject.0, of_bearing(&subject));
     }
+    line("blocks", blocks());
     line("phases", phases());
     line("rotor on 2 bearings", rotor([0, 1 << 62]));
     line("rotor on 4 bearings", rotor([0, 1 << 62, 1 << 61, 3]));

@@ -39,7 +39,8 @@ struct Row {
 }
 
 fn rows() -> Vec<Row> {
-    let image = Image::new(Abi::Hard).sources(&["counts.c", "inputs.c", "subjects.c", "machine.c"]).link("counts");
+    let image =
+        Image::new(Abi::Hard).sources(&["counts.c", "blocks.c", "inputs.c", "subjects.c", "machine.c"]).link("counts");
     let printed = image.run();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(';').collect();

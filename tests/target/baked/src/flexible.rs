@@ -20,7 +20,7 @@
 // bearing_de largest load: 4.606e1 N
 // bearing_de largest error: 7.5e-5 N
 // bearing_de largest relative error: 1.7e-6
-// bearing_de instructions: 618
+// bearing_de instructions: 619
 // bearing_de cycles: 1399
 // bearing_de stack: 144 bytes
 // bearing_de flash of code: 980 bytes
@@ -35,7 +35,7 @@
 // bearing_nde largest load: 4.119e1 N
 // bearing_nde largest error: 8.4e-5 N
 // bearing_nde largest relative error: 2.1e-6
-// bearing_nde instructions: 618
+// bearing_nde instructions: 619
 // bearing_nde cycles: 1399
 // bearing_nde stack: 144 bytes
 // bearing_nde flash of code: 980 bytes

@@ -5,5 +5,6 @@
 pub mod bearings;
 #[rustfmt::skip]
 pub mod flexible;
+pub mod framed;
 pub mod log;
 pub mod motion;

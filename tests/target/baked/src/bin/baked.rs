@@ -4,7 +4,7 @@
 #![no_main]
 
 use baked::bearings::{bearing_de, bearing_nde};
-use baked::{log, motion};
+use baked::{framed, log, motion};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprint, hprintln};
 use panic_semihosting as _;
@@ -26,6 +26,10 @@ fn main() -> ! {
         }
         hprintln!("");
     });
+    let mut device = framed::device();
+    for i in 0..framed::SAMPLES {
+        hprintln!("frame,{}", framed::Row::new(&mut device, i));
+    }
     if printed.is_err() {
         hprintln!("the matrices are rejected");
     }

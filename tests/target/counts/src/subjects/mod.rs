@@ -2,6 +2,7 @@
 
 mod balls;
 mod bearings;
+mod blocks;
 mod fixed_point;
 mod flexible;
 mod indicators;
@@ -19,6 +20,8 @@ pub fn all(bench: &Bench) {
     bearings::all::<f64, Exact>(bench, "f64", "exact");
     bearings::all::<f64, Fast>(bench, "f64", "fast");
     balls::all(bench);
+    blocks::all(bench);
+    blocks::log(bench);
     indicators::all::<f32>(bench, "f32");
     indicators::all::<f64>(bench, "f64");
     indicators::damage(bench);

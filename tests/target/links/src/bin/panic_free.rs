@@ -14,9 +14,11 @@ use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
 use ballrace::bearing::surface::{Feature, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Node, Tabulated};
 use ballrace::bearing::{CageFrame, ElementPosition, ElementPositions, LastValidWrench, Mirrored, OpposedPairs};
+use ballrace::block::{Channel, Metres, ProbedBearing};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
+use ballrace::probe::Probe;
 use ballrace::rotor::{
     AttachedBearing, BearingAtStation, ForceElement, Integrator, LinearSystem, MovingBalls, Newmark, RigidRotor,
     RotorBearingSystem, RotorState, RungeKuttaNystrom, SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
@@ -24,7 +26,9 @@ use ballrace::rotor::{
 use ballrace::twin::{
     DamageDetector, Envelope, ForceOrderTracker, Life, Observer, ObserverState, OrderTracker, SpeedGain, Statistics,
 };
-use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Stiffness, Wrench};
+use ballrace::{
+    Bearing, BearingKinematicState, Displacement, Exact, Fast, Math, Phase, Scalar, Status, Stiffness, Wrench,
+};
 use core::hint::black_box;
 use panic_never as _;
 
@@ -46,6 +50,12 @@ fn bearing<T: Scalar, B: Bearing<T>>() {
     bearing.element_loads(&u, &at, given::<&mut [T]>());
     black_box(bearing.reaction_and_loads(&u, &at, given::<&mut [T]>()));
     black_box(held.held_count());
+}
+
+fn block<T: Scalar, R: Copy + 'static, C: Channel<T, R>, B: Bearing<T>>() {
+    let mut probed: ProbedBearing<T, B, C, 3> = given();
+    let (buffer, results): (&[R], &mut [(Wrench<T>, Status)]) = given();
+    black_box(probed.samples(buffer, given(), given(), results));
 }
 
 fn in_cage<T: Scalar, B: CageFrame<T> + Bearing<T>>() {
@@ -142,7 +152,19 @@ fn twin<T: Scalar, M: Math<T>>() {
     black_box((life.close::<M>(given()), life.used(), figures.close::<M>(), orders));
 }
 
+/// Blocks of any model, of readings of every kind, and of some models by themselves.
+fn blocks<T: Scalar, M: Math<T>>() {
+    block::<T, u16, Probe<T>, &'static dyn Bearing<T>>();
+    block::<T, i16, Probe<T>, &'static dyn Bearing<T>>();
+    block::<T, T, Metres, &'static dyn Bearing<T>>();
+    block::<T, u16, Probe<T>, Linear<T>>();
+    block::<T, u16, Probe<T>, Radial<T, M, PointContactLaw<T>, ElementPositions<T, 9>>>();
+    block::<T, u16, Probe<T>, Angular<T, M, ElementPositions<T, 9>>>();
+    block::<T, u16, Probe<T>, Tabulated<T, M, ElementPositions<T, 9>, &'static [Node<T, 2>], 2>>();
+}
+
 fn all<T: Scalar, M: Math<T>>() {
+    blocks::<T, M>();
     functions::<T, M>();
     twin::<T, M>();
     bearing::<T, Linear<T>>();
@@ -178,6 +200,7 @@ fn main() -> ! {
         turn.wrapping_mul(given()),
     ));
     black_box((turn.opposite(), ratio.apply(arc)));
+    black_box::<[u8; 36]>(ballrace::log::frame::<7, 36>(given(), &given()));
     let range: ChecksumRange = given();
     black_box(range.checksum(&given::<Angular<f32, Exact, ElementPositions<f32, 9>>>()));
     black_box(range.checksum(&given::<Tabulated<f32, Exact, ElementPositions<f32, 9>, &'static [Node<f32, 2>], 2>>()));
