@@ -26,7 +26,8 @@ pub struct RadialParams {
     pub exponent: f64,
     /// Radial play, m: half the diametral clearance; negative is preload.
     pub radial_play: f64,
-    /// Displacement of 2^31 counts, m: about ten times what the shaft moves.
+    /// Displacement of 2^31 counts, m: the largest that the converter delivers, so that no reading overflows. A count of the force is that of all
+    /// elements at twice the range, over 2^30.
     pub range: f64,
 }
 
