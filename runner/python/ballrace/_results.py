@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _plots
 from ._errors import InputError
 
 if TYPE_CHECKING:
     import pandas
+    import plotly.graph_objects as go
     import pyarrow
 
     from . import _native
@@ -205,6 +207,10 @@ class Outcome(Record, Table, Page):
         target.write_text(self._native.baseline(), encoding="utf-8")
         return target
 
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the motion of each probe, measured and of the twin; needs the package plotly."""
+        return _plots.outcome(self)
+
 
 class Equilibrium(Record, Table, Page):
     """Static equilibrium; the table has a row for each rolling element."""
@@ -220,6 +226,18 @@ class Equilibrium(Record, Table, Page):
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
         return self._page
+
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the load of each rolling element; needs the package plotly.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> figure = ballrace.Scene.demonstration().equilibrium().plot()
+        >>> [trace.name for trace in figure.data]
+        ['DE', 'NDE']
+        """
+        return _plots.equilibrium(self)
 
 
 #: Units of the entries of an equilibrium, which are in SI.
@@ -276,6 +294,10 @@ class Balance(Record, Table, Page):
         """Return the report as one self-contained page."""
         return self._page
 
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the correction of each plane; needs the package plotly."""
+        return _plots.balance(self)
+
 
 class Campbell(Table):
     """Natural frequencies over the shaft speed; the table has a row for each mode at each speed."""
@@ -298,6 +320,10 @@ class Campbell(Table):
 
     def __repr__(self) -> str:
         return f"Campbell({len(self.speeds)} speeds)"
+
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the natural frequencies over the shaft speed; needs the package plotly."""
+        return _plots.campbell(self)
 
 
 class Motion(Table):
@@ -334,6 +360,14 @@ class Motion(Table):
 
     def __repr__(self) -> str:
         return f"Motion({len(self)} samples of {', '.join(self.names)})"
+
+    def plot(self, names: Sequence[str] | None = None) -> go.Figure:
+        """Return a Plotly figure of columns over time, by default of the translations; needs the package plotly."""
+        return _plots.motion(self, names)
+
+    def plot_orbit(self, x: str = "u", y: str = "v") -> go.Figure:
+        """Return a Plotly figure of one column over another, both to one scale; needs the package plotly."""
+        return _plots.orbit(self, x, y)
 
 
 class Sweep(Table, Page):
@@ -373,6 +407,10 @@ class Sweep(Table, Page):
     def __repr__(self) -> str:
         return f"Sweep({len(self.rows)} points over {', '.join(axis.key for axis in self.axes)})"
 
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the peak-to-peak motion over the last key that was varied; needs the package plotly."""
+        return _plots.sweep(self)
+
 
 class Trade(Record, Table, Page):
     """Error and cost of every model that a scene allows; the table has a row for each candidate.
@@ -407,6 +445,10 @@ class Trade(Record, Table, Page):
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
         return self._native.html()
+
+    def plot(self) -> go.Figure:
+        """Return a Plotly figure of the error of each candidate over its cost; needs the package plotly."""
+        return _plots.trade(self)
 
 
 class Fit(Record, Table):

@@ -1,0 +1,189 @@
+"""Figures of results, by Plotly: ``pip install ballrace[plot]``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from ._results import Balance, Campbell, Equilibrium, Motion, Outcome, Sweep, Trade
+
+#: Symbol of the modes of each whirl.
+_WHIRLS = {"forward": "triangle-up", "backward": "triangle-down", "straight": "circle"}
+#: Most points along one line; a longer one is thinned to its extremes.
+_MOST_POINTS = 20_000
+#: Harmonics of the shaft in a Campbell diagram.
+_HARMONICS = (1, 2)
+
+
+def _figure(title: str, x: str, y: str) -> go.Figure:
+    """Return an empty figure whose axes have these titles."""
+    try:
+        import plotly.graph_objects as go
+    except ImportError as error:
+        raise InputError('plot: no package plotly, expected it installed: pip install "ballrace[plot]"') from error
+    figure = go.Figure()
+    figure.update_layout(title=title, xaxis_title=x, yaxis_title=y, template="plotly_white")
+    figure.update_xaxes(exponentformat="power")
+    figure.update_yaxes(exponentformat="power")
+    return figure
+
+
+def campbell(of: Campbell) -> go.Figure:
+    """Return natural frequencies over the shaft speed, by the sense of whirl, with 1X and 2X."""
+    figure = _figure("Campbell diagram", "shaft speed, rpm", "frequency, Hz")
+    rows = of.columns()
+    speeds = [float(speed["speed_rpm"]) for speed in of.speeds]
+    highest = max((float(f) for f in rows["frequency_hz"]), default=0.0)
+    for whirl, symbol in _WHIRLS.items():
+        own = [i for i, found in enumerate(rows["whirl"]) if found == whirl]
+        if own:
+            figure.add_scatter(
+                x=[rows["speed_rpm"][i] for i in own],
+                y=[rows["frequency_hz"][i] for i in own],
+                customdata=[100.0 * rows["damping_ratio"][i] for i in own],
+                hovertemplate="%{x:.0f} rpm: %{y:.1f} Hz, damping %{customdata:.2f} %",
+                name=whirl,
+                mode="markers",
+                marker={"symbol": symbol},
+            )
+    for order in _HARMONICS:
+        figure.add_scatter(
+            x=speeds, y=[order * speed / 60.0 for speed in speeds], name=f"{order}X", mode="lines", line={"dash": "dot"}
+        )
+    figure.update_yaxes(range=[0.0, 1.05 * highest])
+    return figure
+
+
+def equilibrium(of: Equilibrium) -> go.Figure:
+    """Return the load of each rolling element around each bearing."""
+    rows = of.columns()
+    figure = _figure("Load distribution, N", "", "")
+    for bearing in dict.fromkeys(rows["bearing"]):
+        own = [i for i, name in enumerate(rows["bearing"]) if name == bearing]
+        figure.add_barpolar(
+            theta=[math.degrees(rows["azimuth_rad"][i]) for i in own],
+            r=[rows["inner_load_n"][i] for i in own],
+            name=str(bearing),
+            hovertemplate="%{theta:.1f} deg: %{r:.4g} N",
+            opacity=0.7,
+        )
+    figure.update_layout(polar={"angularaxis": {"direction": "counterclockwise", "rotation": 0}}, showlegend=True)
+    return figure
+
+
+def motion(of: Motion, names: Sequence[str] | None) -> go.Figure:
+    """Return columns over time."""
+    chosen = list(names) if names is not None else [name for name in ("u", "v", "w") if name in of.names]
+    figure = _figure("Motion", "time, s", "; ".join(_with_unit(name) for name in chosen))
+    for name in chosen:
+        kept = _extremes([float(value) for value in of[name]])
+        times = of["t"]
+        figure.add_scatter(x=[times[i] for i in kept], y=[of[name][i] for i in kept], name=name, mode="lines")
+    return figure
+
+
+def orbit(of: Motion, x: str, y: str) -> go.Figure:
+    """Return one column over another, both axes to one scale."""
+    figure = _figure("Orbit", _with_unit(x), _with_unit(y))
+    figure.add_scatter(x=of[x], y=of[y], name=f"{y} over {x}", mode="lines")
+    figure.update_yaxes(scaleanchor="x", scaleratio=1)
+    return figure
+
+
+def sweep(of: Sweep) -> go.Figure:
+    """Return the peak-to-peak motion over the last key that was varied, a line for each value of the others and each direction."""
+    rows = of.columns()
+    keys = [f"{axis.key} ({axis.unit})" if axis.unit else str(axis.key) for axis in of.axes]
+    *others, along = keys
+    figure = _figure("Sweep", along, "peak to peak, um")
+    lines: dict[tuple[Any, ...], list[int]] = {}
+    for i, direction in enumerate(rows["direction"]):
+        lines.setdefault((direction, *(rows[key][i] for key in others)), []).append(i)
+    for (direction, *values), own in lines.items():
+        given = [f"{key} = {value:g}" for key, value in zip(others, values)]
+        for axis in "xyz":
+            name = ", ".join([axis.upper(), *given, *([str(direction)] if direction != "rest" else [])])
+            figure.add_scatter(
+                x=[rows[along][i] for i in own],
+                y=[rows[f"peak_to_peak_{axis}_um"][i] for i in own],
+                name=name,
+                mode="lines+markers",
+            )
+    return figure
+
+
+def trade(of: Trade) -> go.Figure:
+    """Return the error of each candidate over its cost: instructions on the Cortex-M4F where they are known, else time on this machine."""
+    candidates = of.to_dict()["candidates"]
+    is_counted = any(candidate.get("cortex") for candidate in candidates)
+    cost = "instructions on a Cortex-M4F" if is_counted else "time on this machine, ns"
+    figure = _figure("Error and cost", cost, "largest error, % of the largest load")
+    points: dict[str, list[tuple[float, float, str]]] = {}
+    for candidate in candidates:
+        spent = (candidate.get("cortex") or {}).get("instructions") if is_counted else candidate.get("desktop_ns")
+        error = (candidate.get("error") or {}).get("largest")
+        if spent and error:
+            arithmetic = candidate.get("arithmetic") or {}
+            text = ", ".join(str(part) for part in (candidate["model"], *arithmetic.values()))
+            points.setdefault(str(candidate["model"]), []).append((spent, 100.0 * error, text))
+    for model, own in points.items():
+        figure.add_scatter(
+            x=[point[0] for point in own],
+            y=[point[1] for point in own],
+            text=[point[2] for point in own],
+            hovertemplate="%{text}: %{x:.4g}, %{y:.3g} %",
+            name=model,
+            mode="markers",
+        )
+    figure.update_xaxes(type="log")
+    figure.update_yaxes(type="log")
+    return figure
+
+
+def outcome(of: Outcome) -> go.Figure:
+    """Return the motion of each probe: measured, of the twin, their difference and the noise of the probe."""
+    probes: list[Mapping[str, Any]] = of.to_dict().get("probes", [])
+    figure = _figure(str(of.verdict).split(". ", 1)[0], "probe", "um rms")
+    bars: dict[str, list[Any]] = {
+        "measured": [(probe.get("measured") or {}).get("rms_um") for probe in probes],
+        "twin": [(probe.get("twin") or {}).get("rms_um") for probe in probes],
+        "residual": [probe.get("residual_rms_um") for probe in probes],
+        "noise of the probe": [probe.get("noise_um") for probe in probes],
+    }
+    for name, heights in bars.items():
+        figure.add_bar(x=[probe["name"] for probe in probes], y=heights, name=name)
+    return figure
+
+
+def balance(of: Balance) -> go.Figure:
+    """Return the correction of each plane as a vector of moment and angle."""
+    figure = _figure("Correction, g mm", "", "")
+    for plane in of.to_dict()["correction"]["planes"]:
+        angle = plane["angle_deg"]
+        figure.add_scatterpolar(r=[0.0, plane["moment_g_mm"]], theta=[angle, angle], name=str(plane["plane"]), mode="lines+markers")
+    return figure
+
+
+def _with_unit(name: str) -> str:
+    """Return the name of a column of a motion with its unit."""
+    kind = name.removesuffix("_dot").rsplit("_", 1)[-1]
+    unit = {"F": "N", "M": "N m", "t": "rad" if len(kind) > 1 else "s"}.get(kind[:1], "m")
+    return f"{name}, {unit}{'/s' if name.endswith('_dot') else ''}"
+
+
+def _extremes(values: Sequence[float]) -> list[int]:
+    """Return the indices of a line that looks as the one through all values: least and largest of equal parts."""
+    if len(values) <= _MOST_POINTS:
+        return list(range(len(values)))
+    part = math.ceil(2 * len(values) / _MOST_POINTS)
+    kept: set[int] = {0, len(values) - 1}
+    for first in range(0, len(values), part):
+        own = range(first, min(first + part, len(values)))
+        kept |= {min(own, key=values.__getitem__), max(own, key=values.__getitem__)}
+    return sorted(kept)
