@@ -312,33 +312,25 @@ fn an_unexplained_line_has_order_bearing_precession_and_frame() {
 #[test]
 fn the_instant_of_a_mark_is_no_fault() {
     for (moment, load, speed) in [("3000", "-3000", "3000"), ("6000", "0", "2987"), ("1000", "-3000", "2987")] {
-        let scene = DEMO_SCENE
-            .replace("noise = \"0.03 um\"", "noise = \"0.002 um\"")
-            .replace("120 g mm", &format!("{moment} g mm"))
-            .replace("load = [\"0 N\", \"0 N\"", &format!("load = [\"0 N\", \"{load} N\""))
-            .replace("3000 rpm", &format!("{speed} rpm"));
-        assert!(scene.contains(moment) && scene.contains(load) && scene.contains("0.002 um"), "{scene}");
-        let sandbox = Sandbox::with(&scene, DEMO_RECORDING);
-        sandbox.done(&[
-            "simulate",
-            "scene.toml",
-            "--duration",
-            "1 s",
-            "--settle",
-            "0.5 s",
-            "--as-recording",
-            "-o",
-            "sound.csv",
-        ]);
-        let outcome: Value =
-            sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json();
-        assert_eq!(
-            list(&outcome, "findings").len(),
-            0,
-            "{moment} g mm, {load} N, {speed} rpm: {:#}",
-            outcome["findings"]
-        );
+        let swaps = [
+            ("120 g mm", format!("{moment} g mm")),
+            ("load = [\"0 N\", \"0 N\"", format!("load = [\"0 N\", \"{load} N\"")),
+            ("speed = \"3000 rpm\"", format!("speed = \"{speed} rpm\"")),
+        ];
+        let scene = swaps.iter().fold(DEMO_SCENE.to_owned(), |text, (from, to)| swap(&text, from, to));
+        let sandbox = Sandbox::with(&scene.replace("noise = \"0.03 um\"", "noise = \"0.002 um\""), DEMO_RECORDING);
+        assert!(sandbox.read("scene.toml").contains("0.002 um"));
+        let outcome = replay_of_simulation(&sandbox);
+        let findings = &outcome["findings"];
+        assert_eq!(list(&outcome, "findings").len(), 0, "{moment} g mm, {load} N, {speed} rpm: {findings:#}");
     }
+}
+
+/// Replays a simulated recording of the sandbox's scene.
+fn replay_of_simulation(sandbox: &Sandbox) -> Value {
+    let recorded = ["--settle", "1 s", "--duration", "1 s", "--as-recording", "-o", "sound.csv"];
+    sandbox.done(&[&["simulate", "scene.toml"], &recorded[..]].concat());
+    sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json()
 }
 
 /// A simulated recording of the machine in good order without noise, and a scene that states none: what remains is the integration, no fault. A
@@ -347,18 +339,7 @@ fn the_instant_of_a_mark_is_no_fault() {
 fn a_recording_without_noise_is_sound() {
     let silent = DEMO_SCENE.replace(", noise = \"0.03 um\"", "");
     let sandbox = Sandbox::with(&silent, DEMO_RECORDING);
-    sandbox.done(&[
-        "simulate",
-        "scene.toml",
-        "--duration",
-        "1 s",
-        "--settle",
-        "1 s",
-        "--as-recording",
-        "-o",
-        "sound.csv",
-    ]);
-    let sound: Value = sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json();
+    let sound = replay_of_simulation(&sandbox);
     assert_eq!(list(&sound, "findings").len(), 0, "{:#}", sound["findings"]);
     assert!(sound["verdict"].as_str().unwrap().starts_with("The twin follows the machine"), "{}", sound["verdict"]);
     let spall = recorded("outer-spall.csv");

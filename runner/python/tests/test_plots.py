@@ -74,6 +74,14 @@ def test_an_outcome(scene: ballrace.Scene) -> None:
     assert bars["residual"].y[0] == outcome.probes[0].residual_rms_um
 
 
+def test_a_correction(scene: ballrace.Scene) -> None:
+    recording = ballrace.Scene.demonstration().path.parent / "healthy.csv"
+    found = scene.balance(recording)
+    (vector,) = found.plot().data
+    (plane,) = found.correction.planes
+    assert (vector.name, vector.r[1], vector.theta[1]) == (plane.plane, plane.moment_g_mm, plane.angle_deg)
+
+
 def test_without_plotly(scene: ballrace.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     found = builtins.__import__
 
