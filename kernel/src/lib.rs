@@ -3,6 +3,7 @@
 #![deny(unsafe_code)]
 
 pub mod bearing;
+pub mod blob;
 pub mod block;
 mod choice;
 pub mod contact;

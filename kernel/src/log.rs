@@ -24,12 +24,24 @@ const REMAINDERS: [u32; 16] = {
 /// ```
 #[must_use]
 pub fn crc32(bytes: &[u8]) -> u32 {
+    continued_crc32(0, bytes)
+}
+
+/// Returns the CRC-32 of earlier bytes, whose CRC-32 is `crc` (0 for none), and further ones.
+///
+/// ```
+/// use ballrace::log::continued_crc32;
+///
+/// assert_eq!(continued_crc32(continued_crc32(0, b"1234"), b"56789"), 0xCBF4_3926);
+/// ```
+#[must_use]
+pub fn continued_crc32(crc: u32, bytes: &[u8]) -> u32 {
     let step = |crc: u32, half: u8| {
         let [index, ..] = (crc ^ u32::from(half)).to_le_bytes();
         // The index has four bits.
         (crc >> 4) ^ REMAINDERS.get(usize::from(index & 15)).copied().unwrap_or(0)
     };
-    !bytes.iter().fold(u32::MAX, |crc, byte| step(step(crc, *byte), byte >> 4))
+    !bytes.iter().fold(!crc, |crc, byte| step(step(crc, *byte), byte >> 4))
 }
 
 /// Returns a frame: the sequence number, the readings, and the CRC-32 of the bytes before it, all little-endian; `BYTES` = 4 (`N` + 2).

@@ -8,6 +8,7 @@ mod bake;
 mod bake_c;
 mod balance;
 mod balance_runs;
+mod blob;
 mod bounds;
 mod browser;
 mod chromium;

@@ -7,6 +7,8 @@ pub mod bearings;
 #[path = "../target/baked/src/flexible.rs"]
 #[rustfmt::skip]
 mod flexible;
+#[path = "../target/baked/src/blob.rs"]
+mod blob;
 #[path = "../target/baked/src/framed.rs"]
 mod framed;
 #[path = "../target/baked/src/log.rs"]
@@ -41,7 +43,9 @@ fn expected() -> String {
     for i in 0..framed::SAMPLES {
         lines += &format!("frame,{}\n", framed::Row::new(&mut device, i));
     }
-    lines
+    let rows = std::cell::RefCell::new(lines);
+    blob::run(|row| *rows.borrow_mut() += &format!("blob,{row}\n")).expect("a blob");
+    rows.into_inner()
 }
 
 /// Firmware with a baked scene prints the bits that the desktop computes from the same constants.
@@ -54,5 +58,10 @@ fn a_baked_scene_gives_the_same_bits() {
         rows.clone().count() == 128 && rows.clone().all(|l| l.ends_with(",0x00")),
         "inside both tables:\n{expected}"
     );
+    let of_blob: Vec<&str> = expected.lines().filter_map(|line| line.strip_prefix("blob,")).collect();
+    let is_right =
+        |row: &&&str| row.split_once(',').and_then(|(_, sums)| sums.split_once(',')).is_some_and(|(a, b)| a == b);
+    assert_eq!(of_blob.iter().filter(is_right).count(), 7, "checksums of the blob: {of_blob:?}");
+    assert_eq!(of_blob[7..], ["balls,bearing of another model: code 0x52", "ball,no bearing of this name"]);
     assert_eq!(super::run("baked"), expected);
 }

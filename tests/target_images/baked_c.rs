@@ -29,3 +29,26 @@ fn the_target_computes_the_checksums_of_c() {
         assert_eq!(image.run(), names.len().to_string(), "{abi:?}: number of equal checksums");
     }
 }
+
+/// The bearings of a blob in flash, used in place: the checksums that `every_model.h` states too; another model and another name are
+/// refused.
+#[test]
+#[ignore = "needs qemu-system-arm, gcc-arm-none-eabi and two targets; tests/run runs it"]
+fn the_target_takes_the_bearings_of_a_blob() {
+    let header = std::fs::read_to_string(super::root().join("tests/target/c/every_model.h")).expect("baked constants");
+    let stated = |name: &str| {
+        let define = format!("#define BEARING_{}_CHECKSUM UINT64_C(0x", name.to_uppercase());
+        let line = header.lines().find_map(|line| line.strip_prefix(&define)).expect("a checksum");
+        line.trim_end_matches(')').to_owned()
+    };
+    let mut expected = "0;in parts\n".to_owned();
+    for name in ["radial", "mixed", "lines", "angular", "springs", "friction", "balls"] {
+        let stated = stated(name);
+        expected += &format!("{name};0;{stated};{stated}\n");
+    }
+    let zero = "0".repeat(16);
+    expected += &format!("balls;16384;{zero};{zero}\nball;8192;{zero};{zero}\n");
+    for abi in [Abi::Hard, Abi::Soft] {
+        assert_eq!(Image::new(abi).sources(&["blob.c"]).link("blob").run(), expected, "{abi:?}");
+    }
+}

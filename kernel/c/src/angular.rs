@@ -43,6 +43,8 @@ pub struct Angular {
 unsafe impl Constants for Angular {
     type Bearing<'a> = ballrace::bearing::angular::Angular<f32, Exact, &'a [ElementPosition<f32>]>;
 
+    const WORDS: u32 = 7;
+
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {
         let constants = AngularConstants {

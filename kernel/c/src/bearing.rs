@@ -126,6 +126,22 @@ pub struct Model {
         state: *const KinematicState,
         loads: *mut f32,
     ) -> u32,
+    /// Constants of the struct in a blob.
+    pub blob: BlobShape,
+}
+
+/// Constants of the struct of a model in a blob.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct BlobShape {
+    /// Code of the model.
+    pub code: u32,
+    /// Number of members of 4 bytes after the head.
+    pub words: u32,
+    /// Offset in the struct of the pointer to its table or laminae, bytes; 0 where it has none.
+    pub array: u32,
+    /// Numbers of a node or lamina.
+    pub numbers: u32,
 }
 
 /// First member of every bearing. `&bearing.head` is the argument of all calls.

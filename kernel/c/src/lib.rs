@@ -7,6 +7,7 @@
 
 mod angular;
 mod bearing;
+mod blob;
 mod block;
 mod checksum;
 mod force_tracker;
@@ -34,6 +35,7 @@ mod tabulated;
 
 pub use angular::*;
 pub use bearing::*;
+pub use blob::*;
 pub use block::*;
 pub use checksum::*;
 pub use force_tracker::*;

@@ -23,6 +23,8 @@ pub struct Linear {
 unsafe impl Constants for Linear {
     type Bearing<'a> = ballrace::bearing::linear::Linear<f32>;
 
+    const WORDS: u32 = 35;
+
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {
         let [reference, force] = [self.reference, self.force];

@@ -8,7 +8,8 @@ use crate::status;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::{CageFrame, Reaction};
-use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
+use ballrace::blob::BlobLaw;
+use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::{BearingKinematicState, Displacement, Exact};
 
 /// A radial ball or roller bearing: `F = K delta^n` of each element.
@@ -58,39 +59,15 @@ pub struct LumpedRadialAxial {
 #[repr(transparent)]
 struct WithLaw<S, L>(S, core::marker::PhantomData<L>);
 
-/// Load-deflection law that is created from a stiffness and an exponent.
-trait Law: LoadDeflectionLaw<f32, Exact> {
-    fn new(stiffness: f32, exponent: f32) -> Self;
-}
-
-impl Law for PointContactLaw<f32> {
-    #[inline(always)]
-    fn new(stiffness: f32, _exponent: f32) -> Self {
-        Self { stiffness }
-    }
-}
-
-impl Law for LineContactLaw<f32> {
-    #[inline(always)]
-    fn new(stiffness: f32, _exponent: f32) -> Self {
-        Self { stiffness }
-    }
-}
-
-impl Law for PowerLaw<f32> {
-    #[inline(always)]
-    fn new(stiffness: f32, exponent: f32) -> Self {
-        Self { stiffness, exponent }
-    }
-}
-
 type Slice<'a> = &'a [ElementPosition<f32>];
 type RadialOf<'a, L> = Radial<f32, Exact, L, Slice<'a>>;
 type AxialOf<'a, L> = Axial<f32, Exact, L, Slice<'a>>;
 
 // SAFETY: `repr(transparent)` over a `repr(C)` struct with the head first.
-unsafe impl<L: Law> Constants for WithLaw<LumpedRadial, L> {
+unsafe impl<L: BlobLaw + 'static> Constants for WithLaw<LumpedRadial, L> {
     type Bearing<'a> = RadialOf<'a, L>;
+
+    const WORDS: u32 = 3;
 
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {
@@ -106,8 +83,10 @@ unsafe impl<L: Law> Constants for WithLaw<LumpedRadial, L> {
 }
 
 // SAFETY: `repr(transparent)` over a `repr(C)` struct with the head first.
-unsafe impl<L: Law> Constants for WithLaw<LumpedRadialAxial, L> {
+unsafe impl<L: BlobLaw + 'static> Constants for WithLaw<LumpedRadialAxial, L> {
     type Bearing<'a> = Combined<RadialOf<'a, L>, AxialOf<'a, L>>;
+
+    const WORDS: u32 = 7;
 
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {

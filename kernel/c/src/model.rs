@@ -1,11 +1,20 @@
 //! Functions of a model, generic over its constants.
 
-use crate::bearing::{Bearing, KinematicState, Model};
+use crate::bearing::{Bearing, BlobShape, KinematicState, Model};
 use crate::last_valid::LastValid;
 use crate::{pointer, state, status};
 use ballrace::bearing::{Bearing as _, ElementPosition, LastValidWrench, Reaction};
+use ballrace::blob::{FromBlob, MIRRORED};
 use ballrace::frame::mirrored_stiffness;
 use ballrace::{BearingKinematicState, Displacement, Phase, Stiffness, Wrench};
+
+/// Array to which the last member of a struct points; the member before is the number of its entries.
+pub struct BlobArray {
+    /// Offset of the pointer in the struct, bytes.
+    pub offset: usize,
+    /// Numbers of an entry.
+    pub numbers: u32,
+}
 
 /// A struct of C with the constants of a model.
 ///
@@ -13,7 +22,13 @@ use ballrace::{BearingKinematicState, Displacement, Phase, Stiffness, Wrench};
 /// The type is `repr(C)`, and its first member is a [`Bearing`].
 pub unsafe trait Constants: 'static {
     /// Bearing of the kernel with these constants.
-    type Bearing<'a>: ballrace::Bearing<f32>;
+    type Bearing<'a>: ballrace::Bearing<f32> + FromBlob<'a>;
+
+    /// Number of members of 4 bytes after the head.
+    const WORDS: u32;
+
+    /// The pointer after these members, in a struct that has one.
+    const ARRAY: Option<BlobArray> = None;
 
     /// True if the force depends on angles or speeds beside the cage angle.
     const USES_SPEED: bool = false;
@@ -40,6 +55,17 @@ impl Bearing {
     }
 }
 
+impl BlobShape {
+    const fn of<C: Constants>(mirrored: u32) -> Self {
+        let code = <C::Bearing<'static> as FromBlob<'static>>::CODE | mirrored;
+        let (array, numbers) = match C::ARRAY {
+            Some(BlobArray { offset, numbers }) => (offset as u32, numbers),
+            None => (0, 0),
+        };
+        Self { code, words: C::WORDS, array, numbers }
+    }
+}
+
 impl Model {
     /// Returns the functions of a model.
     pub const fn of<C: Constants>() -> Self {
@@ -51,6 +77,7 @@ impl Model {
             force_and_contact: force_and_contact::<C>,
             force_and_stiffness: force_and_stiffness::<C>,
             element_loads: element_loads::<C>,
+            blob: BlobShape::of::<C>(0),
         }
     }
 
@@ -65,6 +92,7 @@ impl Model {
             force_and_contact: mirrored_force_and_contact::<C>,
             force_and_stiffness: mirrored_force_and_stiffness::<C>,
             element_loads: mirrored_element_loads::<C>,
+            blob: BlobShape::of::<C>(MIRRORED),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Model `roller`: rollers by laminae, both contacts in series.
 
 use crate::bearing::{Bearing, Model};
-use crate::model::Constants;
+use crate::model::{BlobArray, Constants};
 use crate::pointer;
 use ballrace::bearing::roller::{LaminaRoller, RollerConstants};
 use ballrace::bearing::{CageFrame, ElementPosition, Reaction};
@@ -52,6 +52,9 @@ pub struct Roller {
 unsafe impl Constants for Roller {
     type Bearing<'a> =
         LaminaRoller<f32, Exact, &'a [ElementPosition<f32>], &'a [ballrace::bearing::roller::Lamina<f32>]>;
+
+    const WORDS: u32 = 6;
+    const ARRAY: Option<BlobArray> = Some(BlobArray { offset: core::mem::offset_of!(Roller, laminae), numbers: 2 });
 
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {

@@ -27,6 +27,16 @@ pub const STATE_INVALID: u32 = 256;
 pub const INVALID_ARGUMENT: u32 = 512;
 /// A block is complete and its results are written.
 pub const BLOCK_COMPLETE: u32 = 1024;
+/// Not the beginning of a blob at an address that is a multiple of 8, a blob of another version, or a length that does not fit.
+pub const BLOB_FORMAT: u32 = 2048;
+/// Damaged blob: another CRC-32.
+pub const BLOB_CHECKSUM: u32 = 4096;
+/// No bearing of this name in the blob.
+pub const BLOB_BEARING: u32 = 8192;
+/// The bearing in the blob has another model.
+pub const BLOB_MODEL: u32 = 16384;
+/// The check of a blob or of forces has more parts.
+pub const INCOMPLETE: u32 = 32768;
 
 // The bits are those of the kernel.
 const _: () = {

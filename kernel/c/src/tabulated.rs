@@ -1,7 +1,7 @@
 //! Model `tabulated`: the quasi-static model from a table of spline coefficients.
 
 use crate::bearing::{Bearing, Model};
-use crate::model::Constants;
+use crate::model::{BlobArray, Constants};
 use crate::pointer;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::quasi_static::TableConstants;
@@ -88,6 +88,10 @@ unsafe impl<const F: usize> Constants for WithFields<F> {
         ballrace::bearing::tabulated::Tabulated<f32, Exact, &'a [ElementPosition<f32>], &'a [Node<f32, F>], F>;
 
     const USES_SPEED: bool = true;
+
+    const WORDS: u32 = 25;
+    const ARRAY: Option<BlobArray> =
+        Some(BlobArray { offset: core::mem::offset_of!(Tabulated, nodes), numbers: F as u32 });
 
     #[inline(always)]
     unsafe fn bearing(&self) -> Self::Bearing<'_> {

@@ -64,7 +64,8 @@ impl ChecksumRange {
     }
 
     /// Computes the checksum of [`Bearing::sample`]: FNV-1a with 64 bits over the bits of force, moment and status of each sample,
-    /// each number with its least significant byte first. -0 counts as 0 and every NaN as the same number. Cost: 1024 forces.
+    /// each number with its least significant byte first. -0 counts as 0 and every NaN as the same number. Cost: 1024 forces; [`Checksum`]
+    /// takes them in parts.
     pub fn checksum<B: Bearing<f32> + ?Sized>(&self, bearing: &B) -> u64 {
         let mut last_valid = LastValidWrench::new();
         self.checksum_of(|u, at| bearing.sample(&mut last_valid, u, at))
@@ -75,13 +76,79 @@ impl ChecksumRange {
         &self,
         mut force: impl FnMut(&Displacement<f32>, &BearingKinematicState<f32>) -> (Wrench<f32>, Status),
     ) -> u64 {
+        let mut checksum = Checksum::begin(self);
+        while checksum.next_of(&mut force) {}
+        checksum.hash
+    }
+}
+
+/// A checksum that is computed in parts, so that firmware resets its watchdog between them.
+///
+/// ```
+/// use ballrace::bearing::checksum::{Checksum, ChecksumRange};
+/// use ballrace::bearing::linear::Linear;
+/// use ballrace::{Displacement, Stiffness};
+///
+/// # let about = Displacement { u: 1e-5, v: 1e-5, w: 1e-5, thu: 1e-4, thv: 1e-4 };
+/// # let range = ChecksumRange { centre: Displacement::default(), amplitude: about, inner_speed: [0.0; 2], outer_speed: [0.0; 2] };
+/// let spring = Linear::new(Stiffness::from_diagonal_element(1e8_f32));
+/// let mut checksum = Checksum::begin(&range);
+/// let whole = loop {
+///     if let Some(whole) = checksum.advance(&spring, 100) {
+///         break whole;
+///     }
+///     // Reset the watchdog here.
+/// };
+/// assert_eq!(whole, range.checksum(&spring));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Checksum {
+    poses: ChecksumPoses,
+    last_valid: LastValidWrench<f32>,
+    hash: u64,
+}
+
+impl Checksum {
+    /// Returns the checksum before its first force.
+    #[must_use]
+    pub fn begin(range: &ChecksumRange) -> Self {
         let [basis, _] = FNV;
-        self.samples().fold(basis, |hash, (u, at)| {
-            let (wrench, status) = force(&u, &at);
-            let hash =
-                wrench.to_array().into_iter().fold(hash, |hash, x| hashed(hash, &canonical_bits(x).to_le_bytes()));
-            hashed(hash, &[status.bits()])
-        })
+        Self { poses: range.samples(), last_valid: LastValidWrench::new(), hash: basis }
+    }
+
+    /// Takes further `samples` forces. Returns the checksum once all 1024 are taken.
+    pub fn advance<B: Bearing<f32> + ?Sized>(&mut self, bearing: &B, samples: u16) -> Option<u64> {
+        let mut last_valid = self.last_valid;
+        let checksum = self.advance_of(|u, at| bearing.sample(&mut last_valid, u, at), samples);
+        self.last_valid = last_valid;
+        checksum
+    }
+
+    /// As [`Checksum::advance`] for a function that returns force and status.
+    pub fn advance_of(
+        &mut self,
+        mut force: impl FnMut(&Displacement<f32>, &BearingKinematicState<f32>) -> (Wrench<f32>, Status),
+        samples: u16,
+    ) -> Option<u64> {
+        for _ in 0..samples {
+            if !self.next_of(&mut force) {
+                break;
+            }
+        }
+        (self.poses.count >= CHECKSUM_SAMPLES).then_some(self.hash)
+    }
+
+    /// Takes a force; returns false where all are taken.
+    fn next_of(
+        &mut self,
+        force: &mut impl FnMut(&Displacement<f32>, &BearingKinematicState<f32>) -> (Wrench<f32>, Status),
+    ) -> bool {
+        let Some((u, at)) = self.poses.next() else { return false };
+        let (wrench, status) = force(&u, &at);
+        let bits = wrench.to_array().map(canonical_bits);
+        let hash = bits.into_iter().fold(self.hash, |hash, x| hashed(hash, &x.to_le_bytes()));
+        self.hash = hashed(hash, &[status.bits()]);
+        true
     }
 }
 

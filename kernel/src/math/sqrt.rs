@@ -1,4 +1,4 @@
-//! Square roots by the instruction of the target. The only module with unsafe code.
+//! Square roots by the instruction of the target. With the tables of a blob, the only unsafe code.
 //!
 //! Every path is correctly rounded (IEEE 754), so the results are the same on all targets.
 //!

@@ -153,9 +153,9 @@ impl AtomicFile {
     ///
     /// # Errors
     /// As [`AtomicFile::create`] and [`AtomicFile::finish`].
-    pub fn write(path: &Path, contents: &str) -> Result<(), OutputError> {
+    pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
         let mut file = Self::create(path)?;
-        file.write_all(contents.as_bytes()).map_err(failed(path))?;
+        file.write_all(contents.as_ref()).map_err(failed(path))?;
         file.finish()
     }
 

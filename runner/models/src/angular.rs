@@ -3,9 +3,11 @@
 use crate::construction::{BuildError, blocked_places, contact_geometry, facing, named, uneven};
 use crate::handle::BearingHandle;
 use crate::model::BearingModel;
-use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, c, rust};
+use crate::model::c::{CStruct, Member};
+use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, rust};
+use ballrace::bearing::ElementPosition;
 use ballrace::bearing::angular::{Angular, AngularConstants};
-use ballrace::{Math, Scalar};
+use ballrace::{Exact, Math, Scalar};
 use ballrace_scene::{Bearing as BearingScene, Model, Scene};
 use std::fmt::Write;
 
@@ -44,12 +46,10 @@ impl FirmwareModel for AngularModel {
         rust::function(out, of, &kind, &format!("Angular::from_constants(POSITIONS, CONSTANTS){with}"))
     }
 
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError> {
         let of = constants.of;
         let AngularConstants { stiffness, distance: [distance, square], unloaded: [radial, axial], excess, arm } =
             rounded(of)?;
-        let model = format!("ballrace_angular{}_model", c::facing(of));
-        c::open(out, (name, "ballrace_angular", &model), constants)?;
         let members = [
             ("stiffness", stiffness),
             ("distance", distance),
@@ -59,10 +59,13 @@ impl FirmwareModel for AngularModel {
             ("excess", excess),
             ("arm", arm),
         ];
-        c::close(out, &members.map(|(name, value)| (name, c::single(value))))?;
-        Ok("ballrace_angular")
+        let members = members.map(|(name, x)| (name, Member::Number(x))).into();
+        Ok(CStruct::new::<InFirmware<'_>>(of, "ballrace_angular", "ballrace_angular", members))
     }
 }
+
+/// The bearing as firmware has it.
+type InFirmware<'a> = Angular<f32, Exact, &'a [ElementPosition<f32>]>;
 
 /// Returns the constants in single precision.
 fn rounded(of: &BearingScene) -> Result<AngularConstants<f32>, BuildError> {

@@ -3,11 +3,12 @@
 use crate::construction::{BuildError, geometry, invalid, named};
 use crate::handle::{AnyBearing, BearingHandle};
 use crate::model::BearingModel;
-use crate::model::{Constants, FirmwareModel, NotCounted, c};
+use crate::model::c::{CStruct, Member};
+use crate::model::{Constants, FirmwareModel, NotCounted};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::linear::{Linear as LinearBearing, two_spring_ball};
 use ballrace::{Displacement, Exact, Math, Phase, Scalar, Stiffness, Wrench};
-use ballrace_scene::{Bearing as BearingScene, Linear, Model, Scene};
+use ballrace_scene::{Bearing as BearingScene, Facing, Linear, Model, Scene};
 use std::fmt::Write;
 
 /// [`Model::Linear`]
@@ -62,16 +63,16 @@ impl FirmwareModel for LinearModel {
         Ok(())
     }
 
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError> {
         let (force, stiffness) = springs(constants)?;
-        c::open(out, (name, "ballrace_linear", "ballrace_linear_model"), constants)?;
-        writeln!(out, "    .stiffness = {{")?;
-        for row in stiffness {
-            writeln!(out, "        {},", row.map(c::single).join(", "))?;
-        }
-        writeln!(out, "    }},")?;
-        c::close(out, &[("reference", c::list(&[0.0; 5])), ("force", c::list(&force))])?;
-        Ok("ballrace_linear")
+        let members = vec![
+            ("stiffness", Member::Rows(stiffness)),
+            ("reference", Member::Numbers(vec![0.0; 5])),
+            ("force", Member::Numbers(force.into())),
+        ];
+        // Springs have no facing.
+        let of = BearingScene { facing: Facing::Both, ..constants.of.clone() };
+        Ok(CStruct::new::<LinearBearing<f32>>(&of, "ballrace_linear", "ballrace_linear", members))
     }
 }
 

@@ -5,7 +5,9 @@ use crate::construction::{
 };
 use crate::handle::{AnyForceModel, BearingHandle, BendingRing, Housing, HousingShape};
 use crate::model::BearingModel;
-use crate::model::{self as firmware, Constants, ELEMENT_BYTES, FirmwareModel, NotCounted, c, rust};
+use crate::model::c::{CStruct, Member};
+use crate::model::{self as firmware, Constants, ELEMENT_BYTES, FirmwareModel, NotCounted, rust};
+use ballrace::bearing::ElementPosition;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::{Exact, Math, Scalar};
@@ -85,33 +87,39 @@ impl FirmwareModel for LumpedModel {
         Ok(Some(if of.facing == Facing::MinusZ { force.mirrored() } else { force }))
     }
 
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError> {
         let of = constants.of;
-        let Some(axial) = of.axial else {
-            let (stiffness, exponent, play) = law(of)?;
-            let model = format!("ballrace_lumped_radial{}_model", CommonLaw::of(exponent).suffix());
-            c::open(out, (name, "ballrace_lumped_radial", &model), constants)?;
-            let members = [("stiffness", stiffness), ("exponent", exponent), ("play", play)];
-            c::close(out, &members.map(|(name, value)| (name, c::single(value as f32))))?;
-            return Ok("ballrace_lumped_radial");
-        };
         let (stiffness, exponent, play) = law(of)?;
-        let law = law_of(of, &axial).suffix();
-        let model = format!("ballrace_lumped_radial_axial{law}{}_model", c::facing(of));
-        c::open(out, (name, "ballrace_lumped_radial_axial", &model), constants)?;
-        let members = [
-            ("stiffness", stiffness),
-            ("exponent", exponent),
-            ("play", play),
-            ("axial_stiffness", axial.stiffness),
-            ("axial_exponent", axial.exponent),
-            ("axial_play", axial.play),
-            ("radius", axial.radius),
-        ];
-        c::close(out, &members.map(|(name, value)| (name, c::single(value as f32))))?;
-        Ok("ballrace_lumped_radial_axial")
+        let mut members = vec![("stiffness", stiffness), ("exponent", exponent), ("play", play)];
+        let (law, kind) = match of.axial {
+            None => (CommonLaw::of(exponent), "ballrace_lumped_radial"),
+            Some(axial) => {
+                members.extend([
+                    ("axial_stiffness", axial.stiffness),
+                    ("axial_exponent", axial.exponent),
+                    ("axial_play", axial.play),
+                    ("radius", axial.radius),
+                ]);
+                (law_of(of, &axial), "ballrace_lumped_radial_axial")
+            }
+        };
+        let new = match (law, of.axial.is_some()) {
+            (CommonLaw::Point, false) => CStruct::new::<RadialInFirmware<'_, PointContactLaw<f32>>>,
+            (CommonLaw::Line, false) => CStruct::new::<RadialInFirmware<'_, LineContactLaw<f32>>>,
+            (CommonLaw::Power, false) => CStruct::new::<RadialInFirmware<'_, PowerLaw<f32>>>,
+            (CommonLaw::Point, true) => CStruct::new::<BothInFirmware<'_, PointContactLaw<f32>>>,
+            (CommonLaw::Line, true) => CStruct::new::<BothInFirmware<'_, LineContactLaw<f32>>>,
+            (CommonLaw::Power, true) => CStruct::new::<BothInFirmware<'_, PowerLaw<f32>>>,
+        };
+        let members = members.into_iter().map(|(name, x)| (name, Member::Number(x as f32))).collect();
+        Ok(new(of, kind, &format!("{kind}{}", law.suffix()), members))
     }
 }
+
+/// Radial elements as firmware has them.
+type RadialInFirmware<'a, L> = Radial<f32, Exact, L, &'a [ElementPosition<f32>]>;
+/// Radial and axial elements as firmware has them.
+type BothInFirmware<'a, L> = Combined<RadialInFirmware<'a, L>, Axial<f32, Exact, L, &'a [ElementPosition<f32>]>>;
 
 /// Returns the exponent of the law of the radial elements.
 fn radial_exponent(of: &BearingScene) -> f64 {

@@ -10,6 +10,7 @@ use ballrace::Displacement;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::surface::Feature;
 use ballrace_scene::{Bearing, Model, Scene};
+use c::CStruct;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -122,11 +123,11 @@ pub trait FirmwareModel: BearingModel {
         Ok(None)
     }
 
-    /// Writes the struct `name` of a bearing in C, and returns its type.
+    /// Returns the struct of a bearing in C, whose members a blob has too.
     ///
     /// # Errors
     /// Returns an error if a constant cannot be computed.
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError>;
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError>;
 }
 
 /// Reason why a force was not counted on the target.

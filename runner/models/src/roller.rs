@@ -2,7 +2,8 @@
 
 use crate::construction::{BuildError, facing, invalid, kinematics, named, places, uneven};
 use crate::handle::BearingHandle;
-use crate::model::{self as firmware, BearingModel, Constants, FirmwareModel, LevelOptions, NotCounted, c, rust};
+use crate::model::c::{Array, CStruct, Member};
+use crate::model::{self as firmware, BearingModel, Constants, FirmwareModel, LevelOptions, NotCounted, rust};
 use crate::simd::OnWideRegisters;
 use ballrace::bearing::lumped::Combined;
 use ballrace::bearing::roller::{
@@ -77,30 +78,31 @@ impl FirmwareModel for RollerModel {
         rust::function(out, of, &kind, &value)
     }
 
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError> {
         let of = constants.of;
         let laminae = laminae::<f32>(of)?;
-        writeln!(out, "static const ballrace_lamina {name}_laminae[{}] = {{", laminae.len())?;
-        for Lamina { position, drop } in &laminae {
-            writeln!(out, "    {},", c::list(&[*position, *drop]))?;
-        }
-        writeln!(out, "}};\n")?;
-        let model = format!("ballrace_roller{}_model", c::facing(of));
-        c::open(out, (name, "ballrace_roller", &model), constants)?;
         let RollerConstants { stiffness, arm, axis: [cos, sin], play } = self::constants(of, 1.0)?.rounded::<f32>();
-        let members = [
-            ("stiffness", c::single(stiffness)),
-            ("arm", c::single(arm)),
-            ("axis_cos", c::single(cos)),
-            ("axis_sin", c::single(sin)),
-            ("play", c::single(play)),
-            ("lamina_count", laminae.len().to_string()),
-            ("laminae", format!("{name}_laminae")),
+        let members = vec![
+            ("stiffness", Member::Number(stiffness)),
+            ("arm", Member::Number(arm)),
+            ("axis_cos", Member::Number(cos)),
+            ("axis_sin", Member::Number(sin)),
+            ("play", Member::Number(play)),
+            ("lamina_count", Member::Integer(laminae.len() as u32)),
         ];
-        c::close(out, &members)?;
-        Ok("ballrace_roller")
+        Ok(CStruct::new::<InFirmware<'_>>(of, "ballrace_roller", "ballrace_roller", members).with_array(Array {
+            member: "laminae",
+            kind: "ballrace_lamina",
+            numbers_per_entry: 2,
+            numbers_per_line: 2,
+            numbers: laminae.iter().flat_map(|lamina| [lamina.position, lamina.drop]).collect(),
+            comment: None,
+        }))
     }
 }
+
+/// The bearing as firmware has it.
+type InFirmware<'a> = LaminaRoller<f32, Exact, &'a [ElementPosition<f32>], &'a [Lamina<f32>]>;
 
 /// [`Model::QuasiStaticRoller`]
 pub(crate) struct QuasiStaticRollerModel;

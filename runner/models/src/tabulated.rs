@@ -6,7 +6,8 @@ use crate::construction::{
     numbers, outer_ratio, point_contact_approach, uneven,
 };
 use crate::handle::BearingHandle;
-use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, c, rust};
+use crate::model::c::{Array, CStruct, Member};
+use crate::model::{self as firmware, Constants, FirmwareModel, NotCounted, rust};
 use crate::model::{BearingModel, LevelOptions};
 use crate::simd::OnWideRegisters;
 use ballrace::bearing::ElementPosition;
@@ -118,43 +119,43 @@ impl FirmwareModel for TabulatedModel {
         rust::function(out, of, &kind, &value)
     }
 
-    fn write_c(&self, out: &mut String, name: &str, constants: &Constants<'_>) -> Result<&'static str, BuildError> {
+    fn c_struct(&self, constants: &Constants<'_>) -> Result<CStruct, BuildError> {
         let made = firmware_table(constants)?;
-        let of = constants.of;
-        let (fields, count) = (made.fields(), made.nodes.len());
-        writeln!(out, "// The table: {} bytes of flash.", made.bytes())?;
-        writeln!(out, "static const float {name}_nodes[{}] = {{", fields * count)?;
-        for row in made.nodes.chunks(6) {
-            let numbers = row.iter().flat_map(|node| node.iter().take(fields));
-            let text: Vec<String> = numbers.map(|x| c::single(*x as f32)).collect();
-            writeln!(out, "    {},", text.join(", "))?;
-        }
-        writeln!(out, "}};\n")?;
-        let friction = if made.friction { "_friction" } else { "" };
-        let model = format!("ballrace_tabulated{friction}{}_model", c::facing(of));
-        c::open(out, (name, "ballrace_tabulated", &model), constants)?;
+        let fields = made.fields();
         let TableConstants { couple, distance, axis: [cos, sin], offset, arm } = made.constants.rounded::<f32>();
         let grid = made.grid.rounded::<f32>();
-        let members = [
-            ("couple", c::single(couple)),
-            ("distance", c::single(distance)),
-            ("axis_cos", c::single(cos)),
-            ("axis_sin", c::single(sin)),
-            ("offset", c::single(offset)),
-            ("arm", c::single(arm)),
-            ("scale", c::single(grid.scale)),
-            ("speed_scale", c::single(grid.speed_scale)),
-            ("approach", c::axis(&grid.approach)),
-            ("angle", c::axis(&grid.angle)),
-            ("speed", c::axis(&grid.speed)),
-            ("by_outer_speed", u32::from(made.by_outer).to_string()),
-            ("node_count", count.to_string()),
-            ("nodes", format!("{name}_nodes")),
+        let numbers = [
+            ("couple", couple),
+            ("distance", distance),
+            ("axis_cos", cos),
+            ("axis_sin", sin),
+            ("offset", offset),
+            ("arm", arm),
+            ("scale", grid.scale),
+            ("speed_scale", grid.speed_scale),
         ];
-        c::close(out, &members)?;
-        Ok("ballrace_tabulated")
+        let axes = [("approach", grid.approach), ("angle", grid.angle), ("speed", grid.speed)];
+        let counts = [("by_outer_speed", u32::from(made.by_outer)), ("node_count", made.nodes.len() as u32)];
+        let members = numbers
+            .map(|(name, x)| (name, Member::Number(x)))
+            .into_iter()
+            .chain(axes.map(|(name, axis)| (name, Member::Axis(axis))))
+            .chain(counts.map(|(name, count)| (name, Member::Integer(count))));
+        let new = if made.friction { CStruct::new::<InFirmware<'_, 3>> } else { CStruct::new::<InFirmware<'_, 2>> };
+        let model = if made.friction { "ballrace_tabulated_friction" } else { "ballrace_tabulated" };
+        Ok(new(constants.of, "ballrace_tabulated", model, members.collect()).with_array(Array {
+            member: "nodes",
+            kind: "float",
+            numbers_per_entry: 1,
+            numbers_per_line: 6 * fields,
+            numbers: made.nodes.iter().flat_map(|node| node.iter().take(fields)).map(|x| *x as f32).collect(),
+            comment: Some(format!("The table: {} bytes of flash.", made.bytes())),
+        }))
     }
 }
+
+/// The bearing as firmware has it.
+type InFirmware<'a, const F: usize> = Tabulated<f32, Exact, &'a [ElementPosition<f32>], &'a [[f32; F]], F>;
 
 /// Returns the table of the constants, which is computed where it is not given.
 fn firmware_table<'a>(constants: &Constants<'a>) -> Result<Cow<'a, TableData>, BuildError> {

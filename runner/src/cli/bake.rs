@@ -17,13 +17,13 @@ use std::path::PathBuf;
 pub struct Args {
     /// Scene file.
     scene: PathBuf,
-    /// Source file to write; of C, header F.h and source F.c are written.
+    /// File to write; of C, header F.h and source F.c are written, of a blob F.blob and its certificate F.txt.
     #[arg(short, long, value_name = "F.rs")]
     output: PathBuf,
     /// Write this bearing only.
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
-    /// Language of the constants [default: rust for F.rs, c for F.h and F.c].
+    /// Language of the constants, or a binary blob [default: rust for F.rs, c for F.h and F.c, blob for F.blob].
     #[arg(long, value_enum)]
     language: Option<Language>,
     /// Processor core whose measured cost the certificate states.
@@ -51,7 +51,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         error => UsageError::with_bearing_option(error).into(),
     })?;
     for (path, file) in outputs.iter().zip(&baked.files) {
-        AtomicFile::write(path, &file.source)?;
+        AtomicFile::write(path, &file.content)?;
     }
     let significance = effect_significance::of_scene(&scene)?;
     print(&baked.bearings, (args, &outputs), format)?;
@@ -68,38 +68,48 @@ fn language(args: &Args) -> Result<Language, UsageError> {
     let of_name = match extension {
         Some("rs") => Some(Language::Rust),
         Some("h" | "c") => Some(Language::C),
+        Some("blob") => Some(Language::Blob),
         _ => None,
     };
     let output = args.output.display();
     match (args.language, of_name) {
-        (Some(Language::Rust), Some(Language::C)) => Err(UsageError(format!(
-            "--output: invalid name for --language rust: {output}, expected a name that ends in .rs, or --language c"
+        (Some(Language::Rust), Some(other @ (Language::C | Language::Blob))) => Err(UsageError(format!(
+            "--output: invalid name for --language rust: {output}, expected a name that ends in .rs, or --language {}",
+            other.name()
         ))),
         (Some(language), _) | (None, Some(language)) => Ok(language),
         (None, None) => Err(UsageError(format!(
-            "--output: no language for this name: {output}, expected a name that ends in .rs, .h or .c, or --language"
+            "--output: no language for this name: {output}, expected a name that ends in .rs, .h, .c or .blob, or --language"
         ))),
     }
 }
 
-/// Returns the paths of the files to write: for C, header and source.
+/// Returns the paths of the files to write: for C, header and source; for a blob, its certificate and the blob.
 fn outputs(args: &Args, language: Language) -> Result<Vec<PathBuf>> {
     let output = &args.output;
-    if language == Language::Rust {
-        return Ok(vec![output.clone()]);
-    }
-    let invalid = |expected| {
-        UsageError(format!("--output: invalid name for --language c: {}, expected {expected}", output.display()))
+    let extensions = match language {
+        Language::Rust => return Ok(vec![output.clone()]),
+        Language::C => ["h", "c"],
+        Language::Blob => ["txt", "blob"],
     };
-    if !output.extension().is_some_and(|extension| extension == "h" || extension == "c") {
-        bail!(invalid("a name that ends in .h"));
+    let invalid = |expected| {
+        let (language, output) = (language.name(), output.display());
+        UsageError(format!("--output: invalid name for --language {language}: {output}, expected {expected}"))
+    };
+    let extension = output.extension().and_then(|extension| extension.to_str());
+    match language {
+        Language::Blob if extension != Some("blob") => bail!(invalid("a name that ends in .blob")),
+        Language::C if !matches!(extension, Some("h" | "c")) => bail!(invalid("a name that ends in .h")),
+        _ => {}
     }
-    // The name is part of an include directive.
+    // In C, the name is part of an include directive.
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    if !output.file_stem().and_then(|stem| stem.to_str()).is_some_and(|stem| stem.chars().all(is_plain)) {
+    let is_included = language == Language::C;
+    if is_included && !output.file_stem().and_then(|stem| stem.to_str()).is_some_and(|stem| stem.chars().all(is_plain))
+    {
         bail!(invalid("letters, digits, '_', '-' and '.'"));
     }
-    Ok(vec![output.with_extension("h"), output.with_extension("c")])
+    Ok(extensions.map(|extension| output.with_extension(extension)).into())
 }
 
 fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) -> Result<()> {

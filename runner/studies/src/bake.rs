@@ -1,9 +1,10 @@
-//! Writes the constants of a scene as source code for firmware, with a certificate.
+//! Writes the constants of a scene for firmware, as source code or as a blob, with a certificate.
 //!
 //! The source has the bearings (element positions, table and surface deviations, without arithmetic at start-up), the observer of a
 //! scene with `[observer]` and, in Rust, the matrices of a flexible or supported rotor.
 
 mod accuracy;
+mod blob;
 mod c;
 mod certificate;
 mod embedded;
@@ -35,11 +36,13 @@ pub enum Language {
     Rust,
     /// A header and a source file of C99 for the library `ballrace-c`.
     C,
+    /// A binary file that firmware checks and uses in place, with its certificate as a text.
+    Blob,
 }
 
 impl Language {
     /// All languages by their names.
-    pub const ALL: [(&'static str, Self); 2] = [("rust", Self::Rust), ("c", Self::C)];
+    pub const ALL: [(&'static str, Self); 3] = [("rust", Self::Rust), ("c", Self::C), ("blob", Self::Blob)];
 
     /// Returns the name.
     #[must_use]
@@ -97,7 +100,15 @@ pub struct BakedFile {
     /// Extension of the file name; `None` if any extension is allowed.
     pub extension: Option<&'static str>,
     /// Content.
-    pub source: String,
+    pub content: Vec<u8>,
+}
+
+impl BakedFile {
+    /// Returns the text; empty for a binary file.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.content).unwrap_or_default()
+    }
 }
 
 /// One selected bearing, whose model has constants.
@@ -136,8 +147,11 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
     };
     chosen.iter().try_for_each(|of| build::check_has_forces(scene, of))?;
     check_names(scene, &chosen)?;
-    if options.language == Language::C {
-        c::check(scene, &chosen, options.bearing.is_none())?;
+    match options.language {
+        Language::Rust => {}
+        Language::C => c::check(scene, &chosen, (Language::C, options.bearing.is_none()))?,
+        // A blob has the bearings alone.
+        Language::Blob => c::check(scene, &chosen, (Language::Blob, false))?,
     }
     let selected = chosen.iter().map(|of| Selected::try_new(scene, of)).collect::<Result<Vec<_>, BakeError>>()?;
     let tables = selected.iter().map(|one| one.firmware.table(scene, one.of)).collect::<Result<Vec<_>, _>>()?;
@@ -150,9 +164,11 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
     let comments = Comments { certificate: certificate.text(), scene: text };
     let files = match options.language {
         Language::Rust => {
-            vec![BakedFile { extension: None, source: source(scene, &parts, &comments, options.bearing.is_none())? }]
+            let source = source(scene, &parts, &comments, options.bearing.is_none())?;
+            vec![BakedFile { extension: None, content: source.into() }]
         }
         Language::C => c::files((scene, options.bearing.is_none()), &parts, &comments, options.name)?,
+        Language::Blob => blob::files(scene, &parts, &comments, options.name)?,
     };
     Ok(BakedScene { files, bearings: parts.into_iter().map(Baked::of).collect() })
 }

@@ -331,11 +331,13 @@ pub enum BakeError {
         /// Its model.
         found: &'static str,
     },
-    /// Content of a scene for which the library of C has no struct.
-    #[error("{}: {place}: {found} with --language c, expected {expected}", file.display())]
+    /// Content of a scene for which the library of C has no struct and a blob no constants.
+    #[error("{}: {place}: {found} with --language {language}, expected {expected}", file.display())]
     NotInC {
         /// Scene file.
         file: PathBuf,
+        /// Language of the constants.
+        language: &'static str,
         /// Part of the scene.
         place: String,
         /// Its content.

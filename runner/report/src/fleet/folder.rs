@@ -107,7 +107,7 @@ impl Folder {
     pub fn write_overview(&self, name: &str, rows: &[Row], trends: &[Trend]) -> Result<()> {
         let mut table = Vec::new();
         trends_csv(&mut table, trends)?;
-        AtomicFile::write(&self.trends(), &String::from_utf8_lossy(&table))?;
+        AtomicFile::write(&self.trends(), &table)?;
         let fleet = Fleet { name, rows, trends, link: &|key| self.link(key) };
         Ok(AtomicFile::write(&self.index(), &html(&fleet)?)?)
     }

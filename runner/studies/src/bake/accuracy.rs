@@ -197,7 +197,7 @@ impl BakedModel {
         };
         let force = match language {
             Language::Rust => force(of)?,
-            Language::C => firmware.force_in_c(of)?.map_or_else(|| force(&firmware.in_c(of)), Ok)?,
+            Language::C | Language::Blob => firmware.force_in_c(of)?.map_or_else(|| force(&firmware.in_c(of)), Ok)?,
         };
         Ok(Self { model, force, offset })
     }

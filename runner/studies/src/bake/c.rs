@@ -1,7 +1,7 @@
 //! Constants as a header and a source file of C99, for the library `ballrace-c`.
 
 use super::observer::ObserverConstants;
-use super::{BakedFile, Comments, Part, Selected, embedded, linearised, rotor};
+use super::{BakedFile, Comments, Language, Part, Selected, embedded, linearised, rotor};
 use ballrace::Displacement;
 use ballrace::bearing::ElementPosition;
 use ballrace::bearing::checksum::ChecksumRange;
@@ -20,9 +20,15 @@ const MAX_ELEMENTS: usize = 32;
 ///
 /// # Errors
 /// Returns an error for waviness, damage or too many elements and, for a whole scene, for coordinates beyond those of a rigid rotor.
-pub fn check(scene: &Scene, chosen: &[&Bearing], whole: bool) -> Result<(), BakeError> {
-    let refused =
-        |place: String, found: String, expected| BakeError::NotInC { file: scene.path.clone(), place, found, expected };
+pub fn check(scene: &Scene, chosen: &[&Bearing], (language, whole): (Language, bool)) -> Result<(), BakeError> {
+    let (file, language) = (&scene.path, language.name());
+    let refused = |place: String, found: String, expected| BakeError::NotInC {
+        file: file.clone(),
+        language,
+        place,
+        found,
+        expected,
+    };
     for of in chosen {
         let place = format!("bearing {}", of.name);
         if !of.waviness.is_empty() || !of.defect.is_empty() {
@@ -72,7 +78,10 @@ pub fn files(
     }
     writeln!(header, "\n#ifdef __cplusplus\n}}\n#endif\n\n#endif\n\n// Text of the scene.")?;
     write!(header, "{}", embedded::SCENE.write(comments.scene))?;
-    Ok(vec![BakedFile { extension: Some("h"), source: header }, BakedFile { extension: Some("c"), source }])
+    Ok(vec![
+        BakedFile { extension: Some("h"), content: header.into() },
+        BakedFile { extension: Some("c"), content: source.into() },
+    ])
 }
 
 /// Returns a name in capital letters for the preprocessor.
@@ -124,7 +133,9 @@ impl<'a> Writer<'a> {
         }
         let springs = linearised(scene, of)?;
         let constants = Constants { scene, of, table: self.part.table.as_ref(), offset, springs: springs.as_ref() };
-        let kind = self.part.selected.firmware.write_c(source, name, &constants)?;
+        let own = self.part.selected.firmware.c_struct(&constants)?;
+        own.write(source, name, &constants)?;
+        let kind = own.kind;
         writeln!(header, "// The bearing: `&{name}.head` is the argument of all calls.\nextern const {kind} {name};")?;
         self.write_checksum(header, source)
     }
@@ -179,6 +190,7 @@ fn write_observer(scene: &Scene, parts: &[Part<'_>], header: &mut String, source
     else {
         return Err(BakeError::NotInC {
             file: scene.path.clone(),
+            language: Language::C.name(),
             place: "[observer]".to_owned(),
             found: format!("{bearings} bearings and {probes} probes"),
             expected: "a rigid rotor with at most 4 bearings and 8 probes, or --language rust",

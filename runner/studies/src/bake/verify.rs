@@ -4,7 +4,7 @@ use super::certificate::{
     self, ALL_BEARINGS, BEARINGS_FIELD, CORE_FIELD, Field, LANGUAGE_FIELD, ONE_BEARING, POSES_FIELD, PROGRAM,
     PROGRAM_FIELD, SCENE_FILE_FIELD,
 };
-use super::{BakeOptions, Core, Language, PoseSource, bake, embedded};
+use super::{BakeOptions, BakedFile, Core, Language, PoseSource, bake, blob, embedded};
 use ballrace_base::bounded::open_regular;
 use ballrace_plant::error::{Error, Result, VerifyError};
 use ballrace_scene::read::{load, read_str};
@@ -107,14 +107,22 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
         .map_err(Error::from)
         .and_then(|scene| bake(&scene, &text, &options))
         .map_err(|error| Error::setup(Error::in_file(file)(error)))?;
-    let first = expected.files.first().map_or("", |baked| baked.source.as_str());
+    let first = expected.files.first().map_or("", BakedFile::text);
     let fields = embedded::CERTIFICATE.read(first).and_then(|text| certificate::parsed(&text)).unwrap_or_default();
     let mut differences = field_differences(file, &found, &fields);
     let mut constants = 0;
     for baked in &expected.files {
         let path = baked.extension.map_or_else(|| file.clone(), |extension| file.with_extension(extension));
+        if baked.extension == Some(blob::EXTENSION) {
+            differences.extend(blob::difference(&read_bytes(&path)?, &baked.content).map(|[name, found, expected]| {
+                let [found, expected] = [Some(found), Some(expected)];
+                Difference { file: path, part: BakedPart::Constant, name, line: None, found, expected }
+            }));
+            constants += 1;
+            continue;
+        }
         let text = if path == *file { source.clone() } else { read(&path)? };
-        let (old, new) = (Items::of(&text, options.language), Items::of(&baked.source, options.language));
+        let (old, new) = (Items::of(&text, options.language), Items::of(baked.text(), options.language));
         differences.extend(old.differences(&new, &path));
         constants += new.0.len();
     }
@@ -128,9 +136,13 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
     })
 }
 
-/// Returns the file with the certificate: in C, the header.
+/// Returns the file with the certificate: in C, the header; of a blob, the text.
 fn with_certificate(file: &Path) -> PathBuf {
-    if file.extension().is_some_and(|extension| extension == "c") { file.with_extension("h") } else { file.to_owned() }
+    match file.extension() {
+        Some(extension) if extension == "c" => file.with_extension("h"),
+        Some(extension) if extension == blob::EXTENSION => file.with_extension(blob::CERTIFICATE_EXTENSION),
+        _ => file.to_owned(),
+    }
 }
 
 impl Checksum {
@@ -139,11 +151,16 @@ impl Checksum {
     }
 }
 
-fn read(file: &Path) -> Result<String, VerifyError> {
+fn read_bytes(file: &Path) -> Result<Vec<u8>, VerifyError> {
     let unreadable = |source| VerifyError::Read { file: file.to_owned(), source };
     let mut bytes = Vec::new();
     open_regular(file).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes)).map_err(unreadable)?;
-    String::from_utf8(bytes).map_err(|_| VerifyError::NoBlock { file: file.to_owned(), what: "certificate" })
+    Ok(bytes)
+}
+
+fn read(file: &Path) -> Result<String, VerifyError> {
+    String::from_utf8(read_bytes(file)?)
+        .map_err(|_| VerifyError::NoBlock { file: file.to_owned(), what: "certificate" })
 }
 
 fn value<'a>(fields: &'a [Field], name: &str) -> Option<&'a str> {
@@ -341,6 +358,8 @@ fn declared(line: &str, language: Language) -> Option<Declaration<'_>> {
                 _ => None,
             }
         }
+        // The certificate of a blob declares nothing.
+        Language::Blob => None,
         Language::C => {
             if let Some(rest) = line.strip_prefix("#define ") {
                 return rest.split_whitespace().next().map(Declaration::Constant);

@@ -5,6 +5,7 @@
 pub mod bearings;
 #[rustfmt::skip]
 pub mod flexible;
+pub mod blob;
 pub mod framed;
 pub mod log;
 pub mod motion;

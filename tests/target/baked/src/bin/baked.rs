@@ -1,10 +1,10 @@
-//! Checksums of both bearings, a log of their forces on an orbit, and the motion of a flexible rotor, as bits: the desktop
-//! prints the same.
+//! Checksums of both bearings, a log of their forces on an orbit, the motion of a flexible rotor, and the bearings of a blob, as bits: the
+//! desktop prints the same.
 #![no_std]
 #![no_main]
 
 use baked::bearings::{bearing_de, bearing_nde};
-use baked::{framed, log, motion};
+use baked::{blob, framed, log, motion};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprint, hprintln};
 use panic_semihosting as _;
@@ -29,6 +29,9 @@ fn main() -> ! {
     let mut device = framed::device();
     for i in 0..framed::SAMPLES {
         hprintln!("frame,{}", framed::Row::new(&mut device, i));
+    }
+    if let Err(reason) = blob::run(|row| hprintln!("blob,{}", row)) {
+        hprintln!("blob,{}", reason);
     }
     if printed.is_err() {
         hprintln!("the matrices are rejected");
