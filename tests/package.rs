@@ -25,7 +25,7 @@ fn the_runner_has_the_counts_of_the_target() {
     };
     let stated: Vec<String> = table.take_while(|line| line.starts_with('|')).map(row).collect();
     assert!(stated.len() >= 150, "{} rows", stated.len());
-    let known = read("runner/studies/src/trade/cortex-m4f.csv");
+    let known = read("runner/studies/src/trade/cores/cortex-m4f.csv");
     assert_eq!(known.lines().collect::<Vec<_>>(), stated, "BALLRACE_WRITE=1 of the target's test writes both");
 }
 

@@ -438,7 +438,9 @@ impl<'a> FromBlob<'a> for Linear<f32> {
     fn read(_: &BlobBearing<'a>, constants: &mut ConstantReader<'a>) -> Option<Self> {
         let stiffness: [f32; 25] = constants.numbers()?;
         let (reference, force) = (constants.numbers()?, constants.numbers()?);
-        let stiffness = Stiffness::from_row_slice(&stiffness);
+        let entry = |i: usize, j: usize| stiffness.get(5 * i + j).copied().unwrap_or(0.0);
+        let columns: [[f32; 5]; 5] = core::array::from_fn(|j| core::array::from_fn(|i| entry(i, j)));
+        let stiffness = Stiffness::from(columns);
         Some(Self::about(stiffness, Displacement::from_array(reference), Wrench::from_array(force)))
     }
 }

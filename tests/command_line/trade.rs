@@ -208,7 +208,7 @@ fn lumped_model_has_no_costlier_reference() {
     let cost = &find(&all, "lumped", "f32", "exact")["cortex"];
     // Twice the row of the target's table.
     assert_eq!(cost["counted"], true);
-    let table = include_str!("../../runner/studies/src/trade/cortex-m4f.csv");
+    let table = include_str!("../../runner/studies/src/trade/cores/cortex-m4f.csv");
     let row = table.lines().find(|line| line.starts_with("radial 3/2;9;f32;exact;force, input checked;")).unwrap();
     let instructions: f64 = row.split(';').nth(5).unwrap().parse().unwrap();
     assert_eq!(figure(cost, &["instructions"]), 2.0 * instructions);

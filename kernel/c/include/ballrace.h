@@ -159,6 +159,31 @@ struct ballrace_rotor;
 #define BALLRACE_BLOCK_COMPLETE 1024
 
 /**
+ * Not the beginning of a blob at an address that is a multiple of 8, a blob of another version, or a length that does not fit.
+ */
+#define BALLRACE_BLOB_FORMAT 2048
+
+/**
+ * Damaged blob: another CRC-32.
+ */
+#define BALLRACE_BLOB_CHECKSUM 4096
+
+/**
+ * No bearing of this name in the blob.
+ */
+#define BALLRACE_BLOB_BEARING 8192
+
+/**
+ * The bearing in the blob has another model.
+ */
+#define BALLRACE_BLOB_MODEL 16384
+
+/**
+ * The check of a blob or of forces has more parts.
+ */
+#define BALLRACE_INCOMPLETE 32768
+
+/**
  * Angles and speeds of the components of a bearing. Unused angles and speeds are 0.
  */
 typedef struct ballrace_kinematic_state {
@@ -197,6 +222,28 @@ typedef struct ballrace_last_valid {
      */
     uint64_t words[4];
 } ballrace_last_valid;
+
+/**
+ * Constants of the struct of a model in a blob.
+ */
+typedef struct ballrace_blob_shape {
+    /**
+     * Code of the model.
+     */
+    uint32_t code;
+    /**
+     * Number of members of 4 bytes after the head.
+     */
+    uint32_t words;
+    /**
+     * Offset in the struct of the pointer to its table or laminae, bytes; 0 where it has none.
+     */
+    uint32_t array;
+    /**
+     * Numbers of a node or lamina.
+     */
+    uint32_t numbers;
+} ballrace_blob_shape;
 
 /**
  * Functions of one bearing model. The library exports one constant per model; a program uses only their addresses.
@@ -254,6 +301,10 @@ typedef struct ballrace_model {
                               const float *displacement,
                               const struct ballrace_kinematic_state *state,
                               float *loads);
+    /**
+     * Constants of the struct in a blob.
+     */
+    struct ballrace_blob_shape blob;
 } ballrace_model;
 
 /**
@@ -409,6 +460,76 @@ typedef struct ballrace_invalid_parameter {
 } ballrace_invalid_parameter;
 
 /**
+ * State of the check of a blob; 0 before it.
+ */
+typedef struct ballrace_blob_check_state {
+    /**
+     * Number of checked bytes.
+     */
+    uint32_t checked;
+    /**
+     * Their CRC-32.
+     */
+    uint32_t crc;
+} ballrace_blob_check_state;
+
+/**
+ * Displacements and speeds of the 1024 evaluations of a checksum. `ballrace bake --language c` writes it.
+ */
+typedef struct ballrace_checksum_range {
+    /**
+     * Centre of the displacements, m and rad.
+     */
+    float centre[5];
+    /**
+     * Largest deviation from the centre, m and rad.
+     */
+    float amplitude[5];
+    /**
+     * Speed of the inner ring at the first sample and its increment per sample, rad/s.
+     */
+    float inner_speed[2];
+    /**
+     * Speed of the outer ring at the first sample and its increment per sample, rad/s.
+     */
+    float outer_speed[2];
+} ballrace_checksum_range;
+
+/**
+ * Constants of a bearing in a blob besides those of its struct.
+ */
+typedef struct ballrace_blob_constants {
+    /**
+     * Angle of the cage over that of the shaft.
+     */
+    double cage_ratio;
+    /**
+     * Angle of a ball about its axis over that of the shaft.
+     */
+    double ball_ratio;
+    /**
+     * Angle of the outer ring over that of the shaft.
+     */
+    double outer_ratio;
+    /**
+     * `ballrace_checksum` of the bearing, as the desktop computes it.
+     */
+    uint64_t checksum;
+    /**
+     * Displacements and speeds of the checksum.
+     */
+    struct ballrace_checksum_range checksum_range;
+    /**
+     * Displacement by preload, to be added to every displacement, m and rad.
+     */
+    float offset[5];
+    /**
+     * Station along Z from the rotor's centre of mass, m.
+     */
+    float station;
+} ballrace_blob_constants;
+
+/**
  * Parameters and state of one probe. Opaque: `ballrace_probe_init` writes it.
  */
 typedef struct ballrace_probe {
@@ -461,26 +582,14 @@ typedef struct ballrace_probed_bearing {
 } ballrace_probed_bearing;
 
 /**
- * Displacements and speeds of the 1024 evaluations of a checksum. `ballrace bake --language c` writes it.
+ * A checksum that is computed in parts. Opaque: `ballrace_checksum_begin` writes it.
  */
-typedef struct ballrace_checksum_range {
+typedef struct ballrace_checksum_state {
     /**
-     * Centre of the displacements, m and rad.
+     * Private.
      */
-    float centre[5];
-    /**
-     * Largest deviation from the centre, m and rad.
-     */
-    float amplitude[5];
-    /**
-     * Speed of the inner ring at the first sample and its increment per sample, rad/s.
-     */
-    float inner_speed[2];
-    /**
-     * Speed of the outer ring at the first sample and its increment per sample, rad/s.
-     */
-    float outer_speed[2];
-} ballrace_checksum_range;
+    uint64_t words[17];
+} ballrace_checksum_state;
 
 /**
  * One line of the full spectrum of a force in the frame of a component.
@@ -1622,6 +1731,32 @@ uint32_t ballrace_elements_evenly_spaced(struct ballrace_element *elements,
 uint32_t ballrace_elements_mirror(struct ballrace_element *elements, uint32_t count);
 
 /**
+ * Checks `count` further bytes of a blob in `length` bytes, which may be more than its own: the page of flash that it lies in. Returns
+ * `BALLRACE_INCOMPLETE` until all are checked, so that a watchdog can be reset between the calls; then `BALLRACE_OK`, `BALLRACE_BLOB_FORMAT`
+ * or `BALLRACE_BLOB_CHECKSUM`. A CRC-32 tells damage, not intent: the signature of a blob is the bootloader's.
+ *
+ * Preconditions:
+ * `blob` points to `length` bytes, `check` to a state that is 0 before the first call.
+ */
+uint32_t ballrace_blob_check(const uint8_t *blob,
+                             uint32_t length,
+                             struct ballrace_blob_check_state *check,
+                             uint32_t count);
+
+/**
+ * Reads the bearing of this name from a blob that `ballrace_blob_check` found right. `bearing->model` is set before the call:
+ * `BALLRACE_BLOB_MODEL` for a bearing of another model. The blob must exist as long as the bearing, which uses its elements and its table.
+ *
+ * Preconditions:
+ * `blob` points to `length` bytes, `name` to a text, `bearing` to the head of a struct of its model, `constants` to a struct or nothing.
+ */
+uint32_t ballrace_blob_bearing(const uint8_t *blob,
+                               uint32_t length,
+                               const char *name,
+                               struct ballrace_bearing *bearing,
+                               struct ballrace_blob_constants *constants);
+
+/**
  * Computes force and status of every sample of a buffer of unsigned counts: `channel_count` of them a sample, in the order of the probes. The
  * shaft turns by `turned` (2^-64 revolutions) before each sample, at `inner_speed` (rad/s). Writes five floats a sample to `wrenches` and the
  * status bits, as of `ballrace_sample_at` and of the probes, to `statuses`; returns the bits of all samples.
@@ -1678,6 +1813,27 @@ uint32_t ballrace_block_metres(struct ballrace_probed_bearing *end,
  */
 uint64_t ballrace_checksum(const struct ballrace_bearing *bearing,
                            const struct ballrace_checksum_range *range);
+
+/**
+ * Begins a checksum that `ballrace_checksum_advance` computes in parts, so that a watchdog can be reset between them.
+ *
+ * Preconditions:
+ * `checksum` and `range` point to structs.
+ */
+uint32_t ballrace_checksum_begin(struct ballrace_checksum_state *checksum,
+                                 const struct ballrace_checksum_range *range);
+
+/**
+ * Takes further `samples` forces. Returns `BALLRACE_INCOMPLETE` until all 1024 are taken, then `BALLRACE_OK`, with the value of
+ * `ballrace_checksum` in `value`.
+ *
+ * Preconditions:
+ * `checksum` points to a struct that `ballrace_checksum_begin` wrote, `bearing` is the head of a struct of its model, `value` points to a number.
+ */
+uint32_t ballrace_checksum_advance(struct ballrace_checksum_state *checksum,
+                                   const struct ballrace_bearing *bearing,
+                                   uint32_t samples,
+                                   uint64_t *value);
 
 /**
  * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner

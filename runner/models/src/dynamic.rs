@@ -26,8 +26,8 @@ impl BearingModel for DynamicModel {
     fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         None
     }
-    fn cortex_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
-        LumpedModel.cortex_row(of)
+    fn counted_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
+        LumpedModel.counted_row(of)
     }
 }
 

@@ -19,7 +19,7 @@ impl BearingModel for KinematicsModel {
     fn firmware(&self, _: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         None
     }
-    fn cortex_row(&self, _: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, _: &BearingScene) -> Result<&'static str, NotCounted> {
         Err(NotCounted::Law)
     }
 }

@@ -21,7 +21,7 @@ impl BearingModel for LinearModel {
     fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         Some(&Self)
     }
-    fn cortex_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
         Ok("linear")
     }
 }

@@ -23,7 +23,7 @@ impl BearingModel for LumpedModel {
     fn firmware(&self, of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         if of.has_rigid_outer_ring() { Some(&Self) } else { None }
     }
-    fn cortex_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
         let axial = of.axial.map(|axial| Exponent::of(axial.exponent));
         match (Exponent::of(radial_exponent(of)), axial) {
             (Exponent::Point, Some(Exponent::Point)) => Ok("radial and axial 3/2"),

@@ -46,11 +46,11 @@ pub trait BearingModel: Sync {
     /// Returns the constants of a bearing in firmware; `None` where it has none.
     fn firmware(&self, of: &Bearing) -> Option<&'static dyn FirmwareModel>;
 
-    /// Returns the name of a smooth bearing in the table of costs on a Cortex-M4F.
+    /// Returns the name of a smooth bearing in the tables of costs on the cores of microcontrollers.
     ///
     /// # Errors
     /// Returns the reason where the table has no similar bearing.
-    fn cortex_row(&self, of: &Bearing) -> Result<&'static str, NotCounted>;
+    fn counted_row(&self, of: &Bearing) -> Result<&'static str, NotCounted>;
 }
 
 /// Options of a level of fidelity.

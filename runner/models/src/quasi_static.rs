@@ -49,7 +49,7 @@ impl BearingModel for QuasiStaticModel {
     fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         Some(&TabulatedModel)
     }
-    fn cortex_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
         let e = &of.effects;
         let plain =
             e.control == ballrace_scene::RaceControl::Outer && e.sharing == ballrace_scene::FrictionSharing::Outer;

@@ -41,7 +41,7 @@ impl BearingModel for RollerModel {
         let has_two_rows = of.rollers.as_ref().is_some_and(|rollers| rollers.kind == RollerKind::Spherical);
         if has_two_rows { None } else { Some(&Self) }
     }
-    fn cortex_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
         Err(NotCounted::Rollers)
     }
 }
@@ -114,7 +114,7 @@ impl BearingModel for QuasiStaticRollerModel {
     fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         None
     }
-    fn cortex_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
         Err(NotCounted::Rollers)
     }
 }

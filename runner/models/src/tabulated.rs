@@ -59,7 +59,7 @@ impl BearingModel for TabulatedModel {
     fn firmware(&self, _of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
         Some(&Self)
     }
-    fn cortex_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
+    fn counted_row(&self, of: &BearingScene) -> Result<&'static str, NotCounted> {
         // A table with friction at the inner contact has a third number in each node.
         if of.effects.gyroscopic && of.effects.sharing != FrictionSharing::Outer {
             return Err(NotCounted::Effects);

@@ -130,7 +130,8 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
         let front = |yes: bool| if yes { "*" } else { " " };
         let (instructions, cycles) = c.cortex.map_or(("-".to_owned(), "- ".to_owned()), |cost| {
             let about = if cost.counted { "" } else { "~" };
-            let [instructions, cycles] = [cost.instructions, cost.cycles].map(|n| format!("{about}{n:.0}"));
+            let [instructions, cycles] =
+                [Some(cost.instructions), cost.cycles].map(|n| n.map_or("-".to_owned(), |n| format!("{about}{n:.0}")));
             (instructions, format!("{cycles}{}", front(c.front_cortex)))
         });
         let errors = [c.error.median, c.error.most_99, c.error.largest, c.rounding.most_99].map(percent);
@@ -191,7 +192,9 @@ pub fn csv(trade: &Trade) -> String {
         .to_owned();
     let overflow = |reason: Option<&str>| reason.map_or_else(String::new, quoted);
     for c in &trade.candidates {
-        let cortex = c.cortex.map_or(",,".to_owned(), |m| format!("{},{},{}", m.instructions, m.cycles, m.counted));
+        let cortex = c.cortex.map_or(",,".to_owned(), |m| {
+            format!("{},{},{}", m.instructions, m.cycles.map_or(String::new(), |n| n.to_string()), m.counted)
+        });
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
@@ -247,7 +250,7 @@ pub fn html(trade: &Trade) -> Result<String> {
     };
     let desktop: Vec<Dot> = trade.candidates.iter().map(|c| dot(c, c.desktop_ns, c.front_desktop)).collect();
     let target: Vec<Dot> =
-        trade.candidates.iter().filter_map(|c| Some(dot(c, c.cortex?.cycles, c.front_cortex))).collect();
+        trade.candidates.iter().filter_map(|c| Some(dot(c, c.cortex?.cycles?, c.front_cortex))).collect();
     let moved = |r: &Response| Dot {
         cost: 1e3 / r.times_real_time,
         error: r.error.residual,
@@ -314,8 +317,9 @@ fn force_table(candidates: &[Candidate]) -> Table {
     ];
     let row = |c: &Candidate| {
         let about = |cost: &ballrace_twin::trade::Cost| if cost.counted { "" } else { "~" };
-        let cost = |of: fn(&ballrace_twin::trade::Cost) -> f64| {
-            c.cortex.as_ref().map_or_else(|| "\u{2013}".to_owned(), |cost| format!("{}{:.0}", about(cost), of(cost)))
+        let cost = |of: fn(&ballrace_twin::trade::Cost) -> Option<f64>| {
+            let figure = c.cortex.as_ref().and_then(|cost| Some(format!("{}{:.0}", about(cost), of(cost)?)));
+            figure.unwrap_or_else(|| "\u{2013}".to_owned())
         };
         let front = match (c.front_desktop, c.front_cortex) {
             (true, true) => "both",
@@ -331,7 +335,7 @@ fn force_table(candidates: &[Candidate]) -> Table {
             percent(c.error.largest),
             percent(c.rounding.most_99),
             format!("{:.0}", c.desktop_ns),
-            cost(|cost| cost.instructions),
+            cost(|cost| Some(cost.instructions)),
             cost(|cost| cost.cycles),
             front.to_owned(),
         ]

@@ -124,7 +124,8 @@ fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) 
             for Baked { bearing, module, nodes, bytes, certificate } in baked {
                 let BearingCertificate { model, poses, largest_load, error, cost, checksum, .. } = certificate;
                 let cost = cost.map_or(",,,".to_owned(), |cost| {
-                    format!("{:.0},{:.0},{:.0},{:.0}", cost.instructions, cost.cycles, cost.stack, cost.flash)
+                    let figures = [Some(cost.instructions), cost.cycles, cost.stack, cost.flash];
+                    figures.map(|figure| figure.map_or(String::new(), |figure| format!("{figure:.0}"))).join(",")
                 });
                 writeln!(
                     out,
@@ -156,15 +157,17 @@ fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> 
         poses_from.name()
     )?;
     match cost {
-        Some(cost) => writeln!(
-            out,
-            "  {}{:.0} instructions, {:.0} modelled cycles, {:.0} bytes of stack on {}",
-            if cost.counted { "" } else { "~" },
-            cost.instructions,
-            cost.cycles,
-            cost.stack,
-            core.name()
-        )?,
+        Some(cost) => {
+            let about = if cost.counted { "" } else { "~" };
+            let least = cost.least_instructions.map_or(String::new(), |least| format!("{least:.0} to "));
+            write!(out, "  {about}{least}{:.0} instructions", cost.instructions)?;
+            for (figure, unit) in [(cost.cycles, "modelled cycles"), (cost.stack, "bytes of stack")] {
+                if let Some(figure) = figure {
+                    write!(out, ", {about}{figure:.0} {unit}")?;
+                }
+            }
+            writeln!(out, " on {}", core.name())?;
+        }
         None => writeln!(out, "  cost not counted on {} with these effects", core.name())?,
     }
     writeln!(out, "  checksum {checksum:#018x}")?;

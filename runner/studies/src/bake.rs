@@ -17,6 +17,7 @@ pub use accuracy::PoseSource;
 pub use certificate::{BearingCertificate, Certificate, Field};
 pub use range::Coverage;
 
+pub use crate::trade::Core;
 use ballrace::bearing::checksum::ChecksumRange;
 use ballrace_models::bearing_model;
 use ballrace_models::build::{self, AnyBearing, TableData};
@@ -43,25 +44,6 @@ pub enum Language {
 impl Language {
     /// All languages by their names.
     pub const ALL: [(&'static str, Self); 3] = [("rust", Self::Rust), ("c", Self::C), ("blob", Self::Blob)];
-
-    /// Returns the name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name)
-    }
-}
-
-/// Processor core with a table of measured costs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
-pub enum Core {
-    /// Arm Cortex-M4 with its floating-point unit.
-    CortexM4f,
-}
-
-impl Core {
-    /// All cores by their names.
-    pub const ALL: [(&'static str, Self); 1] = [("cortex-m4f", Self::CortexM4f)];
 
     /// Returns the name.
     #[must_use]
@@ -247,7 +229,11 @@ impl ConstantBytes {
 /// Writes range, value and function of the checksum.
 fn checksum_constants(out: &mut String, certificate: &BearingCertificate) -> Result<()> {
     let ChecksumRange { centre, amplitude, inner_speed, outer_speed } = &certificate.range;
-    writeln!(out, "\n    use ballrace::bearing::checksum::ChecksumRange;\n")?;
+    writeln!(
+        out,
+        "\n    pub use crate::trade::Core;
+use ballrace::bearing::checksum::ChecksumRange;\n"
+    )?;
     writeln!(out, "    /// Displacements and speeds of the checksum.")?;
     writeln!(out, "    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {{")?;
     writeln!(out, "        centre: {},", displacement_text(centre))?;

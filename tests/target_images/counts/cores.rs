@@ -1,6 +1,6 @@
 //! Instructions of what firmware takes on other cores than the Cortex-M4F, held in `docs/src/performance.md`.
 
-use super::{CHAPTER, MARGIN, Name, SLACK, Subject, chapter, compiler, table};
+use super::{CHAPTER, MARGIN, Name, SLACK, Subject, chapter, compiler, hold_known, table};
 use crate::{Board, COUNTING, FPU, RISC_V, build, printed};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +33,9 @@ fn rows(m4f: &[table::Row]) -> Vec<(Name, [String; 4])> {
     let m33 = subjects(Board::arm("mps2-an505"), &m33);
     let m7 = subjects(Board::arm("mps2-an500"), &m7);
     let risc_v = subjects(RISC_V, &risc_v);
+    for (core, subjects) in [("cortex-m33", &m33), ("cortex-m7", &m7), ("rv32imafc", &risc_v)] {
+        hold_known(core, subjects);
+    }
     let wanted = m33.iter().zip(&m7).zip(&risc_v).filter(|((subject, _), _)| ![4, 16].contains(&subject.name.elements));
     wanted
         .map(|((m33, m7), risc_v)| {

@@ -4,7 +4,7 @@ use super::accuracy::{Accuracy, BakedModel, PoseSource, accuracy, poses, totals}
 use super::embedded::escaped;
 use super::range::{Coverage, range};
 use super::{BakeOptions, Core, Language, Selected, identifier};
-use crate::trade::{Cost, cortex};
+use crate::trade::{Cost, cores};
 use ballrace::bearing::LastValidWrench;
 use ballrace::bearing::checksum::{CHECKSUM_SAMPLES, ChecksumRange};
 use ballrace_base::bounded::open_regular;
@@ -233,9 +233,7 @@ impl BearingCertificate {
         (range, coverage): (ChecksumRange, Coverage),
     ) -> Self {
         let as_written = Bearing { model: baked.model, own: vec![], ..of.clone() };
-        let cost = match options.core {
-            Core::CortexM4f => cortex::sample(&as_written, "f32", "exact").ok(),
-        };
+        let cost = cores::sample(options.core, &as_written, "f32", "exact").ok();
         // A mirrored model and a call from C have a few more instructions than the counted function.
         let exact_row = of.facing != Facing::MinusZ && options.language == Language::Rust;
         let mut last_valid = LastValidWrench::new();
@@ -261,9 +259,16 @@ impl BearingCertificate {
 
     /// Returns names and values of the fields.
     fn values(&self) -> Vec<(&'static str, String)> {
-        let cost = |part: fn(&Cost) -> f64, unit: &str| match &self.cost {
-            Some(cost) => format!("{}{:.0}{unit}", if cost.counted { "" } else { "~" }, part(cost)),
+        let cost = |part: fn(&Cost) -> Option<f64>, unit: &str| match &self.cost {
+            Some(cost) => part(cost).map_or_else(
+                || "not measured".to_owned(),
+                |figure| format!("{}{figure:.0}{unit}", if cost.counted { "" } else { "~" }),
+            ),
             None => "not counted".to_owned(),
+        };
+        let instructions = match self.cost.and_then(|cost| cost.least_instructions) {
+            Some(least) => format!("{least:.0} to {}, by the input", cost(|cost| Some(cost.instructions), "")),
+            None => cost(|cost| Some(cost.instructions), ""),
         };
         let Coverage { contact_lost, out_of_table } = self.coverage;
         let relative = self.relative_error.map_or("-".to_owned(), |error| format!("{error:.1e}"));
@@ -275,7 +280,7 @@ impl BearingCertificate {
             ("largest load", format!("{:.3e} N", self.largest_load)),
             ("largest error", format!("{:.1e} N", self.error)),
             ("largest relative error", relative),
-            ("instructions", cost(|cost| cost.instructions, "")),
+            ("instructions", instructions),
             ("cycles", cost(|cost| cost.cycles, "")),
             ("stack", cost(|cost| cost.stack, " bytes")),
             ("flash of code", cost(|cost| cost.flash, " bytes")),

@@ -53,7 +53,7 @@ const ROUNDED: f64 = 1e-12;
 pub fn mark(candidates: &mut [Candidate]) {
     let error = |c: &Candidate| if c.overflow.is_some() { f64::INFINITY } else { c.error.most_99.max(ROUNDED) };
     let desktop: Vec<_> = candidates.iter().map(|c| Some((c.desktop_ns, error(c)))).collect();
-    let cortex: Vec<_> = candidates.iter().map(|c| c.cortex.map(|cost| (cost.cycles, error(c)))).collect();
+    let cortex: Vec<_> = candidates.iter().map(|c| c.cortex.and_then(|cost| Some((cost.cycles?, error(c))))).collect();
     for (i, candidate) in candidates.iter_mut().enumerate() {
         candidate.front_desktop = on_front(&desktop, i);
         candidate.front_cortex = on_front(&cortex, i);
@@ -85,7 +85,7 @@ pub fn choose(goal: &Goal, candidates: &[Candidate]) -> Result<Choice, TradeErro
         Goal::Deadline { .. } => Target::CortexM4f,
     };
     let cost = |c: &Candidate| match target {
-        Target::CortexM4f => c.cortex.map(|cost| cost.cycles),
+        Target::CortexM4f => c.cortex.and_then(|cost| cost.cycles),
         Target::Desktop => Some(c.desktop_ns),
     };
     let precision = if target == Target::CortexM4f { "f32" } else { "f64" };

@@ -2,7 +2,7 @@
 //! most accurate level as the reference.
 
 mod choose;
-pub(crate) mod cortex;
+pub(crate) mod cores;
 pub mod force;
 mod level;
 pub mod poses;
@@ -13,7 +13,7 @@ mod table_tests;
 mod timing;
 
 pub use choose::{Choice, Goal, Target};
-pub use cortex::{Cost, NotCounted};
+pub use cores::{Core, Cost, NotCounted};
 pub use force::{Arithmetic, Errors};
 pub use level::FidelityLevel;
 pub use response::MotionErrors;
@@ -236,7 +236,7 @@ fn candidates_of(one: &Allowed, truth: &Reference, poses: &poses::Poses) -> Resu
     let modelling = truth.errors(exact.as_ref(), poses);
     let candidate = |arithmetic: Arithmetic| {
         let forces = forces(&one.scene, one.plant.as_ref(), arithmetic)?;
-        let cost = |of| cortex::sample(of, arithmetic.precision, arithmetic.math);
+        let cost = |of| cores::sample(Core::CortexM4f, of, arithmetic.precision, arithmetic.math);
         let cortex = one.scene.bearings.iter().map(cost).reduce(|a, b| Ok(a?.plus(b?))).transpose();
         let (desktop_ns, desktop_spread) = forces.time(poses);
         Ok(Candidate {

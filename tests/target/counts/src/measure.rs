@@ -36,6 +36,11 @@ impl Bench {
         Some(Self { counter: Counter::start()?, inputs })
     }
 
+    /// Returns a bench that counts over fewer inputs.
+    pub fn with_inputs(self, inputs: u32) -> Self {
+        Self { inputs, ..self }
+    }
+
     /// Prints `what;elements;precision;math;function;least;most;stack;address`: instructions, bytes, where it begins.
     ///
     /// `prepare` makes input number `i`, `call` does nothing but call the function at `address`.

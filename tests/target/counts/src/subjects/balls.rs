@@ -103,7 +103,11 @@ pub fn all(bench: &Bench) {
         bearing(bench, "quasi-static, gyroscopic, film", 8, wet);
     }
     from_where_the_balls_were(bench, massive.with_newton_steps(WARM_STEPS));
+    tables(bench);
+}
 
+/// The tabulated ones.
+pub fn tables(bench: &Bench) {
     let table = black_box(bearing_de::bearing());
     bearing(bench, "tabulated", 8, table);
     let mut held = LastValidWrench::new();

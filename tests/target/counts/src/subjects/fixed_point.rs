@@ -1,13 +1,9 @@
-//! The radial bearing on counts, and beside it the one in software floats.
+//! The radial bearing on counts.
 
-use super::bearings::force;
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
-use ballrace::bearing::evenly_spaced;
+use ballrace::Phase;
 use ballrace::bearing::fixed_point::{self, RadialParams};
-use ballrace::bearing::lumped::Radial;
-use ballrace::contact::law::PointContactLaw;
-use ballrace::{Exact, Phase};
 use core::hint::black_box;
 
 /// Counts that a branch on a value would betray itself on.
@@ -38,10 +34,6 @@ fn of<const N: usize>(bench: &Bench) {
     let params = RadialParams { stiffness: 8e9, exponent: 1.5, radial_play: 5e-6, range: 100e-6 };
     let Ok(bearing) = fixed_point::Radial::<N>::try_new(Phase::ZERO, &params) else { return };
     let bearing = black_box(bearing);
-    let name = |precision| Name { what: "radial", elements: N, precision, math: "exact", function: "force" };
-    bench.measure(name("Q31"), reaction::<N> as *const (), counts, |(u, v, cage)| reaction(&bearing, *u, *v, *cage));
-    let law = PointContactLaw { stiffness: 8e9 };
-    let float = Radial::<f32, Exact, _, _>::from_constants(evenly_spaced::<f32, N>(Phase::ZERO), law, 5e-6);
-    let float = black_box(float);
-    bench.measure(name("f32"), reaction::<N> as *const (), input::<f32>, |(u, cage)| force(&float, u, *cage));
+    let name = Name { what: "radial 3/2", elements: N, precision: "Q31", math: "exact", function: "force" };
+    bench.measure(name, reaction::<N> as *const (), counts, |(u, v, cage)| reaction(&bearing, *u, *v, *cage));
 }

@@ -4,16 +4,18 @@
 
 use ballrace::bearing::angular::Angular;
 use ballrace::bearing::batch::radial_batch;
-use ballrace::bearing::checksum::ChecksumRange;
+use ballrace::bearing::checksum::{Checksum, ChecksumRange};
 use ballrace::bearing::flexible::{FlexibleRing, HousingPoint};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
 use ballrace::bearing::quasi_static::film::{Dry, Film, HamrockDowson};
 use ballrace::bearing::quasi_static::inertia::{Centrifugal, Gyroscopic, Inertia, Massless, OuterControlled};
 use ballrace::bearing::quasi_static::{BallPosition, BallState, QuasiStatic};
+use ballrace::bearing::roller::{Lamina, LaminaRoller};
 use ballrace::bearing::surface::{Feature, SurfaceDeviation};
 use ballrace::bearing::tabulated::{Node, Tabulated};
 use ballrace::bearing::{CageFrame, ElementPosition, ElementPositions, LastValidWrench, Mirrored, OpposedPairs};
+use ballrace::blob::{Blob, BlobBearing, BlobCheck, FromBlob};
 use ballrace::block::{Channel, Metres, ProbedBearing};
 use ballrace::contact::law::{LineContactLaw, LoadDeflectionLaw, PointContactLaw, PowerLaw};
 use ballrace::frame::{mirrored_stiffness, stiffness_from_station};
@@ -185,6 +187,21 @@ fn all<T: Scalar, M: Math<T>>() {
     steps::<T, LinearSystem<T, M, 14>, MovingBalls<T, M, ElementPositions<T, 9>, 14>, 14>();
 }
 
+fn blob_model<B: Bearing<f32> + FromBlob<'static>>() {
+    let record: BlobBearing<'static> = given();
+    black_box((
+        record.offset(),
+        record.ratios(),
+        record.station(),
+        record.checksum(),
+        record.table(),
+        record.elements(),
+    ));
+    if let Ok(bearing) = record.bearing::<B>() {
+        black_box(Checksum::begin(&record.checksum_range()).advance(&bearing, given()));
+    }
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     all::<f32, Exact>();
@@ -204,6 +221,14 @@ fn main() -> ! {
     let range: ChecksumRange = given();
     black_box(range.checksum(&given::<Angular<f32, Exact, ElementPositions<f32, 9>>>()));
     black_box(range.checksum(&given::<Tabulated<f32, Exact, ElementPositions<f32, 9>, &'static [Node<f32, 2>], 2>>()));
+    black_box(BlobCheck::default().advance(given(), given()));
+    let blob: Blob<'static> = given();
+    black_box(blob.bearings().map(|record| record.name()).last());
+    blob_model::<Linear<f32>>();
+    blob_model::<Radial<f32, Exact, PowerLaw<f32>, &'static [ElementPosition<f32>]>>();
+    blob_model::<Angular<f32, Exact, &'static [ElementPosition<f32>]>>();
+    blob_model::<Mirrored<Tabulated<f32, Exact, &'static [ElementPosition<f32>], &'static [Node<f32, 3>], 3>>>();
+    blob_model::<LaminaRoller<f32, Exact, &'static [ElementPosition<f32>], &'static [Lamina<f32>]>>();
     loop {
         core::hint::spin_loop();
     }
