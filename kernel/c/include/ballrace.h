@@ -592,6 +592,64 @@ typedef struct ballrace_checksum_state {
 } ballrace_checksum_state;
 
 /**
+ * A radial bearing on counts. Opaque: `ballrace_fixed_radial_init` writes it.
+ */
+typedef struct ballrace_fixed_radial {
+    /**
+     * Private.
+     */
+    uint64_t words[118];
+} ballrace_fixed_radial;
+
+/**
+ * A bearing of radial elements between rigid rings.
+ */
+typedef struct ballrace_fixed_radial_params {
+    /**
+     * K, N/m^n.
+     */
+    double stiffness;
+    /**
+     * n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+     */
+    double exponent;
+    /**
+     * Radial play, m: half the diametral clearance; negative is preload.
+     */
+    double radial_play;
+    /**
+     * Displacement of 2^31 counts, m: the largest that the converter delivers.
+     */
+    double range;
+    /**
+     * Azimuth of the first element with the cage at angle 0, 2^-64 revolutions.
+     */
+    uint64_t first;
+    /**
+     * Number of evenly spaced elements, 3 to 32.
+     */
+    uint32_t element_count;
+} ballrace_fixed_radial_params;
+
+/**
+ * Force on the inner ring, in counts.
+ */
+typedef struct ballrace_fixed_force {
+    /**
+     * Force along X.
+     */
+    int32_t fx;
+    /**
+     * Force along Y.
+     */
+    int32_t fy;
+    /**
+     * Sum of the element loads.
+     */
+    int32_t load;
+} ballrace_fixed_force;
+
+/**
  * One line of the full spectrum of a force in the frame of a component.
  *
  * At the angle `p` of its fundamental the line of order `k` is `F e^(i k p) + B e^(-i k p)`.
@@ -1834,6 +1892,32 @@ uint32_t ballrace_checksum_advance(struct ballrace_checksum_state *checksum,
                                    const struct ballrace_bearing *bearing,
                                    uint32_t samples,
                                    uint64_t *value);
+
+/**
+ * Initialises a bearing. For set-up: uses `double`. `invalid` may be NULL. Writes what a count of the displacement is in m, and a count of the
+ * force in N.
+ *
+ * Preconditions:
+ * `bearing` and `params` point to structs, `invalid` to a struct or nothing, `metres_per_count` and `newtons_per_count` to numbers.
+ */
+uint32_t ballrace_fixed_radial_init(struct ballrace_fixed_radial *bearing,
+                                    const struct ballrace_fixed_radial_params *params,
+                                    double *metres_per_count,
+                                    double *newtons_per_count,
+                                    struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Computes the force on the inner ring at the displacement `u` along X and `v` along Y, in counts; any counts are valid. `BALLRACE_CONTACT_LOST`
+ * where no element carries load. Without floating-point numbers: a constant number of instructions on every core.
+ *
+ * Preconditions:
+ * `bearing` points to an initialised bearing, `force` to a struct.
+ */
+uint32_t ballrace_fixed_radial_force(const struct ballrace_fixed_radial *bearing,
+                                     int32_t u,
+                                     int32_t v,
+                                     uint64_t cage_phase,
+                                     struct ballrace_fixed_force *force);
 
 /**
  * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner

@@ -31,7 +31,7 @@ pub struct RadialParams {
     pub range: f64,
 }
 
-/// Radial elements on counts.
+/// Radial elements on counts, `N` of them.
 ///
 /// ```
 /// use ballrace::bearing::fixed_point::{Radial, RadialParams};
@@ -49,15 +49,20 @@ pub struct RadialParams {
 /// ```
 ///
 /// Cost without a floating-point unit: `docs/src/performance.md`; about 660 bytes of constants beside 8 per element.
+pub type Radial<const N: usize> = RadialElements<[Direction; N]>;
+
+/// Cosine and sine of the azimuth of an element with the cage at angle 0, in units of 2^-30.
+pub type Direction = [i32; 2];
+
+/// Radial elements with the directions `D`: an array, whose length is in the type, or what holds as many as are known at run time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Radial<const N: usize> {
-    /// Cosine and sine of the azimuth of each element with the cage at angle 0, in units of 2^-30.
-    directions: [[i32; 2]; N],
+pub struct RadialElements<D> {
+    directions: D,
     /// Play over the range, in units of 2^-30.
     play: i32,
     /// `m^n` at the ends of the lines, m from 1/2 to 1, in units of 2^-31.
     shape: [u32; LINES + 1],
-    /// `2^(-n k) / N` for each k, in units of 2^-31.
+    /// `2^(-n k)` over the number of elements for each k, in units of 2^-31.
     scale: [u32; 32],
     metres_per_count: f64,
     newtons_per_count: f64,
@@ -81,28 +86,40 @@ impl<const N: usize> Radial<N> {
     /// Creates the bearing with evenly spaced elements, the first at `first`. For set-up: uses `f64` and `libm`.
     ///
     /// # Errors
-    /// A stiffness or range that is not above 0, an exponent outside 1 to 2, a play above a quarter of the range, no elements.
+    /// As [`RadialElements::with_directions`].
     pub fn try_new(first: Phase, of: &RadialParams) -> Result<Self, InvalidParameter> {
+        Self::with_directions(core::array::from_fn(|j| direction(first, j, N)), of)
+    }
+}
+
+/// Returns the direction of element `j` of `count` evenly spaced ones, the first at `first`. For set-up.
+#[must_use]
+pub fn direction(first: Phase, j: usize, count: usize) -> Direction {
+    let (cos, sin) = super::ElementPosition::<f64>::evenly_spaced(first, j, count).direction();
+    [cos, sin].map(|x| libm::round(x * ONE) as i32)
+}
+
+impl<D: AsRef<[Direction]>> RadialElements<D> {
+    /// Creates the bearing with elements in these directions. For set-up: uses `f64` and `libm`.
+    ///
+    /// # Errors
+    /// A stiffness or range that is not above 0, an exponent outside 1 to 2, a play above a quarter of the range, no elements.
+    pub fn with_directions(directions: D, of: &RadialParams) -> Result<Self, InvalidParameter> {
         let RadialParams { stiffness, exponent, radial_play, range } = *of;
         check(stiffness > 0.0, "stiffness", stiffness, "above 0")?;
         check((1.0..=2.0).contains(&exponent), "exponent", exponent, "1 to 2")?;
         check(range > 0.0, "range", range, "above 0 m")?;
         check(radial_play.abs() <= 0.25 * range, "radial_play", radial_play, "at most a quarter of the range")?;
-        check(N > 0, "elements", N as f64, "1 or more")?;
-        let rounded = |x: f64| libm::round(x * ONE) as i32;
-        let directions = core::array::from_fn(|j| {
-            let azimuth = super::ElementPosition::<f64>::evenly_spaced(first, j, N);
-            let (cos, sin) = azimuth.direction();
-            [rounded(cos), rounded(sin)]
-        });
+        let count = directions.as_ref().len() as f64;
+        check(count > 0.0, "elements", count, "1 or more")?;
         let line = |i: usize| libm::pow(0.5 + 0.5 * i as f64 / LINES as f64, exponent);
-        let step = |k: usize| libm::pow(0.5, exponent * k as f64) / N as f64;
+        let step = |k: usize| libm::pow(0.5, exponent * k as f64) / count;
         // The deflection of 2^31 counts is twice the range.
-        let largest = stiffness * libm::pow(2.0 * range, exponent) * N as f64;
+        let largest = stiffness * libm::pow(2.0 * range, exponent) * count;
         check(largest.is_finite(), "stiffness", stiffness, "one whose force at the range is finite")?;
         Ok(Self {
             directions,
-            play: rounded(radial_play / range),
+            play: libm::round(radial_play / range * ONE) as i32,
             shape: core::array::from_fn(|i| libm::round(line(i) * 2.0 * ONE) as u32),
             // Only the deflection 0 is shifted by 31.
             scale: core::array::from_fn(|k| if k < 31 { libm::round(step(k) * 2.0 * ONE) as u32 } else { 0 }),
@@ -123,7 +140,7 @@ impl<const N: usize> Radial<N> {
         self.newtons_per_count
     }
 
-    /// Computes the force on the inner ring at the displacement `u` along X and `v` along Y, in counts of [`Radial::metres_per_count`]; any
+    /// Computes the force on the inner ring at the displacement `u` along X and `v` along Y, in counts of [`RadialElements::metres_per_count`]; any
     /// counts are valid.
     #[must_use]
     pub fn reaction(&self, u: i32, v: i32, cage: Phase) -> Reaction {
@@ -133,7 +150,7 @@ impl<const N: usize> Radial<N> {
         let y = (product(v, cos) - product(u, sin)) >> 31;
         let (x, y) = (x as i32, y as i32);
         let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
-        for [cos, sin] in self.directions {
+        for &[cos, sin] in self.directions.as_ref() {
             let deflection = ((product(x, cos) + product(y, sin)) >> 30) as i32 - self.play;
             let of_element = self.load(positive_part(deflection));
             sum_x += product(of_element as i32, cos);
@@ -150,7 +167,7 @@ impl<const N: usize> Radial<N> {
         }
     }
 
-    /// Returns the load of an element at a deflection below 2^31, in units of 2^-30 of `N` elements at twice the range.
+    /// Returns the load of an element at a deflection below 2^31, in units of 2^-30 of all elements at twice the range.
     #[inline(always)]
     fn load(&self, deflection: u32) -> u32 {
         let (mantissa, k) = normalised(deflection);

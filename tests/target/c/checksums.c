@@ -114,6 +114,30 @@ static void blocks(void)
     end("blocks");
 }
 
+/* Counts of all sizes, and those at which a branch would show. */
+static void fixed_point(void)
+{
+    static const int32_t special[4] = { 0, INT32_MAX, INT32_MIN, -1 };
+    ballrace_fixed_radial bearing = { { 0 } };
+    ballrace_fixed_force force = { 0, 0, 0 };
+    double per_count[2];
+    start();
+    add_bits(ballrace_fixed_radial_force(&bearing, 0, 0, 0, &force));
+    for (uint32_t n = 7; n <= 9; n += 2) {
+        const ballrace_fixed_radial_params params = { 8e9, n == 7 ? 1.5 : 1.1, 5e-6, 100e-6, (uint64_t)1 << 60, n };
+        add_bits(ballrace_fixed_radial_init(&bearing, &params, &per_count[0], &per_count[1], NULL));
+        for (uint32_t i = 1; i <= INPUT_COUNT; i++) {
+            const int32_t u = i % 7 == 0 ? special[i / 7 % 4] : (int32_t)(i * 2654435761u) >> (i % 13);
+            const int32_t v = i % 11 == 0 ? special[i / 11 % 4] : (int32_t)(i * 2246822519u) >> (i % 17);
+            add_bits(ballrace_fixed_radial_force(&bearing, u, v, (uint64_t)i * 0x123456789abcdefu, &force));
+            add_bits((uint32_t)force.fx);
+            add_bits((uint32_t)force.fy);
+            add_bits((uint32_t)force.load);
+        }
+    }
+    end("fixed point");
+}
+
 static void phases(void)
 {
     start();
@@ -271,6 +295,7 @@ void run(void)
     }
     for (int i = 0; i < SUBJECT_COUNT; i++) bearing(&subjects[i]);
     blocks();
+    fixed_point();
     phases();
     rotor(&rotor_on_2, "rotor on 2 bearings");
     rotor(&rotor_on_4, "rotor on 4 bearings");

@@ -61,6 +61,12 @@ static uint8_t frame[4 * 6];
 CALL(log_frame, ballrace_log_frame((uint32_t)in.cage, in.displacement, 4, frame))
 CALL(probe_sample, ballrace_probe_sample(&block_probes[0], buffer.counts[2], &amplitude))
 
+static ballrace_fixed_radial fixed;
+static ballrace_fixed_force fixed_force;
+static int32_t fixed_u, fixed_v;
+
+CALL(fixed_radial, ballrace_fixed_radial_force(&fixed, fixed_u, fixed_v, in.cage, &fixed_force))
+
 static void measure(const char *name, const char *function, void (*prepare)(uint32_t), uint32_t (*call)(void))
 {
     uint32_t least = UINT32_MAX, most = 0, stack = 0;
@@ -93,6 +99,15 @@ static void take_input(uint32_t i)
 {
     in = input(i);
     at = (ballrace_kinematic_state){ .cage = in.cage, .inner = 2 * in.cage, .inner_speed = 1256.0f };
+}
+
+/* Counts of all sizes, and those at which a branch would show. */
+static void take_counts(uint32_t i)
+{
+    static const int32_t special[4] = { 0, INT32_MAX, INT32_MIN, -1 };
+    take_input(i);
+    fixed_u = i % 7 == 0 ? special[i / 7 % 4] : (int32_t)(i * 2654435761u) >> (i % 13);
+    fixed_v = i % 11 == 0 ? special[i / 11 % 4] : (int32_t)(i * 2246822519u) >> (i % 17);
 }
 
 static void take_buffer(uint32_t i)
@@ -166,6 +181,10 @@ void run(void)
     bearing = &angular_9.head;
     measure("angular, 9", "block of 16 samples, signed counts", take_buffer, block_i16);
     measure("angular, 9", "block of 16 samples, metres", take_buffer, block_metres);
+    const ballrace_fixed_radial_params params = { 8e9, 1.5, 5e-6, 100e-6, 0, 8 };
+    double per_count[2];
+    ballrace_fixed_radial_init(&fixed, &params, &per_count[0], &per_count[1], NULL);
+    measure("radial 3/2, fixed-point, 8", "force", take_counts, fixed_radial);
     measure("log", "frame of 4 readings", take_input, log_frame);
     measure("probe", "reading", take_reading, probe_sample);
     measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);

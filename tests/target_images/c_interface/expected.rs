@@ -3,6 +3,7 @@
 use super::super::counts_inputs::{COUNT, counts, input};
 use super::tables::{de, nde};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
+use ballrace::bearing::fixed_point::{self, RadialParams};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
@@ -295,6 +296,30 @@ fn blocks() -> u64 {
     sum.0
 }
 
+fn fixed_point() -> u64 {
+    const SPECIAL: [i32; 4] = [0, i32::MAX, i32::MIN, -1];
+    let mut sum = Checksum::new();
+    sum.bits(STATE_INVALID);
+    let mut add = |force: &dyn Fn(i32, i32, Phase) -> fixed_point::Reaction| {
+        sum.bits(0);
+        for i in 1..=COUNT {
+            let hash = |factor: u32, by: u32| i.wrapping_mul(factor).cast_signed() >> by;
+            let special = |every: u32| i.is_multiple_of(every).then(|| SPECIAL[(i / every) as usize % 4]);
+            let u = special(7).unwrap_or_else(|| hash(2_654_435_761, i % 13));
+            let v = special(11).unwrap_or_else(|| hash(2_246_822_519, i % 17));
+            let found = force(u, v, Phase(u64::from(i).wrapping_mul(0x0123_4567_89ab_cdef)));
+            sum.bits(u32::from(found.status.bits()));
+            [found.fx, found.fy, found.load].map(|x| sum.bits(x.cast_unsigned()));
+        }
+    };
+    let params = |exponent| RadialParams { stiffness: 8e9, exponent, radial_play: 5e-6, range: 100e-6 };
+    let seven = fixed_point::Radial::<7>::try_new(Phase(1 << 60), &params(1.5)).expect("parameters");
+    add(&|u, v, cage| seven.reaction(u, v, cage));
+    let nine = fixed_point::Radial::<9>::try_new(Phase(1 << 60), &params(1.1)).expect("parameters");
+    add(&|u, v, cage| nine.reaction(u, v, cage));
+    sum.0
+}
+
 fn phases() -> u64 {
     let mut sum = Checksum::new();
     sum.phase(Phase::from_revolutions(-3.3).0);
@@ -508,6 +533,7 @@ pub fn lines() -> String {
         line(subject.0, of_bearing(&subject));
     }
     line("blocks", blocks());
+    line("fixed point", fixed_point());
     line("phases", phases());
     line("rotor on 2 bearings", rotor([0, 1 << 62]));
     line("rotor on 4 bearings", rotor([0, 1 << 62, 1 << 61, 3]));

@@ -267,7 +267,11 @@ impl BearingCertificate {
             None => "not counted".to_owned(),
         };
         let instructions = match self.cost.and_then(|cost| cost.least_instructions) {
-            Some(least) => format!("{least:.0} to {}, by the input", cost(|cost| Some(cost.instructions), "")),
+            Some(least) => {
+                let most = cost(|cost| Some(cost.instructions), "");
+                let (about, most) = most.strip_prefix('~').map_or(("", most.as_str()), |most| ("~", most));
+                format!("{about}{least:.0} to {most}, by the input")
+            }
             None => cost(|cost| Some(cost.instructions), ""),
         };
         let Coverage { contact_lost, out_of_table } = self.coverage;

@@ -179,7 +179,10 @@ fn check_of_input(all: &[Row]) -> Cost {
     let none = Cost { cycles: Some(0.0), stack: Some(0.0), flash: Some(0.0), ..Cost::default() };
     pairs.fold(none, |most, (checked, force)| Cost {
         instructions: most.instructions.max(checked.instructions - force.instructions),
-        cycles: most.cycles.max(checked.cycles.zip(force.cycles).map(|(checked, force)| checked - force)),
+        cycles: most
+            .cycles
+            .zip(checked.cycles.zip(force.cycles))
+            .map(|(most, (checked, force))| most.max(checked - force)),
         ..most
     })
 }

@@ -1,0 +1,127 @@
+//! A radial bearing in fixed-point arithmetic, for cores without a floating-point unit.
+
+use crate::geometry::{InvalidParameter, check, report};
+use crate::pointer::check_pointers;
+use crate::state::{self, Stored};
+use crate::status;
+use ballrace::Phase;
+use ballrace::bearing::fixed_point::{Direction, RadialElements, RadialParams, direction};
+
+/// Largest number of elements.
+const MAX_ELEMENTS: usize = 32;
+
+/// A bearing of radial elements between rigid rings.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedRadialParams {
+    /// K, N/m^n.
+    pub stiffness: f64,
+    /// n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+    pub exponent: f64,
+    /// Radial play, m: half the diametral clearance; negative is preload.
+    pub radial_play: f64,
+    /// Displacement of 2^31 counts, m: the largest that the converter delivers.
+    pub range: f64,
+    /// Azimuth of the first element with the cage at angle 0, 2^-64 revolutions.
+    pub first: u64,
+    /// Number of evenly spaced elements, 3 to 32.
+    pub element_count: u32,
+}
+
+/// A radial bearing on counts. Opaque: `ballrace_fixed_radial_init` writes it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct FixedRadial {
+    /// Private.
+    pub words: [u64; 118],
+}
+
+/// Force on the inner ring, in counts.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FixedForce {
+    /// Force along X.
+    pub fx: i32,
+    /// Force along Y.
+    pub fy: i32,
+    /// Sum of the element loads.
+    pub load: i32,
+}
+
+/// Directions of a number of elements that is known at run time.
+struct Directions {
+    count: usize,
+    all: [Direction; MAX_ELEMENTS],
+}
+
+impl AsRef<[Direction]> for Directions {
+    #[inline(always)]
+    fn as_ref(&self) -> &[Direction] {
+        self.all.get(..self.count).unwrap_or_default()
+    }
+}
+
+impl Stored for RadialElements<Directions> {
+    const KIND: u32 = 7;
+}
+
+/// Initialises a bearing. For set-up: uses `double`. `invalid` may be NULL. Writes what a count of the displacement is in m, and a count of the
+/// force in N.
+///
+/// # Safety
+/// `bearing` and `params` point to structs, `invalid` to a struct or nothing, `metres_per_count` and `newtons_per_count` to numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_fixed_radial_init(
+    bearing: *mut FixedRadial,
+    params: *const FixedRadialParams,
+    metres_per_count: *mut f64,
+    newtons_per_count: *mut f64,
+    invalid: *mut InvalidParameter,
+) -> u32 {
+    check_pointers!(bearing, params, metres_per_count, newtons_per_count);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let FixedRadialParams { stiffness, exponent, radial_play, range, first, element_count } = *params;
+        let found = f64::from(element_count);
+        if check((3..=32).contains(&element_count), "element_count", found, "3 to 32", invalid) {
+            return status::INVALID_ARGUMENT;
+        }
+        let count = element_count as usize;
+        let all = core::array::from_fn(|j| direction(Phase(first), j, count));
+        let of = RadialParams { stiffness, exponent, radial_play, range };
+        match RadialElements::with_directions(Directions { count, all }, &of) {
+            Ok(value) => {
+                *metres_per_count = value.metres_per_count();
+                *newtons_per_count = value.newtons_per_count();
+                state::write(bearing, value);
+            }
+            Err(error) => return report(error, invalid),
+        }
+    }
+    status::OK
+}
+
+/// Computes the force on the inner ring at the displacement `u` along X and `v` along Y, in counts; any counts are valid. `BALLRACE_CONTACT_LOST`
+/// where no element carries load. Without floating-point numbers: a constant number of instructions on every core.
+///
+/// # Safety
+/// `bearing` points to an initialised bearing, `force` to a struct.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_fixed_radial_force(
+    bearing: *const FixedRadial,
+    u: i32,
+    v: i32,
+    cage_phase: u64,
+    force: *mut FixedForce,
+) -> u32 {
+    check_pointers!(bearing, force);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let Some(bearing) = state::read::<RadialElements<Directions>, _>(bearing) else {
+            return status::STATE_INVALID;
+        };
+        let found = bearing.reaction(u, v, Phase(cage_phase));
+        *force = FixedForce { fx: found.fx, fy: found.fy, load: found.load };
+        u32::from(found.status.bits())
+    }
+}
