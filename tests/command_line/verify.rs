@@ -208,13 +208,13 @@ fn files_that_bake_has_not_written_are_refused() {
     sandbox.refused(
         &["verify", "bad.rs"],
         2,
-        &["bad.rs: field \"language\" of the certificate: invalid value: \"ada\", expected rust or c"],
+        &["bad.rs: field \"language\" of the certificate: invalid value: \"ada\", expected rust or c or blob"],
     );
-    sandbox.put("bad.rs", swap(&rust, "// core: cortex-m4f", "// core: cortex-m0"));
+    sandbox.put("bad.rs", swap(&rust, "// core: cortex-m4f", "// core: cortex-m3"));
     sandbox.refused(
         &["verify", "bad.rs"],
         2,
-        &["field \"core\" of the certificate: invalid value: \"cortex-m0\", expected cortex-m4f"],
+        &["field \"core\" of the certificate: invalid value: \"cortex-m3\", expected cortex-m4f or cortex-m33 or "],
     );
     sandbox.put("bad.rs", swap(&rust, "// poses from: simulation\n", ""));
     sandbox.refused(&["verify", "bad.rs"], 2, &["missing field \"poses from\" of the certificate"]);
@@ -240,15 +240,41 @@ fn a_recording_is_found_beside_the_file_or_the_scene() {
     assert!(out.contains("bearings.rs: field healthy.csv SHA-256: "), "{out}");
 }
 
+/// The certificate has what was counted on the core, and the range of a core whose floats are software.
+#[test]
+fn the_certificate_has_the_counts_of_its_core() {
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", SCENE);
+    let field = |core: &str, name: &str| {
+        sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs", "--core", core]);
+        assert!(sandbox.done(&["verify", "bearings.rs"]).out.contains("equal to its scene"));
+        let text = sandbox.read("bearings.rs");
+        let begin = format!("// bearing_nde {name}: ");
+        text.lines().find_map(|line| line.strip_prefix(&begin)).expect("a field").to_owned()
+    };
+    let counted = |table: &str| {
+        let row = table.lines().find(|line| line.starts_with("radial 3/2;9;f32;exact;force, input checked;")).unwrap();
+        row.split(';').skip(5).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let m4f = counted(include_str!("../../runner/studies/src/trade/cores/cortex-m4f.csv"));
+    let m33 = counted(include_str!("../../runner/studies/src/trade/cores/cortex-m33.csv"));
+    let m0plus = counted(include_str!("../../runner/studies/src/trade/cores/cortex-m0plus.csv"));
+    assert_eq!([field("cortex-m4f", "instructions"), field("cortex-m4f", "cycles")], m4f[..2]);
+    assert_eq!(field("cortex-m33", "instructions"), m33[0]);
+    assert_eq!(field("cortex-m33", "cycles"), "not measured");
+    assert_eq!(field("cortex-m33", "stack"), format!("{} bytes", m33[2]));
+    assert_eq!(field("cortex-m0plus", "instructions"), format!("{} to {}, by the input", m0plus[4], m0plus[0]));
+}
+
 #[test]
 fn a_language_or_a_core_that_does_not_exist_is_refused() {
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", SCENE);
     let bake = |more: &[&str]| sandbox.run(&[&["bake", "scene.toml", "-o", "bearings.h"], more].concat());
     let language = bake(&["--language", "ada"]);
-    assert!(language.code == Some(2) && language.err.contains("[possible values: rust, c]"), "{language:?}");
-    let core = bake(&["--core", "cortex-m0"]);
-    assert!(core.code == Some(2) && core.err.contains("[possible values: cortex-m4f]"), "{core:?}");
+    assert!(language.code == Some(2) && language.err.contains("[possible values: rust, c, blob]"), "{language:?}");
+    let core = bake(&["--core", "cortex-m3"]);
+    assert!(core.code == Some(2) && core.err.contains("[possible values: cortex-m4f, cortex-m33, "), "{core:?}");
     assert_eq!(sandbox.files(), ["scene.toml"]);
 }
 

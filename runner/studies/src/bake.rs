@@ -231,8 +231,7 @@ fn checksum_constants(out: &mut String, certificate: &BearingCertificate) -> Res
     let ChecksumRange { centre, amplitude, inner_speed, outer_speed } = &certificate.range;
     writeln!(
         out,
-        "\n    pub use crate::trade::Core;
-use ballrace::bearing::checksum::ChecksumRange;\n"
+        "\n    use ballrace::bearing::checksum::ChecksumRange;\n"
     )?;
     writeln!(out, "    /// Displacements and speeds of the checksum.")?;
     writeln!(out, "    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {{")?;
