@@ -119,7 +119,7 @@ pub struct Blob<'a> {
 }
 
 impl<'a> Blob<'a> {
-    /// Checks a blob at the beginning of `bytes`. Cost: 12 instructions a byte; [`BlobCheck`] takes them in parts.
+    /// Checks a blob at the beginning of `bytes`. Cost: linear in its length; [`BlobCheck`] takes it in parts.
     ///
     /// # Errors
     /// A reason that is no missing bearing or model.

@@ -8,6 +8,7 @@ use nalgebra::SMatrix;
 
 /// Displacement of a ring, or of the inner ring relative to the outer ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Displacement<T> {
     /// Along X, m.
@@ -24,6 +25,7 @@ pub struct Displacement<T> {
 
 /// Force and moment on the inner ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Wrench<T> {
     /// Along X, N.
@@ -185,4 +187,46 @@ fn select<T: Scalar>(first: bool, mut a: [T; 5], b: [T; 5]) -> [T; 5] {
 fn all_finite<T: Scalar>(entries: [T; 5]) -> bool {
     // Tests every entry: the number of instructions does not depend on the data.
     entries.into_iter().fold(true, |ok, x| ok & x.is_finite())
+}
+
+#[cfg(all(test, feature = "serde"))]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+    use crate::phase::SpeedRatio;
+    use crate::probe::ProbeParams;
+    use crate::{BearingKinematicState, Phase, Status};
+
+    extern crate std;
+
+    /// Names are those of the fields; a phase, a ratio and a status are numbers.
+    #[test]
+    fn public_data_comes_back_from_json() {
+        fn back<D: serde::Serialize + serde::de::DeserializeOwned + PartialEq + core::fmt::Debug>(data: D, text: &str) {
+            let written = serde_json::to_string(&data).unwrap();
+            assert!(written.contains(text), "{written}");
+            assert_eq!(serde_json::from_str::<D>(&written).unwrap(), data);
+        }
+        back(Displacement { u: 1e-6_f32, v: -0.0, w: 0.1, thu: 0.0, thv: 0.0 }, r#""u":0.000001,"v":-0.0,"w":0.1"#);
+        back(Wrench { fx: 1.0_f64, ..Wrench::default() }, r#""fx":1.0"#);
+        back(
+            BearingKinematicState { cage: Phase(u64::MAX), inner_speed: 3.0_f32, ..Default::default() },
+            "18446744073709551615",
+        );
+        back(SpeedRatio::new(0.25), "18014398509481984");
+        back(Status::CONTACT_LOST | Status::OUT_OF_TABLE, "36");
+        let probe = ProbeParams { at_zero: -1e-3_f32, per_count: 1e-6, linear_range: [4, 4000], stuck_after: 7 };
+        back(probe, r#""linear_range":[4,4000]"#);
+        let geometry = BallBearingGeometry {
+            ball_diameter: 7.94e-3,
+            pitch_diameter: 39.04e-3,
+            inner_conformity: 0.52,
+            outer_conformity: 0.52,
+            contact_angle: 0.1,
+            ball: BEARING_STEEL,
+            race: BEARING_STEEL,
+        };
+        back(geometry, r#""race":{"youngs_modulus":206000000000.0"#);
+    }
 }

@@ -18,6 +18,7 @@ use crate::scalar::Scalar;
 /// assert_eq!(turning.reversed().inner_speed, -100.0);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 // The C interface passes it by pointer.
 #[repr(C)]

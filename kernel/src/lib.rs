@@ -18,6 +18,9 @@ pub mod scalar;
 pub mod status;
 pub mod twin;
 
+/// The library whose matrices are stiffnesses: its version is that of the kernel.
+pub use nalgebra;
+
 pub use bearing::{
     AngularContact, Bearing, DeepGroove, HighSpeedBearing, LubricatedBearing, LumpedAxial, LumpedRadial,
     LumpedRadialAxial, LumpedRoller, QuasiStaticBearing, QuasiStaticRollerBearing, RollerBearing, TabulatedBearing,

@@ -14,6 +14,7 @@ use crate::scalar::Scalar;
 /// assert_eq!(quarter.opposite(), Phase::from_revolutions(0.75));
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(transparent)]
 pub struct Phase(pub u64);
@@ -102,6 +103,7 @@ impl Phase {
 
 /// A signed angle difference of at most half a revolution, in counts of 2^-64 revolution.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PhaseDelta(pub i64);
 
@@ -137,6 +139,7 @@ impl PhaseDelta {
 /// assert!((cage.revolutions() - 0.05).abs() < 1e-15);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SpeedRatio(i64);
 

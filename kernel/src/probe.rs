@@ -10,6 +10,7 @@ use crate::status::Status;
 
 /// Scale and limits of a probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbeParams<T> {
     /// Displacement at the count 0, m.

@@ -10,6 +10,7 @@
 /// assert!(status.names().eq(["contact lost", "not converged"]));
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status(u8);
 

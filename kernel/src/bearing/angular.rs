@@ -24,6 +24,8 @@ use core::marker::PhantomData;
 
 /// Relative position of the rings at zero displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum DisplacementDatum {
     /// The rings just touch the balls at the contact angle: groove centres A apart, axially `A sin(alpha_0)`.
     Touching,

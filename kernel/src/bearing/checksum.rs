@@ -44,6 +44,7 @@ const NAN_BITS: u32 = 0x7FC0_0000;
 /// assert_ne!(range.checksum(&spring), range.checksum(&other));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChecksumRange {
     /// Centre of the displacements, m and rad.
     pub centre: Displacement<f32>,

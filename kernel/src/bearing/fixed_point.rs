@@ -19,6 +19,7 @@ const SINE: [i64; 5] = [1_686_629_674, -693_597_876, 85_564_854, -5_016_767, 161
 
 /// A bearing of `N` radial elements between rigid rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadialParams {
     /// K, N/m^n.
     pub stiffness: f64,
@@ -70,6 +71,7 @@ pub struct RadialElements<D> {
 
 /// Force of a bearing on its inner ring, in counts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reaction {
     /// Force along X.

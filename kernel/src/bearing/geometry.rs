@@ -5,6 +5,7 @@ use core::fmt;
 
 /// Geometry and material of a ball bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BallBearingGeometry {
     /// D, ball diameter, m.
     pub ball_diameter: f64,

@@ -39,6 +39,7 @@ use core::ops::Add;
 
 /// Force of a bearing at one displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reaction<T> {
     /// Force and moment on the inner ring.

@@ -53,6 +53,7 @@ impl<T: Scalar> Surface<T> for Smooth {
 
 /// The surface that carries a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BearingComponent {
     /// Raceway of the inner ring.
     Inner,
@@ -64,6 +65,7 @@ pub enum BearingComponent {
 
 /// Direction in which waviness displaces the groove centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
     /// Outward.
     Radial,
@@ -89,6 +91,8 @@ pub struct Wave<T> {
 
 /// Section of a spall along the rolling direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum SpallShape {
     /// `depth sin(pi s)`, `s` from 0 to 1 over the width.
     HalfSine,

@@ -7,6 +7,7 @@ use libm::{exp, log, sqrt};
 
 /// Elastic constants of one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Young's modulus, Pa.
     pub youngs_modulus: f64,

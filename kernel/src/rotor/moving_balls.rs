@@ -14,6 +14,7 @@ use nalgebra::SMatrix;
 
 /// Parameters of a radial bearing with moving balls, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MovingBallsParams {
     /// K_i and K_o, Hertz stiffness of the contacts, N/m^1.5.
     pub stiffness: [f64; 2],

@@ -9,6 +9,7 @@ use core::marker::PhantomData;
 
 /// An unbalance in one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 // The C interface reads an array of them in place.
 #[repr(C)]
 pub struct Unbalance {
@@ -22,6 +23,7 @@ pub struct Unbalance {
 
 /// Parameters of a rigid rotor, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RotorParams {
     /// Mass, kg.
     pub mass: f64,

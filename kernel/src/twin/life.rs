@@ -14,6 +14,7 @@ use crate::scalar::Scalar;
 ///
 /// Source: ISO 16281:2025 (as ISO/TS 16281:2008), ISO 281:2007.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LifeParams {
     /// `Q_ci`, load of a ball at the inner race with a life of one million revolutions, N.
     pub inner_rating: f64,

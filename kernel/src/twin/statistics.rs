@@ -6,6 +6,7 @@ use crate::scalar::Scalar;
 
 /// Statistics of one block.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BlockStatistics<T> {
     /// Mean.

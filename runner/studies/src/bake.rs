@@ -229,10 +229,7 @@ impl ConstantBytes {
 /// Writes range, value and function of the checksum.
 fn checksum_constants(out: &mut String, certificate: &BearingCertificate) -> Result<()> {
     let ChecksumRange { centre, amplitude, inner_speed, outer_speed } = &certificate.range;
-    writeln!(
-        out,
-        "\n    use ballrace::bearing::checksum::ChecksumRange;\n"
-    )?;
+    writeln!(out, "\n    use ballrace::bearing::checksum::ChecksumRange;\n")?;
     writeln!(out, "    /// Displacements and speeds of the checksum.")?;
     writeln!(out, "    pub const CHECKSUM_RANGE: ChecksumRange = ChecksumRange {{")?;
     writeln!(out, "        centre: {},", displacement_text(centre))?;

@@ -24,6 +24,7 @@ pub(super) const BY_LOAD: f64 = -0.067;
 
 /// Parameters of the lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Lubricant {
     /// eta_0, dynamic viscosity at the inlet, Pa s.
     pub viscosity: f64,

@@ -16,6 +16,8 @@ use crate::scalar::Scalar;
 
 /// Race at which the ball does not spin (Harris).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum RaceControl {
     /// Outer race: `tan(beta) = sin a_o/(cos a_o + g)`.
     Outer,
@@ -25,6 +27,8 @@ pub enum RaceControl {
 
 /// Shares `lambda_i`, `lambda_o` (sum 2) of the two contacts in the friction that balances the gyroscopic moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum FrictionSharing {
     /// 0 and 2.
     Outer,
@@ -204,6 +208,7 @@ impl<T: Scalar> Inertia<T> for Gyroscopic<T> {
 
 /// Parameters of the inertia of the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InertiaParams {
     /// Density of the balls, kg/m^3.
     pub density: f64,

@@ -21,6 +21,7 @@ pub struct Lamina<T> {
 
 /// Profile of a roller: the distance by which its surface is below the straight generator.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum RollerProfile<'a> {
     /// No drop.
     Straight,

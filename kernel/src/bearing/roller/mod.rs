@@ -37,6 +37,7 @@ use core::marker::PhantomData;
 
 /// Parameters of a roller bearing, without its elements and laminae.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RollerBearingParams {
     /// d_m, pitch diameter, m, above 0.
     pub pitch_diameter: f64,

@@ -5,6 +5,7 @@ use crate::scalar::Scalar;
 
 /// Component of a bearing that may be damaged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DamagedComponent {
     /// An impact at every passing element, of equal strength where the load stands still.

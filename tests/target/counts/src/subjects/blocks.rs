@@ -6,7 +6,9 @@ use baked::bearings::bearing_de;
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
-use ballrace::bearing::{LastValidWrench, evenly_spaced};
+use ballrace::bearing::tabulated::{Node, Tabulated};
+use ballrace::bearing::{ElementPosition, LastValidWrench, evenly_spaced};
+use ballrace::blob::{Blob, BlobCheck};
 use ballrace::block::{Channel, Metres, ProbedBearing};
 use ballrace::contact::law::{LineContactLaw, PointContactLaw, PowerLaw};
 use ballrace::phase::{PhaseDelta, SpeedRatio};
@@ -68,6 +70,29 @@ pub fn log(bench: &Bench) {
 #[inline(never)]
 fn frame(number: u32, readings: &[f32; 4]) -> [u8; 24] {
     ballrace::log::frame(number, readings)
+}
+
+/// The check of a blob in parts, and a bearing from it.
+pub fn blob(bench: &Bench) {
+    let bytes = &baked::blob::BLOB.0;
+    let begin = |_| BlobCheck::default();
+    bench.measure(name("blob", 0, "check of 1000 bytes"), check as *const (), begin, |state| check(state, bytes));
+    if let Ok(blob) = Blob::try_new(bytes) {
+        let function = name("blob", 11, "bearing by name, tabulated");
+        bench.measure(function, from_blob as *const (), |_| (), |()| from_blob(&blob));
+    }
+}
+
+type FromBlobs = Tabulated<f32, Exact, &'static [ElementPosition<f32>], &'static [Node<f32, 2>], 2>;
+
+#[inline(never)]
+fn check(state: &mut BlobCheck, bytes: &'static [u8]) -> bool {
+    state.advance(bytes, 1000).is_none()
+}
+
+#[inline(never)]
+fn from_blob(blob: &Blob<'static>) -> Option<FromBlobs> {
+    blob.bearing("balls").ok()?.bearing().ok()
 }
 
 fn name(what: &'static str, elements: usize, function: &'static str) -> Name {

@@ -23,6 +23,7 @@ pub fn all(bench: Bench) {
     balls::all(bench);
     blocks::all(bench);
     blocks::log(bench);
+    blocks::blob(bench);
     indicators::all::<f32>(bench, "f32");
     indicators::all::<f64>(bench, "f64");
     indicators::damage(bench);
