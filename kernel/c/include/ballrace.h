@@ -634,7 +634,7 @@ typedef struct ballrace_fixed_radial_params {
 /**
  * Force on the inner ring, in counts.
  */
-typedef struct ballrace_fixed_force {
+typedef struct ballrace_fixed_radial_counts {
     /**
      * Force along X.
      */
@@ -647,7 +647,69 @@ typedef struct ballrace_fixed_force {
      * Sum of the element loads.
      */
     int32_t load;
-} ballrace_fixed_force;
+} ballrace_fixed_radial_counts;
+
+/**
+ * Axial elements on counts. Opaque: `ballrace_fixed_axial_init` writes it.
+ */
+typedef struct ballrace_fixed_axial {
+    /**
+     * Private.
+     */
+    uint64_t words[120];
+} ballrace_fixed_axial;
+
+/**
+ * Axial elements between rigid rings, loaded where the inner ring moves towards +Z.
+ */
+typedef struct ballrace_fixed_axial_params {
+    /**
+     * K, N/m^n.
+     */
+    double stiffness;
+    /**
+     * n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+     */
+    double exponent;
+    /**
+     * Axial play, m; negative is preload.
+     */
+    double axial_play;
+    /**
+     * Radius at which the elements act, m.
+     */
+    double radius;
+    /**
+     * Displacement of 2^31 counts, m.
+     */
+    double range;
+    /**
+     * Azimuth of the first element with the cage at angle 0, 2^-64 revolutions.
+     */
+    uint64_t first;
+    /**
+     * Number of evenly spaced elements, 3 to 32.
+     */
+    uint32_t element_count;
+} ballrace_fixed_axial_params;
+
+/**
+ * Force and moment of axial elements on the inner ring, in counts; a count of a moment is that of the force times the radius.
+ */
+typedef struct ballrace_fixed_axial_counts {
+    /**
+     * Force along Z.
+     */
+    int32_t fz;
+    /**
+     * Moment about X.
+     */
+    int32_t mx;
+    /**
+     * Moment about Y.
+     */
+    int32_t my;
+} ballrace_fixed_axial_counts;
 
 /**
  * One line of the full spectrum of a force in the frame of a component.
@@ -1917,7 +1979,33 @@ uint32_t ballrace_fixed_radial_force(const struct ballrace_fixed_radial *bearing
                                      int32_t u,
                                      int32_t v,
                                      uint64_t cage_phase,
-                                     struct ballrace_fixed_force *force);
+                                     struct ballrace_fixed_radial_counts *force);
+
+/**
+ * Initialises axial elements, as `ballrace_fixed_radial_init`.
+ *
+ * Preconditions:
+ * As `ballrace_fixed_radial_init`.
+ */
+uint32_t ballrace_fixed_axial_init(struct ballrace_fixed_axial *bearing,
+                                   const struct ballrace_fixed_axial_params *params,
+                                   double *metres_per_count,
+                                   double *newtons_per_count,
+                                   struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Computes force and moment on the inner ring at the displacement `w` along Z and the tilts about X and Y times the radius, in counts; any counts
+ * are valid. As `ballrace_fixed_radial_force`.
+ *
+ * Preconditions:
+ * `bearing` points to initialised elements, `force` to a struct.
+ */
+uint32_t ballrace_fixed_axial_force(const struct ballrace_fixed_axial *bearing,
+                                    int32_t w,
+                                    int32_t tilt_x,
+                                    int32_t tilt_y,
+                                    uint64_t cage_phase,
+                                    struct ballrace_fixed_axial_counts *force);
 
 /**
  * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner

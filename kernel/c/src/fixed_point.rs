@@ -1,11 +1,11 @@
-//! A radial bearing in fixed-point arithmetic, for cores without a floating-point unit.
+//! Radial and axial elements in fixed-point arithmetic, for cores without a floating-point unit.
 
 use crate::geometry::{InvalidParameter, check, report};
 use crate::pointer::check_pointers;
 use crate::state::{self, Stored};
 use crate::status;
 use ballrace::Phase;
-use ballrace::bearing::fixed_point::{Direction, RadialElements, RadialParams, direction};
+use ballrace::bearing::fixed_point::{AxialElements, AxialParams, Direction, RadialElements, RadialParams, direction};
 
 /// Largest number of elements.
 const MAX_ELEMENTS: usize = 32;
@@ -36,6 +36,46 @@ pub struct FixedRadial {
     pub words: [u64; 118],
 }
 
+/// Axial elements between rigid rings, loaded where the inner ring moves towards +Z.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedAxialParams {
+    /// K, N/m^n.
+    pub stiffness: f64,
+    /// n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+    pub exponent: f64,
+    /// Axial play, m; negative is preload.
+    pub axial_play: f64,
+    /// Radius at which the elements act, m.
+    pub radius: f64,
+    /// Displacement of 2^31 counts, m.
+    pub range: f64,
+    /// Azimuth of the first element with the cage at angle 0, 2^-64 revolutions.
+    pub first: u64,
+    /// Number of evenly spaced elements, 3 to 32.
+    pub element_count: u32,
+}
+
+/// Axial elements on counts. Opaque: `ballrace_fixed_axial_init` writes it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct FixedAxial {
+    /// Private.
+    pub words: [u64; 120],
+}
+
+/// Force and moment of axial elements on the inner ring, in counts; a count of a moment is that of the force times the radius.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FixedAxialForce {
+    /// Force along Z.
+    pub fz: i32,
+    /// Moment about X.
+    pub mx: i32,
+    /// Moment about Y.
+    pub my: i32,
+}
+
 /// Force on the inner ring, in counts.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -61,8 +101,20 @@ impl AsRef<[Direction]> for Directions {
     }
 }
 
+impl Directions {
+    /// Returns evenly spaced ones, at most [`MAX_ELEMENTS`].
+    fn evenly_spaced(first: u64, count: u32) -> Self {
+        let count = count as usize;
+        Self { count, all: core::array::from_fn(|j| direction(Phase(first), j, count)) }
+    }
+}
+
 impl Stored for RadialElements<Directions> {
     const KIND: u32 = 7;
+}
+
+impl Stored for AxialElements<Directions> {
+    const KIND: u32 = 8;
 }
 
 /// Initialises a bearing. For set-up: uses `double`. `invalid` may be NULL. Writes what a count of the displacement is in m, and a count of the
@@ -86,10 +138,8 @@ pub unsafe extern "C" fn ballrace_fixed_radial_init(
         if check((3..=32).contains(&element_count), "element_count", found, "3 to 32", invalid) {
             return status::INVALID_ARGUMENT;
         }
-        let count = element_count as usize;
-        let all = core::array::from_fn(|j| direction(Phase(first), j, count));
         let of = RadialParams { stiffness, exponent, radial_play, range };
-        match RadialElements::with_directions(Directions { count, all }, &of) {
+        match RadialElements::with_directions(Directions::evenly_spaced(first, element_count), &of) {
             Ok(value) => {
                 *metres_per_count = value.metres_per_count();
                 *newtons_per_count = value.newtons_per_count();
@@ -122,6 +172,65 @@ pub unsafe extern "C" fn ballrace_fixed_radial_force(
         };
         let found = bearing.reaction(u, v, Phase(cage_phase));
         *force = FixedForce { fx: found.fx, fy: found.fy, load: found.load };
+        u32::from(found.status.bits())
+    }
+}
+
+/// Initialises axial elements, as `ballrace_fixed_radial_init`.
+///
+/// # Safety
+/// As `ballrace_fixed_radial_init`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_fixed_axial_init(
+    bearing: *mut FixedAxial,
+    params: *const FixedAxialParams,
+    metres_per_count: *mut f64,
+    newtons_per_count: *mut f64,
+    invalid: *mut InvalidParameter,
+) -> u32 {
+    check_pointers!(bearing, params, metres_per_count, newtons_per_count);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let FixedAxialParams { stiffness, exponent, axial_play, radius, range, first, element_count } = *params;
+        let found = f64::from(element_count);
+        if check((3..=32).contains(&element_count), "element_count", found, "3 to 32", invalid) {
+            return status::INVALID_ARGUMENT;
+        }
+        let of = AxialParams { stiffness, exponent, axial_play, radius, range };
+        match AxialElements::with_directions(Directions::evenly_spaced(first, element_count), &of) {
+            Ok(value) => {
+                *metres_per_count = value.metres_per_count();
+                *newtons_per_count = value.newtons_per_count();
+                state::write(bearing, value);
+            }
+            Err(error) => return report(error, invalid),
+        }
+    }
+    status::OK
+}
+
+/// Computes force and moment on the inner ring at the displacement `w` along Z and the tilts about X and Y times the radius, in counts; any counts
+/// are valid. As `ballrace_fixed_radial_force`.
+///
+/// # Safety
+/// `bearing` points to initialised elements, `force` to a struct.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ballrace_fixed_axial_force(
+    bearing: *const FixedAxial,
+    w: i32,
+    tilt_x: i32,
+    tilt_y: i32,
+    cage_phase: u64,
+    force: *mut FixedAxialForce,
+) -> u32 {
+    check_pointers!(bearing, force);
+    // SAFETY: by the contract of the function.
+    unsafe {
+        let Some(bearing) = state::read::<AxialElements<Directions>, _>(bearing) else {
+            return status::STATE_INVALID;
+        };
+        let found = bearing.reaction(w, tilt_x, tilt_y, Phase(cage_phase));
+        *force = FixedAxialForce { fz: found.fz, mx: found.mx, my: found.my };
         u32::from(found.status.bits())
     }
 }

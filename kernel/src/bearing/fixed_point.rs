@@ -1,6 +1,6 @@
 //! Model `lumped` in fixed-point arithmetic: a constant number of instructions on cores without a floating-point unit.
 //!
-//! Radial elements with `F = K Delta^n` as [`super::lumped::Radial`], on counts as a converter delivers them. The routines of software
+//! Radial and axial elements with `F = K Delta^n` as [`super::lumped`] has them, on counts as a converter delivers them. The routines of software
 //! floats branch on their values; here are sums, products, shifts and two tables that no value is too large or too small for. The power law
 //! is `Delta = m 2^-k` with `m` in a table of 128 straight lines: a relative error of at most `n (n - 1) / 130 000`, 5.7e-6 of a ball and
 //! 1e-6 of a roller, beside the rounding to counts.
@@ -61,15 +61,81 @@ pub struct RadialElements<D> {
     directions: D,
     /// Play over the range, in units of 2^-30.
     play: i32,
-    /// `m^n` at the ends of the lines, m from 1/2 to 1, in units of 2^-31.
-    shape: [u32; LINES + 1],
-    /// `2^(-n k)` over the number of elements for each k, in units of 2^-31.
-    scale: [u32; 32],
+    law: ElementLaw,
     metres_per_count: f64,
     newtons_per_count: f64,
 }
 
-/// Force of a bearing on its inner ring, in counts.
+/// A bearing of axial elements between rigid rings, in parallel to the radial ones of a combined bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AxialParams {
+    /// K, N/m^n.
+    pub stiffness: f64,
+    /// n, 1 to 2: 3/2 of balls, 10/9 of rollers.
+    pub exponent: f64,
+    /// Axial play, m; negative is preload.
+    pub axial_play: f64,
+    /// Radius at which the elements act, m.
+    pub radius: f64,
+    /// Displacement of 2^31 counts, m. A count of the force is that of all elements at four times the range, over 2^30.
+    pub range: f64,
+}
+
+/// Axial elements on counts, `N` of them, loaded where the inner ring moves towards +Z.
+///
+/// ```
+/// use ballrace::Phase;
+/// use ballrace::bearing::fixed_point::{Axial, AxialParams};
+///
+/// let params = AxialParams { stiffness: 1e9, exponent: 1.5, axial_play: 1e-6, radius: 20e-3, range: 200e-6 };
+/// let bearing = Axial::<8>::try_new(Phase::ZERO, &params)?;
+/// // Without tilt all balls carry alike: 8e9 N/m^1.5 * (4 um)^1.5 = 64 N.
+/// let w = (5e-6 / bearing.metres_per_count()) as i32;
+/// let force = bearing.reaction(w, 0, 0, Phase::ZERO);
+/// assert!((f64::from(force.fz) * bearing.newtons_per_count() + 64.0).abs() < 0.01);
+/// assert!(force.mx.abs() < 10 && force.my.abs() < 10);
+/// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
+/// ```
+pub type Axial<const N: usize> = AxialElements<[Direction; N]>;
+
+/// Axial elements with the directions `D`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxialElements<D> {
+    directions: D,
+    /// Play over the range, in units of 2^-29.
+    play: i32,
+    law: ElementLaw,
+    metres_per_count: f64,
+    newtons_per_count: f64,
+    radius: f64,
+}
+
+/// `F = K Delta^n` of one element.
+#[derive(Debug, Clone, PartialEq)]
+struct ElementLaw {
+    /// `m^n` at the ends of the lines, m from 1/2 to 1, in units of 2^-31.
+    shape: [u32; LINES + 1],
+    /// `2^(-n k)` over the number of elements for each k, in units of 2^-31.
+    scale: [u32; 32],
+}
+
+/// Force of axial elements on the inner ring, in counts; the moments over the radius.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AxialReaction {
+    /// Force along Z.
+    pub fz: i32,
+    /// Moment about X, in counts of [`AxialElements::newton_metres_per_count`].
+    pub mx: i32,
+    /// Moment about Y, in counts of [`AxialElements::newton_metres_per_count`].
+    pub my: i32,
+    /// [`Status::CONTACT_LOST`] without contact.
+    pub status: Status,
+}
+
+/// Force of radial elements on the inner ring, in counts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -108,26 +174,13 @@ impl<D: AsRef<[Direction]>> RadialElements<D> {
     /// A stiffness or range that is not above 0, an exponent outside 1 to 2, a play above a quarter of the range, no elements.
     pub fn with_directions(directions: D, of: &RadialParams) -> Result<Self, InvalidParameter> {
         let RadialParams { stiffness, exponent, radial_play, range } = *of;
-        check(stiffness > 0.0, "stiffness", stiffness, "above 0")?;
-        check((1.0..=2.0).contains(&exponent), "exponent", exponent, "1 to 2")?;
         check(range > 0.0, "range", range, "above 0 m")?;
         check(radial_play.abs() <= 0.25 * range, "radial_play", radial_play, "at most a quarter of the range")?;
-        let count = directions.as_ref().len() as f64;
-        check(count > 0.0, "elements", count, "1 or more")?;
-        let line = |i: usize| libm::pow(0.5 + 0.5 * i as f64 / LINES as f64, exponent);
-        let step = |k: usize| libm::pow(0.5, exponent * k as f64) / count;
         // The deflection of 2^31 counts is twice the range.
-        let largest = stiffness * libm::pow(2.0 * range, exponent) * count;
-        check(largest.is_finite(), "stiffness", stiffness, "one whose force at the range is finite")?;
-        Ok(Self {
-            directions,
-            play: libm::round(radial_play / range * ONE) as i32,
-            shape: core::array::from_fn(|i| libm::round(line(i) * 2.0 * ONE) as u32),
-            // Only the deflection 0 is shifted by 31.
-            scale: core::array::from_fn(|k| if k < 31 { libm::round(step(k) * 2.0 * ONE) as u32 } else { 0 }),
-            metres_per_count: 0.5 * range / ONE,
-            newtons_per_count: largest / ONE,
-        })
+        let (law, newtons_per_count) =
+            ElementLaw::try_new((stiffness, exponent), 2.0 * range, directions.as_ref().len())?;
+        let play = libm::round(radial_play / range * ONE) as i32;
+        Ok(Self { directions, play, law, metres_per_count: 0.5 * range / ONE, newtons_per_count })
     }
 
     /// Returns the displacement of one count, m.
@@ -146,30 +199,108 @@ impl<D: AsRef<[Direction]>> RadialElements<D> {
     /// counts are valid.
     #[must_use]
     pub fn reaction(&self, u: i32, v: i32, cage: Phase) -> Reaction {
-        let (cos, sin) = (sine(cage.wrapping_add(Phase(1 << 62))), sine(cage));
+        let turn = Turn::of(cage);
         // In the frame of the cage, and in units of 2^-30 of the range.
-        let x = (product(u, cos) + product(v, sin)) >> 31;
-        let y = (product(v, cos) - product(u, sin)) >> 31;
-        let (x, y) = (x as i32, y as i32);
+        let [x, y] = turn.into_cage([u, v]).map(|x| (x >> 31) as i32);
         let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
         for &[cos, sin] in self.directions.as_ref() {
             let deflection = ((product(x, cos) + product(y, sin)) >> 30) as i32 - self.play;
-            let of_element = self.load(positive_part(deflection));
+            let of_element = self.law.load(positive_part(deflection));
             sum_x += product(of_element as i32, cos);
             sum_y += product(of_element as i32, sin);
             load += of_element;
         }
-        let (x, y) = ((sum_x >> 30) as i32, (sum_y >> 30) as i32);
-        Reaction {
-            fx: -((product(x, cos) - product(y, sin)) >> 30) as i32,
-            fy: -((product(x, sin) + product(y, cos)) >> 30) as i32,
-            load: load as i32,
-            // The load is below 2^31: the difference borrows where it is 0, without a branch.
-            status: Status::from_bits(Status::CONTACT_LOST.bits() * (load.wrapping_sub(1) >> 31) as u8),
-        }
+        let [fx, fy] = turn.from_cage([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
+        Reaction { fx, fy, load: load as i32, status: status_at(load) }
+    }
+}
+
+impl<const N: usize> Axial<N> {
+    /// Creates the bearing with evenly spaced elements, the first at `first`. For set-up: uses `f64` and `libm`.
+    ///
+    /// # Errors
+    /// As [`AxialElements::with_directions`].
+    pub fn try_new(first: Phase, of: &AxialParams) -> Result<Self, InvalidParameter> {
+        Self::with_directions(core::array::from_fn(|j| direction(first, j, N)), of)
+    }
+}
+
+impl<D: AsRef<[Direction]>> AxialElements<D> {
+    /// Creates the bearing with elements in these directions. For set-up: uses `f64` and `libm`.
+    ///
+    /// # Errors
+    /// A stiffness or range that is not above 0, an exponent outside 1 to 2, a play above a quarter of the range, a negative radius, no elements.
+    pub fn with_directions(directions: D, of: &AxialParams) -> Result<Self, InvalidParameter> {
+        let AxialParams { stiffness, exponent, axial_play, radius, range } = *of;
+        check(range > 0.0, "range", range, "above 0 m")?;
+        check(axial_play.abs() <= 0.25 * range, "axial_play", axial_play, "at most a quarter of the range")?;
+        check(radius >= 0.0, "radius", radius, "0 m or more")?;
+        // Displacement and tilt along one axis: the deflection of 2^31 counts is four times the range.
+        let (law, newtons_per_count) =
+            ElementLaw::try_new((stiffness, exponent), 4.0 * range, directions.as_ref().len())?;
+        let play = libm::round(axial_play / range * 0.5 * ONE) as i32;
+        Ok(Self { directions, play, law, metres_per_count: 0.5 * range / ONE, newtons_per_count, radius })
     }
 
-    /// Returns the load of an element at a deflection below 2^31, in units of 2^-30 of all elements at twice the range.
+    /// Returns the displacement of one count, m; that of the tilts is at the radius.
+    #[must_use]
+    pub const fn metres_per_count(&self) -> f64 {
+        self.metres_per_count
+    }
+
+    /// Returns the force of one count, N.
+    #[must_use]
+    pub const fn newtons_per_count(&self) -> f64 {
+        self.newtons_per_count
+    }
+
+    /// Returns the moment of one count, N m.
+    #[must_use]
+    pub const fn newton_metres_per_count(&self) -> f64 {
+        self.newtons_per_count * self.radius
+    }
+
+    /// Computes force and moment on the inner ring at the displacement `w` along Z and the tilts about X and Y times the radius, in counts
+    /// of [`AxialElements::metres_per_count`]; any counts are valid.
+    #[must_use]
+    pub fn reaction(&self, w: i32, tilt_x: i32, tilt_y: i32, cage: Phase) -> AxialReaction {
+        let turn = Turn::of(cage);
+        // In the frame of the cage, and in units of 2^-29 of the range.
+        let [x, y] = turn.into_cage([tilt_x, tilt_y]).map(|x| (x >> 32) as i32);
+        let from_play = (w >> 2) - self.play;
+        let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
+        for &[cos, sin] in self.directions.as_ref() {
+            let deflection = from_play + ((product(x, sin) - product(y, cos)) >> 30) as i32;
+            let of_element = self.law.load(positive_part(deflection));
+            sum_x += product(of_element as i32, sin);
+            sum_y -= product(of_element as i32, cos);
+            load += of_element;
+        }
+        let [mx, my] = turn.from_cage([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
+        AxialReaction { fz: -(load as i32), mx, my, status: status_at(load) }
+    }
+}
+
+impl ElementLaw {
+    /// Returns the law, and the force of all elements at the deflection `largest` over 2^30. For set-up.
+    fn try_new((stiffness, exponent): (f64, f64), largest: f64, count: usize) -> Result<(Self, f64), InvalidParameter> {
+        check(stiffness > 0.0, "stiffness", stiffness, "above 0")?;
+        check((1.0..=2.0).contains(&exponent), "exponent", exponent, "1 to 2")?;
+        let count = count as f64;
+        check(count > 0.0, "elements", count, "1 or more")?;
+        let force = stiffness * libm::pow(largest, exponent) * count;
+        check(force.is_finite(), "stiffness", stiffness, "one whose force at the range is finite")?;
+        let line = |i: usize| libm::pow(0.5 + 0.5 * i as f64 / LINES as f64, exponent);
+        let step = |k: usize| libm::pow(0.5, exponent * k as f64) / count;
+        let law = Self {
+            shape: core::array::from_fn(|i| libm::round(line(i) * 2.0 * ONE) as u32),
+            // Only the deflection 0 is shifted by 31.
+            scale: core::array::from_fn(|k| if k < 31 { libm::round(step(k) * 2.0 * ONE) as u32 } else { 0 }),
+        };
+        Ok((law, force / ONE))
+    }
+
+    /// Returns the load of an element at a deflection below 2^31, in units of 2^-30 of all elements at 2^31.
     #[inline(always)]
     fn load(&self, deflection: u32) -> u32 {
         let (mantissa, k) = normalised(deflection);
@@ -179,6 +310,39 @@ impl<D: AsRef<[Direction]>> RadialElements<D> {
         let shape = from + ((((to - from) >> 9) * along) >> 7);
         ((u64::from(shape) * u64::from(self.scale[k as usize & 31])) >> 32) as u32
     }
+}
+
+/// Cosine and sine of the angle of the cage, in units of 2^-30.
+struct Turn {
+    cos: i32,
+    sin: i32,
+}
+
+impl Turn {
+    #[inline(always)]
+    fn of(cage: Phase) -> Self {
+        Self { cos: sine(cage.wrapping_add(Phase(1 << 62))), sin: sine(cage) }
+    }
+
+    /// Returns a vector in the frame of the cage, in units of 2^-30 of its own.
+    #[inline(always)]
+    fn into_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
+        let Self { cos, sin } = *self;
+        [product(x, cos) + product(y, sin), product(y, cos) - product(x, sin)]
+    }
+
+    /// Returns a vector in the frame of the cage in that of the housing, in units of 2^-30 of its own.
+    #[inline(always)]
+    fn from_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
+        let Self { cos, sin } = *self;
+        [product(x, cos) - product(y, sin), product(x, sin) + product(y, cos)]
+    }
+}
+
+/// Returns the flag of lost contact. The load is below 2^31: the difference borrows where it is 0, without a branch.
+#[inline(always)]
+fn status_at(load: u32) -> Status {
+    Status::from_bits(Status::CONTACT_LOST.bits() * (load.wrapping_sub(1) >> 31) as u8)
 }
 
 /// Returns a product, in whose units two factors of 2^-30 make 2^-60.
@@ -294,6 +458,43 @@ mod tests {
         }
     }
 
+    /// Force and moment are those of the model in `f64`, to the share of the radial ones.
+    #[test]
+    fn the_axial_force_is_that_of_the_lumped_model() {
+        for (exponent, stiffness, share) in [(1.5, 1e9, 6e-6), (10.0 / 9.0, 3e8, 1.5e-6)] {
+            for axial_play in [5e-6, -3e-6] {
+                let (radius, range) = (20e-3, 100e-6);
+                let params = AxialParams { stiffness, exponent, axial_play, radius, range };
+                let fixed = Axial::<9>::try_new(Phase::from_revolutions(0.1), &params).unwrap();
+                let positions = evenly_spaced::<f64, 9>(Phase::from_revolutions(0.1));
+                let law = PowerLaw { stiffness, exponent };
+                let float = lumped::Axial::<f64, Exact, _, _>::try_new(positions, law, axial_play, radius).unwrap();
+                let mut number = numbers();
+                for i in 0..3000 {
+                    let size = range * libm::pow(10.0, -4.0 * number());
+                    let counts = [0; 3].map(|_: i32| ((2.0 * number() - 1.0) * size / fixed.metres_per_count()) as i32);
+                    let cage = Phase::from_revolutions(number());
+                    let [w, thu, thv] = counts.map(|x| f64::from(x) * fixed.metres_per_count());
+                    let u = Displacement { w, thu: thu / radius, thv: thv / radius, ..Displacement::default() };
+                    let expected = float.reaction(&u, &cage.into());
+                    let [w, x, y] = counts;
+                    let found = fixed.reaction(w, x, y, cage);
+                    let allowed = share * expected.load
+                        + 30.0 * fixed.newtons_per_count()
+                        + (1e-7 * size + 4.0 * fixed.metres_per_count()) * float_stiffness(stiffness, exponent, size);
+                    let (force, moment) = (fixed.newtons_per_count(), fixed.newton_metres_per_count());
+                    for (found, expected, allowed) in [
+                        (f64::from(found.fz) * force, expected.wrench.fz, allowed),
+                        (f64::from(found.mx) * moment, expected.wrench.mx, allowed * radius),
+                        (f64::from(found.my) * moment, expected.wrench.my, allowed * radius),
+                    ] {
+                        assert!((found - expected).abs() < allowed, "{i}: {size:e} m: {found} {expected} +-{allowed}");
+                    }
+                }
+            }
+        }
+    }
+
     fn float_stiffness(stiffness: f64, exponent: f64, size: f64) -> f64 {
         9.0 * exponent * stiffness * libm::pow(2.0 * size, exponent - 1.0)
     }
@@ -304,12 +505,19 @@ mod tests {
         for radial_play in [25e-6, -25e-6] {
             let params = RadialParams { stiffness: 8e9, exponent: 1.5, radial_play, range: 100e-6 };
             let bearing = Radial::<1>::try_new(Phase::ZERO, &params).unwrap();
+            let RadialParams { stiffness, exponent, radial_play: axial_play, range } = params;
+            let params = AxialParams { stiffness, exponent, axial_play, radius: 20e-3, range };
+            let axial = Axial::<1>::try_new(Phase::ZERO, &params).unwrap();
             for u in [i32::MIN, i32::MIN + 1, -1, 0, 1, i32::MAX] {
                 for v in [i32::MIN, -1, 0, i32::MAX] {
                     for eighth in 0..8 {
                         let force = bearing.reaction(u, v, Phase(eighth << 61));
                         assert!((0..=1 << 30).contains(&force.load), "{u} {v} {eighth}: {force:?}");
                         assert_eq!(force.status == Status::CONTACT_LOST, force.load == 0);
+                        for w in [i32::MIN, 0, i32::MAX] {
+                            let force = axial.reaction(w, u, v, Phase(eighth << 61));
+                            assert!((-(1 << 30)..=0).contains(&force.fz), "{w} {u} {v} {eighth}: {force:?}");
+                        }
                     }
                 }
             }

@@ -119,7 +119,7 @@ static void fixed_point(void)
 {
     static const int32_t special[4] = { 0, INT32_MAX, INT32_MIN, -1 };
     ballrace_fixed_radial bearing = { { 0 } };
-    ballrace_fixed_force force = { 0, 0, 0 };
+    ballrace_fixed_radial_counts force = { 0, 0, 0 };
     double per_count[2];
     start();
     add_bits(ballrace_fixed_radial_force(&bearing, 0, 0, 0, &force));
@@ -134,6 +134,19 @@ static void fixed_point(void)
             add_bits((uint32_t)force.fy);
             add_bits((uint32_t)force.load);
         }
+    }
+    ballrace_fixed_axial axial = { { 0 } };
+    ballrace_fixed_axial_counts thrust = { 0, 0, 0 };
+    const ballrace_fixed_axial_params params = { 1e9, 1.5, 5e-6, 20e-3, 100e-6, (uint64_t)1 << 60, 9 };
+    add_bits(ballrace_fixed_axial_init(&axial, &params, &per_count[0], &per_count[1], NULL));
+    for (uint32_t i = 1; i <= INPUT_COUNT; i++) {
+        const int32_t w = i % 5 == 0 ? special[i / 5 % 4] : (int32_t)(i * 3266489917u) >> (i % 19);
+        const int32_t x = i % 7 == 0 ? special[i / 7 % 4] : (int32_t)(i * 2654435761u) >> (i % 13);
+        const int32_t y = i % 11 == 0 ? special[i / 11 % 4] : (int32_t)(i * 2246822519u) >> (i % 17);
+        add_bits(ballrace_fixed_axial_force(&axial, w, x, y, (uint64_t)i * 0x123456789abcdefu, &thrust));
+        add_bits((uint32_t)thrust.fz);
+        add_bits((uint32_t)thrust.mx);
+        add_bits((uint32_t)thrust.my);
     }
     end("fixed point");
 }

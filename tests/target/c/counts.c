@@ -62,9 +62,13 @@ CALL(log_frame, ballrace_log_frame((uint32_t)in.cage, in.displacement, 4, frame)
 CALL(probe_sample, ballrace_probe_sample(&block_probes[0], buffer.counts[2], &amplitude))
 
 static ballrace_fixed_radial fixed;
-static ballrace_fixed_force fixed_force;
+static ballrace_fixed_radial_counts fixed_force;
 static int32_t fixed_u, fixed_v;
 
+static ballrace_fixed_axial fixed_thrust;
+static ballrace_fixed_axial_counts fixed_axial_force;
+
+CALL(fixed_axial, ballrace_fixed_axial_force(&fixed_thrust, fixed_v, fixed_u, fixed_v, in.cage, &fixed_axial_force))
 CALL(fixed_radial, ballrace_fixed_radial_force(&fixed, fixed_u, fixed_v, in.cage, &fixed_force))
 
 static void measure(const char *name, const char *function, void (*prepare)(uint32_t), uint32_t (*call)(void))
@@ -185,6 +189,9 @@ void run(void)
     double per_count[2];
     ballrace_fixed_radial_init(&fixed, &params, &per_count[0], &per_count[1], NULL);
     measure("radial 3/2, fixed-point, 8", "force", take_counts, fixed_radial);
+    const ballrace_fixed_axial_params axial = { 1e9, 1.5, 5e-6, 20e-3, 100e-6, 0, 8 };
+    ballrace_fixed_axial_init(&fixed_thrust, &axial, &per_count[0], &per_count[1], NULL);
+    measure("axial 3/2, fixed-point, 8", "force", take_counts, fixed_axial);
     measure("log", "frame of 4 readings", take_input, log_frame);
     measure("probe", "reading", take_reading, probe_sample);
     measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);

@@ -3,7 +3,7 @@
 use super::super::counts_inputs::{COUNT, counts, input};
 use super::tables::{de, nde};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
-use ballrace::bearing::fixed_point::{self, RadialParams};
+use ballrace::bearing::fixed_point::{self, AxialParams, RadialParams};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
@@ -298,25 +298,38 @@ fn blocks() -> u64 {
 
 fn fixed_point() -> u64 {
     const SPECIAL: [i32; 4] = [0, i32::MAX, i32::MIN, -1];
+    const RANGE: f64 = 100e-6;
+    let counts = |i: u32, every: u32, factor: u32, modulus: u32| {
+        let special = i.is_multiple_of(every).then(|| SPECIAL[(i / every) as usize % 4]);
+        special.unwrap_or_else(|| i.wrapping_mul(factor).cast_signed() >> (i % modulus))
+    };
+    let [u, v, w] = [(7, 2_654_435_761, 13), (11, 2_246_822_519, 17), (5, 3_266_489_917, 19)]
+        .map(|(every, factor, modulus)| move |i: u32| counts(i, every, factor, modulus));
+    let cage = |i: u32| Phase(u64::from(i).wrapping_mul(0x0123_4567_89ab_cdef));
+    let first = Phase(1 << 60);
+    let params = |exponent| RadialParams { stiffness: 8e9, exponent, radial_play: 5e-6, range: RANGE };
+    let seven = fixed_point::Radial::<7>::try_new(first, &params(1.5)).expect("parameters");
+    let nine = fixed_point::Radial::<9>::try_new(first, &params(1.1)).expect("parameters");
+    let params = AxialParams { stiffness: 1e9, exponent: 1.5, axial_play: 5e-6, radius: 20e-3, range: RANGE };
+    let axial = fixed_point::Axial::<9>::try_new(first, &params).expect("parameters");
+    let radial = |found: fixed_point::Reaction| (found.status, [found.fx, found.fy, found.load]);
+    let of_seven = |i| radial(seven.reaction(u(i), v(i), cage(i)));
+    let of_nine = |i| radial(nine.reaction(u(i), v(i), cage(i)));
+    let of_axial = |i| {
+        let found = axial.reaction(w(i), u(i), v(i), cage(i));
+        (found.status, [found.fz, found.mx, found.my])
+    };
     let mut sum = Checksum::new();
     sum.bits(STATE_INVALID);
-    let mut add = |force: &dyn Fn(i32, i32, Phase) -> fixed_point::Reaction| {
-        sum.bits(0);
+    let forces: [&dyn Fn(u32) -> (Status, [i32; 3]); 3] = [&of_seven, &of_nine, &of_axial];
+    for force in forces {
+        sum.bits(OK);
         for i in 1..=COUNT {
-            let hash = |factor: u32, by: u32| i.wrapping_mul(factor).cast_signed() >> by;
-            let special = |every: u32| i.is_multiple_of(every).then(|| SPECIAL[(i / every) as usize % 4]);
-            let u = special(7).unwrap_or_else(|| hash(2_654_435_761, i % 13));
-            let v = special(11).unwrap_or_else(|| hash(2_246_822_519, i % 17));
-            let found = force(u, v, Phase(u64::from(i).wrapping_mul(0x0123_4567_89ab_cdef)));
-            sum.bits(u32::from(found.status.bits()));
-            [found.fx, found.fy, found.load].map(|x| sum.bits(x.cast_unsigned()));
+            let (status, numbers) = force(i);
+            sum.bits(u32::from(status.bits()));
+            numbers.map(|x| sum.bits(x.cast_unsigned()));
         }
-    };
-    let params = |exponent| RadialParams { stiffness: 8e9, exponent, radial_play: 5e-6, range: 100e-6 };
-    let seven = fixed_point::Radial::<7>::try_new(Phase(1 << 60), &params(1.5)).expect("parameters");
-    add(&|u, v, cage| seven.reaction(u, v, cage));
-    let nine = fixed_point::Radial::<9>::try_new(Phase(1 << 60), &params(1.1)).expect("parameters");
-    add(&|u, v, cage| nine.reaction(u, v, cage));
+    }
     sum.0
 }
 

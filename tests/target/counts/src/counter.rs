@@ -9,6 +9,7 @@ use core::hint::black_box;
 const INSTRUCTION: u32 = 256;
 
 /// The running timer.
+#[derive(Clone)]
 pub struct Counter {
     bracket: u32,
 }

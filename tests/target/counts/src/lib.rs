@@ -23,9 +23,9 @@ pub fn run_without_fpu() -> ! {
     measured(inputs::COUNT, subjects::without_fpu)
 }
 
-fn measured(inputs: u32, subjects: fn(Bench)) -> ! {
+fn measured(inputs: u32, subjects: fn(&Bench)) -> ! {
     if let Some(bench) = Bench::start(inputs) {
-        subjects(bench);
+        subjects(&bench);
     }
     semihosting::process::exit(0)
 }

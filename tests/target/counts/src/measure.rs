@@ -22,6 +22,7 @@ pub struct Name {
 }
 
 /// The running counter and how many inputs to count over.
+#[derive(Clone)]
 pub struct Bench {
     counter: Counter,
     inputs: u32,
@@ -37,8 +38,8 @@ impl Bench {
     }
 
     /// Returns a bench that counts over fewer inputs.
-    pub fn with_inputs(self, inputs: u32) -> Self {
-        Self { inputs, ..self }
+    pub fn with_inputs(&self, inputs: u32) -> Self {
+        Self { inputs, ..self.clone() }
     }
 
     /// Prints `what;elements;precision;math;function;least;most;stack;address`: instructions, bytes, where it begins.

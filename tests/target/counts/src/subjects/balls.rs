@@ -40,6 +40,11 @@ fn plain() -> Option<Plain> {
     QuasiStatic::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Touching).ok()
 }
 
+/// The same bearing with centrifugal force and gyroscopic moment.
+pub fn massive() -> Option<Massive> {
+    plain()?.with_outer_control(&STEEL).ok()
+}
+
 fn turning(i: u32) -> (Displacement<f32>, BearingKinematicState<f32>) {
     let (u, cage) = input::<f32>(i);
     (
@@ -97,7 +102,7 @@ pub fn all(bench: &Bench) {
     if let Ok(general) = plain.with_inertia(&STEEL) {
         bearing(bench, "quasi-static, gyroscopic, any control", 8, general);
     }
-    let Ok(massive) = plain.with_outer_control(&STEEL) else { return };
+    let Some(massive) = massive() else { return };
     bearing(bench, "quasi-static, gyroscopic", 8, massive);
     if let Ok(wet) = massive.with_film(Lubricant { viscosity: 0.04, pressure_viscosity: 2.2e-8 }) {
         bearing(bench, "quasi-static, gyroscopic, film", 8, wet);
@@ -137,7 +142,7 @@ fn of_one_speed(of: &bearing_de::Baked) -> bearing_de::Baked {
     Tabulated::new(bearing_de::POSITIONS, *of.constants(), Table::new(grid, layer), false)
 }
 
-type Massive =
+pub type Massive =
     QuasiStatic<f32, Exact, ElementPositions<f32, 8>, ballrace::bearing::quasi_static::inertia::OuterControlled<f32>>;
 
 #[inline(never)]

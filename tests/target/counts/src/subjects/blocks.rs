@@ -17,6 +17,8 @@ use ballrace::{Bearing, Displacement, Exact, Phase, Status, Stiffness, Wrench};
 
 /// Samples in a block.
 const SAMPLES: usize = 16;
+/// Blocks of balls in equilibrium, which take long under emulation.
+const SOLVED_INPUTS: u32 = 60;
 const STILL: Displacement<f32> = Displacement { u: 0.0, v: 0.0, w: 0.0, thu: 0.0, thv: 0.0 };
 const PROBE: Probe<f32> = Probe::from_constants(ProbeParams {
     at_zero: -32.768e-3,
@@ -54,6 +56,9 @@ pub fn all(bench: &Bench) {
         measure(bench, name("angular", 9, "block of 16 samples, metres"), bearing, [Metres; 2], metres);
     }
     of_counts(bench, "tabulated", 8, bearing_de::bearing());
+    if let Some(bearing) = super::balls::massive() {
+        of_counts(&bench.with_inputs(SOLVED_INPUTS), "quasi-static, gyroscopic", 8, bearing);
+    }
 }
 
 /// A frame of a log.

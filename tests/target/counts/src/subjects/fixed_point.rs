@@ -1,9 +1,9 @@
-//! The radial bearing on counts.
+//! Radial and axial elements on counts.
 
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
 use ballrace::Phase;
-use ballrace::bearing::fixed_point::{self, RadialParams};
+use ballrace::bearing::fixed_point::{self, AxialParams, RadialParams};
 use core::hint::black_box;
 
 /// Counts that a branch on a value would betray itself on.
@@ -18,6 +18,15 @@ pub fn all(bench: &Bench) {
 #[inline(never)]
 fn reaction<const N: usize>(bearing: &fixed_point::Radial<N>, u: i32, v: i32, cage: Phase) -> fixed_point::Reaction {
     bearing.reaction(u, v, cage)
+}
+
+#[inline(never)]
+fn axial<const N: usize>(
+    bearing: &fixed_point::Axial<N>,
+    [w, x, y]: [i32; 3],
+    cage: Phase,
+) -> fixed_point::AxialReaction {
+    bearing.reaction(w, x, y, cage)
 }
 
 /// Input number `i` of the floats as counts, or special ones.
@@ -36,4 +45,9 @@ fn of<const N: usize>(bench: &Bench) {
     let bearing = black_box(bearing);
     let name = Name { what: "radial 3/2", elements: N, precision: "Q31", math: "exact", function: "force" };
     bench.measure(name, reaction::<N> as *const (), counts, |(u, v, cage)| reaction(&bearing, *u, *v, *cage));
+    let params = AxialParams { stiffness: 1e9, exponent: 1.5, axial_play: 5e-6, radius: 20e-3, range: 100e-6 };
+    let Ok(bearing) = fixed_point::Axial::<N>::try_new(Phase::ZERO, &params) else { return };
+    let bearing = black_box(bearing);
+    let name = Name { what: "axial 3/2", ..name };
+    bench.measure(name, axial::<N> as *const (), counts, |(u, v, cage)| axial(&bearing, [*v, *u, *v], *cage));
 }

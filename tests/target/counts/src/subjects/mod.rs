@@ -13,8 +13,7 @@ use crate::measure::{Bench, Name};
 use ballrace::{Exact, Fast, Math, Phase};
 
 /// All subjects, cheapest first.
-pub fn all(bench: Bench) {
-    let bench = &bench;
+pub fn all(bench: &Bench) {
     sine_and_cosine(bench);
     bearings::all::<f32, Exact>(bench, "f32", "exact");
     bearings::all::<f32, Fast>(bench, "f32", "fast");
@@ -33,8 +32,7 @@ pub fn all(bench: Bench) {
 }
 
 /// The functions that firmware takes, in `f32`.
-pub fn hot(bench: Bench) {
-    let bench = &bench;
+pub fn hot(bench: &Bench) {
     sine_and_cosine(bench);
     bearings::all::<f32, Exact>(bench, "f32", "exact");
     balls::all(bench);
@@ -46,8 +44,8 @@ pub fn hot(bench: Bench) {
 const SOFTWARE_INPUTS: u32 = 140;
 
 /// What a core without a floating-point unit takes: counts of a converter, and software floats for comparison.
-pub fn without_fpu(bench: Bench) {
-    fixed_point::all(&bench);
+pub fn without_fpu(bench: &Bench) {
+    fixed_point::all(bench);
     let bench = bench.with_inputs(SOFTWARE_INPUTS);
     bearings::all::<f32, Exact>(&bench, "f32", "exact");
     balls::tables(&bench);
