@@ -19,7 +19,7 @@
 // bearing_de largest load: 3.353e2 N
 // bearing_de largest error: 2.0e-1 N
 // bearing_de largest relative error: 5.9e-4
-// bearing_de instructions: 2529
+// bearing_de instructions: 2530
 // bearing_de cycles: 4849
 // bearing_de stack: 344 bytes
 // bearing_de flash of code: 2438 bytes
