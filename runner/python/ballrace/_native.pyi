@@ -1,53 +1,132 @@
 """The extension module."""
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol, overload
 
 import numpy as np
 import numpy.typing as npt
+import pandas
+import polars
+
+from .typing import Math, Model, Precision
 
 Floats = npt.NDArray[np.float64]
+
+class ArrowTable(Protocol):
+    """A table of pyarrow, whose package has no types."""
+
+    @property
+    def column_names(self) -> list[str]: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+
+DisplacementLike = npt.ArrayLike | pandas.DataFrame | polars.DataFrame | ArrowTable | Mapping[str, Any]
 
 VERSION: str
 
 class Bearing:
     """A bearing of a scene; models are built at their first use and kept.
 
-    Displacements are those of the inner ring against the outer ring: ``u, v, w`` (m), ``thu, thv`` (rad), an array of shape
-    (n, 5) or (5,).
+    Displacements are those of the inner ring against the outer ring: ``u, v, w`` (m), ``thu, thv`` (rad), an array or a list of shape
+    (n, 5) or (5,), or a frame, a table or a dictionary with these columns; forces are then one too.
     """
 
     @property
     def name(self) -> str: ...
     @property
     def elements(self) -> int: ...
+    @overload
     def force(
         self,
-        u: Floats,
+        u: npt.NDArray[np.float32],
         *,
-        cage_angle: float | Floats | None = None,
-        time: float | Floats | None = None,
-        model: str | None = None,
-        precision: str = "f64",
-        math: str = "exact",
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
+        out: None = None,
+        status: npt.NDArray[np.uint8] | None = None,
+    ) -> npt.NDArray[np.float32]: ...
+    @overload
+    def force(
+        self,
+        u: pandas.DataFrame,
+        *,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
+        out: None = None,
+        status: npt.NDArray[np.uint8] | None = None,
+    ) -> pandas.DataFrame: ...
+    @overload
+    def force(
+        self,
+        u: polars.DataFrame,
+        *,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
+        out: None = None,
+        status: npt.NDArray[np.uint8] | None = None,
+    ) -> polars.DataFrame: ...
+    @overload
+    def force(
+        self,
+        u: ArrowTable,
+        *,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
+        out: None = None,
+        status: npt.NDArray[np.uint8] | None = None,
+    ) -> Any: ...
+    @overload
+    def force(
+        self,
+        u: Mapping[str, Any],
+        *,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
+        out: None = None,
+        status: npt.NDArray[np.uint8] | None = None,
+    ) -> dict[str, Floats]: ...
+    @overload
+    def force(
+        self,
+        u: npt.ArrayLike,
+        *,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
+        precision: Precision | None = None,
+        math: Math = "exact",
         out: Floats | None = None,
         status: npt.NDArray[np.uint8] | None = None,
     ) -> Floats: ...
     def stiffness(
         self,
-        u: Floats,
+        u: DisplacementLike,
         *,
-        cage_angle: float | Floats | None = None,
-        time: float | Floats | None = None,
-        model: str | None = None,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
     ) -> Floats: ...
     def element_loads(
         self,
-        u: Floats,
+        u: DisplacementLike,
         *,
-        cage_angle: float | Floats | None = None,
-        time: float | Floats | None = None,
-        model: str | None = None,
+        cage_angle: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        model: Model | None = None,
     ) -> Floats: ...
 
 class Outcome:

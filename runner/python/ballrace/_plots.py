@@ -170,11 +170,16 @@ def balance(of: Balance) -> go.Figure:
     return figure
 
 
+def unit(name: str) -> str:
+    """Return the unit of a column of a motion."""
+    kind = name.removesuffix("_dot").rsplit("_", 1)[-1]
+    base = {"F": "N", "M": "N m", "t": "rad" if len(kind) > 1 else "s"}.get(kind[:1], "m")
+    return f"{base}{'/s' if name.endswith('_dot') else ''}"
+
+
 def _with_unit(name: str) -> str:
     """Return the name of a column of a motion with its unit."""
-    kind = name.removesuffix("_dot").rsplit("_", 1)[-1]
-    unit = {"F": "N", "M": "N m", "t": "rad" if len(kind) > 1 else "s"}.get(kind[:1], "m")
-    return f"{name}, {unit}{'/s' if name.endswith('_dot') else ''}"
+    return f"{name}, {unit(name)}"
 
 
 def _extremes(values: Sequence[float]) -> list[int]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import html as _html
+import json
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     import pandas
     import plotly.graph_objects as go
     import pyarrow
+    import xarray
 
     from . import _native
 
@@ -86,6 +89,25 @@ class Table:
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table."""
         raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain dictionaries, lists, texts and numbers."""
+        raise NotImplementedError
+
+    def to_json(self) -> str:
+        """Return the result as JSON.
+
+        Examples
+        --------
+        >>> import ballrace, json
+        >>> diagram = ballrace.Scene.demonstration().campbell("0rpm..3000rpm:2")
+        >>> len(json.loads(diagram.to_json())["speeds"])
+        2
+        """
+        return json.dumps(self.to_dict())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Table) and type(self) is type(other) and self.to_dict() == other.to_dict()
 
     def to_arrow(self) -> pyarrow.Table:
         """Return the table as a ``pyarrow.Table``; needs the package pyarrow."""
@@ -198,6 +220,51 @@ class Outcome(Record, Table, Page):
     def to_text(self) -> str:
         """Return the report as text, as the command line prints it."""
         return self._native.text()
+
+    def indicators(self) -> dict[str, float]:
+        """Return the figures of the machine's condition by their names, as features for learning.
+
+        Each probe has its levels, the residual to the twin and the ball-pass lines of each bearing; each plane of probes its orbit; each
+        bearing its mean force and the largest load of an element. Phases are left out: an angle is no number to learn from. A value
+        that the replay lacks is NaN.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> outcome = ballrace.Scene.demonstration().replay(ballrace.demonstration_recording())
+        >>> round(outcome.indicators()["DE_X_um.direct_um_pp"], 2)
+        0.4
+        """
+        found: dict[str, float] = {}
+
+        def add(place: str, values: Mapping[str, Any]) -> None:
+            for name, value in values.items():
+                is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+                if (is_number or value is None) and not name.endswith("_deg"):
+                    found[f"{place}.{name}"] = math.nan if value is None else float(value)
+
+        for probe in self._entries.get("probes", []):
+            place = probe["name"]
+            add(place, probe.get("list") or {})
+            add(place, {"residual_rms_um": probe.get("residual_rms_um")})
+            for line in probe.get("ball_pass") or []:
+                race = "inner" if line["order"] > self._middle_order(line["bearing"]) else "outer"
+                lines = {f"{race}_race_{what}_um": line.get(f"{what}_um") for what in ("measured", "residual")}
+                add(f"{place}.{line['bearing']}", lines)
+        for plane in self._entries.get("planes") or []:
+            add(plane["name"], {name: value for name, value in plane.items() if name != "station_mm"})
+        for bearing in self._entries.get("bearings", []):
+            place = bearing["name"]
+            add(place, {"largest_element_load_n": bearing.get("largest_element_load_n")})
+            forces = bearing.get("force_estimated") or []
+            for component, force in zip(("fx_n", "fy_n", "fz_n", "mx_nm", "my_nm"), forces):
+                add(place, {component: (force or {}).get("mean")})
+        return found
+
+    def _middle_order(self, name: str) -> float:
+        """Return half the number of elements of a bearing: the ball-pass orders of its races are to either side."""
+        orders = next((b.get("orders") or {} for b in self._entries.get("bearings", []) if b["name"] == name), {})
+        return 0.5 * (float(orders.get("outer_race", 0.0)) + float(orders.get("inner_race", 0.0)))
 
     def save_baseline(self, path: str | os.PathLike[str]) -> Path:
         """Write the baseline of a replay with ``learn=True`` and return its path."""
@@ -357,6 +424,21 @@ class Motion(Table):
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns."""
         return {name: self[name] for name in self.names}
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the columns over the time ``t`` in s as an ``xarray.Dataset``, with their units; needs the package xarray.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> motion = ballrace.Scene.demonstration().simulate("0.02 s", "12.8 kHz").to_xarray()
+        >>> motion["v"].sel(t=0.01, method="nearest").attrs["units"]
+        'm'
+        """
+        import xarray
+
+        values = {name: ("t", self[name], {"units": _plots.unit(name)}) for name in self.names if name != "t"}
+        return xarray.Dataset(values, coords={"t": ("t", self["t"], {"units": "s"})})
 
     def __repr__(self) -> str:
         return f"Motion({len(self)} samples of {', '.join(self.names)})"

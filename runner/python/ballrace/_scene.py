@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +14,8 @@ import numpy.typing as npt
 from . import _native
 from ._recording import RecordingLike, columns
 from ._results import Balance, Campbell, Equilibrium, Fit, Motion, Outcome, Sweep, Trade
-
-#: A number in SI, or text with a unit such as ``"12 um"``.
-Quantity = Union[float, str]
-Path_ = Union[str, "os.PathLike[str]"]
+from .typing import FitGroup, Follow, ForceSource, Quantity, Section, Target
+from .typing import Path as Path_
 
 #: Folder of the built-in scene and its recordings.
 _DEMONSTRATION = Path(__file__).parent / "demonstration"
@@ -211,8 +209,8 @@ class Scene:
         *,
         settle: Quantity | None = None,
         periods: int = 96,
-        section: str = "ball-pass",
-        follow: str = "none",
+        section: Section = "ball-pass",
+        follow: Follow = "none",
         lyapunov: bool = False,
         jobs: int | None = None,
     ) -> Sweep:
@@ -250,7 +248,7 @@ class Scene:
         error: float | None = None,
         deadline: Quantity | None = None,
         clock: Quantity | None = None,
-        on: str = "cortex-m4f",
+        on: Target = "cortex-m4f",
         forces_only: bool = False,
     ) -> Trade:
         """Compare error and cost of every model, precision, integrator and step on the scene's own motion.
@@ -270,7 +268,7 @@ class Scene:
         return Trade(native, json.loads(native.json()))
 
     def fit(
-        self, recording: RecordingLike | None = None, *, only: Sequence[str] | None = None, turns: float = 64.0
+        self, recording: RecordingLike | None = None, *, only: Sequence[FitGroup] | None = None, turns: float = 64.0
     ) -> Fit:
         """Estimate unbalance, clearance, damping, stiffness and offsets from a recording.
 
@@ -295,7 +293,7 @@ class Scene:
         learn: bool = False,
         error: float | None = None,
         forces: Path_ | None = None,
-        force_source: str = "observer",
+        force_source: ForceSource = "observer",
         force: bool = False,
     ) -> Outcome:
         """Compare a recording with the digital twin and diagnose the machine.

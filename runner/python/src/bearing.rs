@@ -4,6 +4,7 @@ use crate::array::{checked, read, unmasked, write};
 use crate::error::{exception, wrong_argument};
 use crate::interrupt::interruptible;
 use ballrace::bearing::Bearing as _;
+use ballrace::bearing::lumped::LARGEST_PLAY;
 use ballrace::{BearingKinematicState, Displacement, Phase, Status};
 use ballrace_twin::error::Error;
 use ballrace_twin::force::{BearingForce, MathBackend, Precision, bearing_model};
@@ -104,7 +105,12 @@ impl<'py> PerSample<'py> {
         if let Ok(one) = given.extract::<f64>() {
             return if one.is_finite() { Ok(Self::One(one)) } else { Err(wrong(&format!("not finite: {one}"))) };
         }
-        let array = read(name, &checked::<f64, Ix1>(name, given, &format!("of shape ({n},)"))?)?;
+        unmasked(name, given)?;
+        let numbers = match given.cast::<PyArray1<f64>>() {
+            Ok(array) if array.is_c_contiguous() => given.clone(),
+            _ => given.py().import(FRAMES)?.call_method1("numbers", (name, given))?,
+        };
+        let array = read(name, &checked::<f64, Ix1>(name, &numbers, &format!("of shape ({n},)"))?)?;
         if array.len() != n {
             return Err(wrong(&format!("{} values", array.len())));
         }
@@ -133,27 +139,46 @@ impl Values<'_> {
     }
 }
 
+/// Module of Python that makes arrays of lists, frames and tables.
+const FRAMES: &str = "ballrace._frames";
+
 /// Displacements from Python as rows of five numbers; `is_single` is true for one row of shape (5,).
 struct Rows<'py> {
     array: Bound<'py, PyArray2<f64>>,
     is_single: bool,
+    /// True for a frame or table, whose forces are one too.
+    has_columns: bool,
+    /// True for an array of `float32`.
+    is_single_precision: bool,
 }
 
 impl<'py> Rows<'py> {
     fn new(given: &Bound<'py, PyAny>) -> PyResult<Self> {
         unmasked("u", given)?;
+        let as_it_is = given.cast::<PyArray2<f64>>().is_ok_and(|array| array.is_c_contiguous())
+            || given.cast::<PyArray1<f64>>().is_ok_and(|array| array.is_contiguous());
+        if as_it_is {
+            return Self::of_array(given);
+        }
+        let converted = given.py().import(FRAMES)?.call_method1("displacements", (given,))?;
+        let (array, has_columns, is_single_precision): (Bound<'py, PyAny>, bool, bool) = converted.extract()?;
+        Ok(Self { has_columns, is_single_precision, ..Self::of_array(&array)? })
+    }
+
+    /// Takes an array of double precision that is stored in rows.
+    fn of_array(given: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let (has_columns, is_single_precision) = (false, false);
         if let Ok(single) = given.cast::<PyArray1<f64>>()
             && single.len() == 5
-            && single.is_contiguous()
         {
-            return Ok(Self { array: single.reshape([1, 5])?, is_single: true });
+            return Ok(Self { array: single.reshape([1, 5])?, is_single: true, has_columns, is_single_precision });
         }
         let array = checked::<f64, Ix2>("u", given, "of shape (n, 5)")?;
         if array.shape().get(1) != Some(&5) {
             let message = format!("u: of shape {:?}, expected (n, 5): u, v, w (m), thu, thv (rad)", array.shape());
             return Err(wrong_argument(given.py(), &message));
         }
-        Ok(Self { array, is_single: false })
+        Ok(Self { array, is_single: false, has_columns, is_single_precision })
     }
 
     fn len(&self) -> usize {
@@ -170,6 +195,20 @@ fn not_finite(py: Python<'_>, rows: &[[f64; 5]]) -> PyResult<()> {
             Err(wrong_argument(py, &message))
         }
     }
+}
+
+/// Warns of displacements beyond the diameter of an element, at which no bearing is one: lengths in another unit.
+fn within_bearing(py: Python<'_>, of: &scene::Bearing, rows: &[[f64; 5]]) -> PyResult<()> {
+    let most = of.diameters().map_or(LARGEST_PLAY, |[element, _]| element);
+    let is_beyond = |row: &[f64; 5]| row.iter().take(3).any(|x| x.abs() > most);
+    let Some(first) = rows.iter().position(is_beyond) else { return Ok(()) };
+    let count = rows.iter().filter(|row| is_beyond(row)).count();
+    let message = format!(
+        "u: {count} of {} displacements are beyond {:.1} mm, the diameter of an element or the largest play, the first at row {first}, expected m",
+        rows.len(),
+        1e3 * most
+    );
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &std::ffi::CString::new(message)?, 1)
 }
 
 /// Checks that each force is that of its displacement, where the caller does not take the flags. Inaccurate forces raise a warning.
@@ -224,7 +263,7 @@ impl Bearing {
     }
 
     /// Forces on the inner ring.
-    #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None, precision="f64", math="exact", out=None, status=None))]
+    #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None, precision=None, math="exact", out=None, status=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn force<'py>(
         &self,
@@ -233,15 +272,19 @@ impl Bearing {
         cage_angle: Option<&Bound<'py, PyAny>>,
         time: Option<&Bound<'py, PyAny>>,
         model: Option<&str>,
-        precision: &str,
+        precision: Option<&str>,
         math: &str,
         out: Option<&Bound<'py, PyAny>>,
         status: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let rows = Rows::new(u)?;
         let precision = match precision {
-            "f64" => Precision::F64,
-            "f32" => Precision::F32,
-            other => return Err(wrong_argument(py, &format!("precision: {other:?}, expected \"f64\" or \"f32\""))),
+            None if rows.is_single_precision => Precision::F32,
+            None | Some("f64") => Precision::F64,
+            Some("f32") => Precision::F32,
+            Some(other) => {
+                return Err(wrong_argument(py, &format!("precision: {other:?}, expected \"f64\" or \"f32\"")));
+            }
         };
         let math = match math {
             "exact" => MathBackend::Exact,
@@ -249,7 +292,6 @@ impl Bearing {
             other => return Err(wrong_argument(py, &format!("math: {other:?}, expected \"exact\" or \"fast\""))),
         };
         let force = self.force_of(py, (self.model(py, model)?, precision, math))?;
-        let rows = Rows::new(u)?;
         let n = rows.len();
         let (angles, times) = (PerSample::new("cage_angle", cage_angle, n)?, PerSample::new("time", time, n)?);
         let result = match out {
@@ -265,6 +307,7 @@ impl Bearing {
         let mut flags = vec![Status::OK; n];
         if status.is_none() {
             not_finite(py, displacements)?;
+            within_bearing(py, &self.bearing, displacements)?;
         }
         {
             let mut forces = write("out", &result)?;
@@ -294,8 +337,11 @@ impl Bearing {
         }
         match out {
             Some(out) => Ok(out.clone()),
-            None if rows.is_single => Ok(result.reshape([5])?.into_any()),
-            None => Ok(result.into_any()),
+            None if rows.has_columns => py.import(FRAMES)?.call_method1("forces", (result, u)),
+            None => {
+                let result = if rows.is_single { result.reshape([5])?.into_any() } else { result.into_any() };
+                if rows.is_single_precision { result.call_method1("astype", ("float32",)) } else { Ok(result) }
+            }
         }
     }
 
@@ -376,6 +422,7 @@ impl Bearing {
         let displacements = read("u", &rows.array)?;
         let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
         not_finite(py, displacements)?;
+        within_bearing(py, &self.bearing, displacements)?;
         let (angles, times) = (angles.values()?, times.values()?);
         let values = without_interpreter(py, n, |check| {
             let mut values = vec![0.0; n * width];

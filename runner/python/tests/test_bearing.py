@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import ballrace
+from ballrace.typing import Model
 
 N = 400
 
@@ -39,7 +40,7 @@ def test_out_is_filled_and_returned(scene: ballrace.Scene, displacements: np.nda
 
 
 @pytest.mark.parametrize("model", ["angular", "quasi-static", "tabulated"])
-def test_stiffness_is_the_slope_of_the_force(scene: ballrace.Scene, model: str) -> None:
+def test_stiffness_is_the_slope_of_the_force(scene: ballrace.Scene, model: Model) -> None:
     bearing = scene.bearing("DE")
     u = np.array([4e-6, -12e-6, 8e-6, 1e-5, -2e-5])
     steps = np.array([1e-9, 1e-9, 1e-9, 1e-7, 1e-7])
@@ -87,10 +88,11 @@ def test_not_finite_rows_repeat_the_last_valid_force(scene: ballrace.Scene, disp
     ("change", "message"),
     [
         (lambda u: u[:, :4].copy(), r"u: of shape \[400, 4\], expected \(n, 5\)"),
-        (lambda u: u.astype(np.float32), "type float32, expected an array of shape"),
-        (lambda u: u[::2], "not contiguous"),
-        (lambda u: np.asfortranarray(u), "not contiguous"),
-        (lambda u: u.tolist(), "not an array: list"),
+        (lambda u: u.astype(complex), "u: values of type complex128, expected u, v, w"),
+        (lambda u: [[1e-6, 0.0], [0.0]], "u: rows of different lengths, expected u, v, w"),
+        (lambda u: "wide", "u: values of type <U4, expected u, v, w"),
+        (lambda u: {"u": u[:, 0], "v": u[:, 1]}, "u: no column w, thu, thv, expected u, v, w"),
+        (lambda u: dict(zip("u v w thu thv".split(), [u[:, 0], u[:2, 1], *u.T[2:]])), r"columns of \[2, 400\] values"),
         (lambda u: np.full((2, 5), np.inf), "row 0 is not finite"),
         (lambda u: u[0, :3].copy(), "expected an array of shape"),
     ],
@@ -107,7 +109,7 @@ def test_wrong_arguments(scene: ballrace.Scene, displacements: np.ndarray) -> No
     with pytest.raises(ballrace.InputError, match="cage_angle: not finite"):
         bearing.force(displacements, cage_angle=float("nan"))
     with pytest.raises(ballrace.InputError, match="model: no such model"):
-        bearing.force(displacements, model="newtonian")
+        bearing.force(displacements, model="newtonian")  # type: ignore[call-overload]
     with pytest.raises(ballrace.InputError, match=r"out: of shape \[3, 5\], expected \(400, 5\)"):
         bearing.force(displacements, out=np.empty((3, 5)))
     read_only = np.empty((N, 5))

@@ -123,7 +123,7 @@ def test_fit(scene: ballrace.Scene) -> None:
     ballrace.Scene.from_toml(found.scene_text, path=scene.path)
     assert len(found.to_arrow()) == len(found.parameters)
     with pytest.raises(ballrace.InputError, match="only: no such parameters"):
-        scene.fit(columns, only=["colour"])
+        scene.fit(columns, only=["colour"])  # type: ignore[list-item]
 
 
 def _probes(scene: ballrace.Scene, motion: ballrace.Motion) -> dict[str, np.ndarray]:

@@ -1,0 +1,25 @@
+"""Names that arguments take, and what forces are computed from."""
+
+from __future__ import annotations
+
+import os
+from typing import Literal, Union
+
+#: Bearing models with forces.
+Model = Literal[
+    "linear", "lumped", "angular", "quasi-static", "tabulated", "roller", "quasi-static-roller", "dynamic"
+]
+Precision = Literal["f64", "f32"]
+Math = Literal["exact", "fast"]
+#: Event at which a Poincare section is taken.
+Section = Literal["ball-pass", "shaft"]
+#: Direction in which a sweep follows a branch.
+Follow = Literal["none", "up", "down", "both"]
+#: Processor whose cost a trade study minimises.
+Target = Literal["cortex-m4f", "desktop"]
+ForceSource = Literal["observer", "displacement"]
+#: Parameters that a fit estimates.
+FitGroup = Literal["unbalance", "clearance", "damping", "stiffness", "offset"]
+#: A number in SI, or text with a unit such as ``"12 um"``.
+Quantity = Union[float, str]
+Path = Union[str, "os.PathLike[str]"]
