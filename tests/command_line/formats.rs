@@ -1,5 +1,6 @@
 //! One recording in every format: the same figures to the last digit.
 
+use std::io::Write;
 use std::sync::Arc;
 
 use parquet::data_type::DoubleType;
@@ -169,7 +170,12 @@ fn the_same_figures_from_frames() {
     let sandbox = Sandbox::with(DEMO_SCENE, &(used.join(",") + "\n" + &rows));
     let mut bytes: Vec<u8> = (0..SHORT).flat_map(frame).collect();
     sandbox.put("r.frames", &bytes);
-    assert_eq!(figures(&sandbox, "r.frames"), figures(&sandbox, "healthy.csv"));
+    let expected = figures(&sandbox, "healthy.csv");
+    assert_eq!(figures(&sandbox, "r.frames"), expected);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&bytes).unwrap();
+    sandbox.put("r.frames.gz", packed.finish().unwrap());
+    assert_eq!(figures(&sandbox, "r.frames.gz"), expected);
 
     bytes[32 * 1000 + 7] ^= 4;
     sandbox.put("r.frames", &bytes);

@@ -69,16 +69,25 @@ const ORIENTED: [&str; 2] = ["npy", "npz"];
 /// # Errors
 /// As [`open`].
 pub(super) fn open_of_scene(
-    file: File,
+    mut file: File,
     path: &Path,
     recording: &Recording,
 ) -> Result<(Box<dyn Table>, Option<u64>), RecordingError> {
+    let unopened = |cause| RecordingError::Open { file: path.into(), cause };
+    let compression = Compression::of(&mut file).map_err(unopened)?;
+    // The extension of the compression hides that of the format.
+    let inner = if compression.is_some() { path.with_extension("") } else { path.to_owned() };
     let of_frames = |format: &Format| format.ending == frames::ENDING;
-    if !identified(&[], path, recording.layout).is_ok_and(|format| format.is_some_and(of_frames)) {
+    if !identified(&[], &inner, recording.layout).is_ok_and(|format| format.is_some_and(of_frames)) {
         return open(file, path, recording.layout);
     }
-    let size = file.metadata().map_err(|cause| RecordingError::Open { file: path.into(), cause })?.len();
-    Ok((frames::open(file, path, recording)?, Some(size)))
+    match compression {
+        Some(compression) => Ok((frames::open(compression.unpack(file, path)?, path, recording)?, None)),
+        None => {
+            let size = file.metadata().map_err(unopened)?.len();
+            Ok((frames::open(Box::new(file), path, recording)?, Some(size)))
+        }
+    }
 }
 
 /// Opens a file of any format and returns its size, where that is comparable with the bytes read. The format is detected from

@@ -15,7 +15,6 @@ use super::Row;
 use super::error::RecordingError;
 use super::table::{Cells, Omitted, Table};
 use ballrace_scene::{KeyphasorSignal, Recording, RotationSource};
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -102,14 +101,14 @@ pub(super) const ENDING: &str = "frames";
 /// Returns the error of frames that are opened without the columns of a scene.
 pub(super) fn without_scene(path: &Path) -> RecordingError {
     let found = "frames, which have no names of columns".to_owned();
-    let expected = "a single file, not compressed, whose columns [recording] of a scene names in their order";
+    let expected = "a single file, whose columns [recording] of a scene names in their order";
     RecordingError::Format { file: path.into(), found, expected }
 }
 
 /// A file of frames with a checksum.
 struct Frames {
     path: PathBuf,
-    file: BufReader<File>,
+    file: BufReader<Box<dyn Read + Send>>,
     layout: FrameLayout,
     names: Vec<String>,
     selected: Vec<usize>,
@@ -124,7 +123,11 @@ struct Frames {
 }
 
 /// Opens a file. The columns have the names of the scene.
-pub(super) fn open(file: File, path: &Path, recording: &Recording) -> Result<Box<dyn Table>, RecordingError> {
+pub(super) fn open(
+    file: Box<dyn Read + Send>,
+    path: &Path,
+    recording: &Recording,
+) -> Result<Box<dyn Table>, RecordingError> {
     let channels = recording.probes.iter().map(|probe| &probe.column);
     let mut names: Vec<String> =
         channels.chain(recording.sensors.iter().map(|sensor| &sensor.column)).cloned().collect();
