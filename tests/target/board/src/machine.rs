@@ -43,12 +43,12 @@ impl Machine {
         self.shaft = self.shaft.advanced(turned);
         self.cage = self.cage.advanced(SpeedRatio::new(bearing_de::CAGE_RATIO).apply(turned));
         let ball_passes = self.cage.wrapping_mul(9).0 < before.0;
-        let blow = if ball_passes && self.is_damaged { 60.0 } else { 0.0 };
+        let blow = if ball_passes && self.is_damaged { 90.0 } else { 0.0 };
         let (sin, cos): (f32, f32) = Exact::sin_cos(self.shaft);
         let [last, before] = self.ringing;
         self.ringing = [blow + 20.0 * self.noise() * (1.0 + 0.3 * cos) + 0.5 * last - 0.9 * before, last];
-        // Below the middle by clearance and load, with the orbit of the unbalance.
-        let [x, y] = [2e-6 * cos, -9e-6 + 2e-6 * sin]
+        // The static equilibrium of the scene and the orbit of its unbalance.
+        let [x, y] = [0.06e-6 * cos, -11.3e-6 + 0.02e-6 * sin]
             .map(|u| (u - PROBE.at_zero) / PROBE.per_count)
             .map(|counts| (counts + self.noise()) as u16);
         let is_railed = RAILED.contains(&self.number);
