@@ -5,6 +5,7 @@
 mod baked;
 mod baked_c;
 mod bits;
+mod board;
 mod c_interface;
 mod counts;
 /// Inputs of the counting images.
@@ -50,7 +51,7 @@ fn build(folder: &str, profile: &str, packages: &[&str], targets: &[&str], more:
 /// Returns the folder of the images for a Cortex-M4F.
 fn images() -> PathBuf {
     static IMAGES: OnceLock<PathBuf> = OnceLock::new();
-    let packages = ["baked", "firmware", "counts", "isr", "smallest"];
+    let packages = ["baked", "board", "firmware", "counts", "isr", "smallest"];
     IMAGES.get_or_init(|| build("images", "release", &packages, &[FPU], &[])).join(FPU).join("release")
 }
 
