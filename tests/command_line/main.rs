@@ -9,6 +9,7 @@ mod bake_c;
 mod balance;
 mod balance_runs;
 mod blob;
+mod board;
 mod bounds;
 mod browser;
 mod chromium;

@@ -1,6 +1,7 @@
 //! Monitor of one bearing, without hardware: counts of a converter become forces, a verdict every second, and a log.
 #![no_std]
 
+#[path = "../bearings.rs"]
 #[rustfmt::skip]
 pub mod bearings;
 

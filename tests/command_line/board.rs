@@ -1,0 +1,86 @@
+//! The boards: constants that are those of their scene, a log that the program reads, and a chapter that shows the files as they are.
+
+use crate::documents::{read, root};
+use crate::support::Sandbox;
+use ballrace::twin::DamageDetector;
+use monitor::SAMPLES;
+
+#[path = "../target/board/src/machine.rs"]
+mod machine;
+#[path = "../target/board/src/run.rs"]
+#[expect(dead_code, reason = "the checksum is that of the emulated board")]
+mod run;
+
+const FOLDER: &str = "docs/boards/monitor";
+
+#[test]
+fn the_constants_are_those_of_their_scene() {
+    let constants = root().join(FOLDER).join("bearings.rs");
+    let answer = Sandbox::empty().run(&["verify", constants.to_str().unwrap()]);
+    assert_eq!(answer.code, Some(0), "{answer:?}");
+}
+
+/// Files of the scene and the log of a machine, as it leaves the board.
+fn logged(is_damaged: bool) -> Sandbox {
+    let sandbox = Sandbox::empty();
+    for name in ["scene.toml", "mass.mtx", "damping.mtx", "stiffness.mtx", "load.mtx"] {
+        sandbox.put(name, read(format!("{FOLDER}/{name}")));
+    }
+    let mut log = vec![];
+    let detector = Box::leak(Box::new(DamageDetector::new()));
+    run::run(is_damaged, detector, |_, frames, _| log.extend_from_slice(frames)).unwrap();
+    sandbox.put("board.frames", log);
+    sandbox
+}
+
+/// The board has named the same (`tests/target_images/board.rs`).
+#[test]
+fn a_log_of_the_board_is_a_recording() {
+    for is_damaged in [false, true] {
+        let outcome = logged(is_damaged).replay("scene.toml", &[]);
+        let text = outcome.to_string();
+        let verdict = outcome["verdict"].as_str().unwrap();
+        assert_eq!(verdict.starts_with("The vibration shows a fault. Outer race of DE"), is_damaged, "{verdict}");
+        let found: Vec<&str> =
+            outcome["findings"].as_array().unwrap().iter().map(|one| one["kind"].as_str().unwrap()).collect();
+        assert_eq!(found, if is_damaged { &["outer-race"][..] } else { &[] }, "{verdict}");
+        let samples = machine::BLOCKS * SAMPLES;
+        assert!(text.contains(&format!("\"samples\":{samples}")), "{text}");
+        // The railed channel is missing, and nothing else.
+        assert!(text.contains("DE_X: no value in 300 samples"), "{text}");
+        let force = outcome["bearings"][0].to_string();
+        assert!(force.contains("mean"), "{force}");
+    }
+}
+
+/// `<!-- file: PATH -->` stands before a block of the chapter that is the file.
+#[test]
+fn the_chapter_shows_the_files_of_the_boards() {
+    const MARK: &str = "<!-- file: ";
+    let path = "docs/src/board.md";
+    let text = read(path);
+    let mut parts = text.split(MARK);
+    let mut current = parts.next().unwrap().to_owned();
+    let mut shown = vec![];
+    for part in parts {
+        let (name, rest) = part.split_once(" -->\n").unwrap();
+        let (fence, rest) = rest.split_once('\n').unwrap();
+        assert!(fence.starts_with("```"), "{name}: a block after its mark");
+        let (_, after) = rest.split_once("```\n").unwrap();
+        current += &format!("{MARK}{name} -->\n{fence}\n{}```\n{after}", read(name));
+        shown.push(name);
+    }
+    if std::env::var_os("BALLRACE_WRITE").is_some() {
+        std::fs::write(root().join(path), &current).unwrap();
+    } else {
+        assert_eq!(text, current, "BALLRACE_WRITE=1 copies the files");
+    }
+    for board in ["stm32g4", "rp2350"] {
+        for name in ["Cargo.toml", "memory.x", ".cargo/config.toml", "build.rs", "src/main.rs"] {
+            let path = format!("docs/boards/{board}/{name}");
+            let same = board == "rp2350" && name == "build.rs";
+            assert!(same || shown.contains(&path.as_str()), "{path} is not shown");
+        }
+    }
+    assert_eq!(read("docs/boards/stm32g4/build.rs"), read("docs/boards/rp2350/build.rs"), "the chapter shows one of them");
+}
