@@ -82,5 +82,9 @@ fn the_chapter_shows_the_files_of_the_boards() {
             assert!(same || shown.contains(&path.as_str()), "{path} is not shown");
         }
     }
-    assert_eq!(read("docs/boards/stm32g4/build.rs"), read("docs/boards/rp2350/build.rs"), "the chapter shows one of them");
+    assert_eq!(
+        read("docs/boards/stm32g4/build.rs"),
+        read("docs/boards/rp2350/build.rs"),
+        "the chapter shows one of them"
+    );
 }

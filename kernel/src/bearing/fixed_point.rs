@@ -201,7 +201,7 @@ impl<D: AsRef<[Direction]>> RadialElements<D> {
     pub fn reaction(&self, u: i32, v: i32, cage: Phase) -> Reaction {
         let turn = Turn::of(cage);
         // In the frame of the cage, and in units of 2^-30 of the range.
-        let [x, y] = turn.into_cage([u, v]).map(|x| (x >> 31) as i32);
+        let [x, y] = turn.to_cage([u, v]).map(|x| (x >> 31) as i32);
         let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
         for &[cos, sin] in self.directions.as_ref() {
             let deflection = ((product(x, cos) + product(y, sin)) >> 30) as i32 - self.play;
@@ -210,7 +210,7 @@ impl<D: AsRef<[Direction]>> RadialElements<D> {
             sum_y += product(of_element as i32, sin);
             load += of_element;
         }
-        let [fx, fy] = turn.from_cage([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
+        let [fx, fy] = turn.to_housing([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
         Reaction { fx, fy, load: load as i32, status: status_at(load) }
     }
 }
@@ -266,7 +266,7 @@ impl<D: AsRef<[Direction]>> AxialElements<D> {
     pub fn reaction(&self, w: i32, tilt_x: i32, tilt_y: i32, cage: Phase) -> AxialReaction {
         let turn = Turn::of(cage);
         // In the frame of the cage, and in units of 2^-29 of the range.
-        let [x, y] = turn.into_cage([tilt_x, tilt_y]).map(|x| (x >> 32) as i32);
+        let [x, y] = turn.to_cage([tilt_x, tilt_y]).map(|x| (x >> 32) as i32);
         let from_play = (w >> 2) - self.play;
         let (mut sum_x, mut sum_y, mut load) = (0, 0, 0_u32);
         for &[cos, sin] in self.directions.as_ref() {
@@ -276,7 +276,7 @@ impl<D: AsRef<[Direction]>> AxialElements<D> {
             sum_y -= product(of_element as i32, cos);
             load += of_element;
         }
-        let [mx, my] = turn.from_cage([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
+        let [mx, my] = turn.to_housing([sum_x, sum_y].map(|x| (x >> 30) as i32)).map(|x| -(x >> 30) as i32);
         AxialReaction { fz: -(load as i32), mx, my, status: status_at(load) }
     }
 }
@@ -326,14 +326,14 @@ impl Turn {
 
     /// Returns a vector in the frame of the cage, in units of 2^-30 of its own.
     #[inline(always)]
-    fn into_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
+    fn to_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
         let Self { cos, sin } = *self;
         [product(x, cos) + product(y, sin), product(y, cos) - product(x, sin)]
     }
 
     /// Returns a vector in the frame of the cage in that of the housing, in units of 2^-30 of its own.
     #[inline(always)]
-    fn from_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
+    fn to_housing(&self, [x, y]: [i32; 2]) -> [i64; 2] {
         let Self { cos, sin } = *self;
         [product(x, cos) - product(y, sin), product(x, sin) + product(y, cos)]
     }

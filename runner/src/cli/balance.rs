@@ -134,7 +134,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let mut balance = balance(&table, twin, &placement).map_err(of_file)?;
     balance.quality = required.map(|required| required.quality(&balance.correction));
     if let Some(output) = &args.output {
-        AtomicFile::write(output, &csv(&balance))?;
+        AtomicFile::write(output, csv(&balance))?;
     }
     if let Some(report) = &args.report {
         let name = machine.as_ref().map_or_else(|| file.display().to_string(), |(scene, ..)| scene.name.clone());

@@ -327,7 +327,9 @@ fn fixed_point() -> u64 {
         for i in 1..=COUNT {
             let (status, numbers) = force(i);
             sum.bits(u32::from(status.bits()));
-            numbers.map(|x| sum.bits(x.cast_unsigned()));
+            for x in numbers {
+                sum.bits(x.cast_unsigned());
+            }
         }
     }
     sum.0

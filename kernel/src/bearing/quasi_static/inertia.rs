@@ -28,7 +28,6 @@ pub enum RaceControl {
 /// Shares `lambda_i`, `lambda_o` (sum 2) of the two contacts in the friction that balances the gyroscopic moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum FrictionSharing {
     /// 0 and 2.
     Outer,
