@@ -2,7 +2,7 @@
 
 use crate::bearing::Bearing;
 use crate::checksum::ChecksumRange;
-use crate::pointer::{self, check_pointers};
+use crate::pointer::{self, check_bearing, check_pointers};
 use crate::status;
 use ballrace::blob::{self, Blob, InvalidBlob};
 use core::ffi::{CStr, c_char};
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn ballrace_blob_bearing(
     bearing: *mut Bearing,
     constants: *mut BlobConstants,
 ) -> u32 {
-    check_pointers!(blob, name, bearing);
+    check_bearing!(bearing, blob, name);
     // SAFETY: by the contract of the function.
     let (bytes, name) = unsafe { (pointer::slice(blob, length), CStr::from_ptr(name).to_bytes()) };
     let found = match Blob::checked_before(bytes) {
