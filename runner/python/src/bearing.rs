@@ -262,7 +262,40 @@ impl Bearing {
         self.bearing.elements
     }
 
-    /// Forces on the inner ring.
+    /// Computes forces and moments on the inner ring.
+    ///
+    /// Parameters
+    /// ----------
+    /// u : array, list, frame, table or dictionary
+    ///     Displacements of the inner ring against the outer ring: ``u, v, w`` (m), ``thu, thv`` (rad), of shape (n, 5) or (5,); or a frame,
+    ///     a table or a dictionary with these columns.
+    /// cage_angle : float or array, optional
+    ///     Angle of the cage, rad: one or one for each displacement.
+    /// time : float or array, optional
+    ///     Time of the scene, s, from which all angles follow.
+    /// model : str, optional
+    ///     Bearing model; the scene's by default.
+    /// precision : {"f64", "f32"}, optional
+    ///     "f32" for an array of float32, else "f64", by default.
+    /// math : {"exact", "fast"}
+    ///     Functions as firmware has them.
+    /// out : array of float64, optional
+    ///     Array for the result.
+    /// status : array of uint8, optional
+    ///     Array for the flags of :class:`ballrace.Status`; with it, a displacement that is not finite repeats the last valid force.
+    ///
+    /// Returns
+    /// -------
+    /// array or table
+    ///     ``FX, FY, FZ`` (N), ``MX, MY`` (N m), of the shape of ``u``, or the same kind of table.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import ballrace
+    /// >>> bearing = ballrace.Scene.demonstration().bearing("DE")
+    /// >>> force = bearing.force([10e-6, -20e-6, 0.0, 0.0, 0.0], cage_angle=0.1)
+    /// >>> force.round(1).tolist()[:2]
+    /// [-538.3, 1133.7]
     #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None, precision=None, math="exact", out=None, status=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn force<'py>(
@@ -345,7 +378,24 @@ impl Bearing {
         }
     }
 
-    /// Tangent stiffness.
+    /// Computes the tangent stiffness ``-d(force)/d(u)``.
+    ///
+    /// Parameters
+    /// ----------
+    /// u : array, list, frame, table or dictionary
+    ///     Displacements of the inner ring against the outer ring: ``u, v, w`` (m), ``thu, thv`` (rad), of shape (n, 5) or (5,); or a frame,
+    ///     a table or a dictionary with these columns.
+    /// cage_angle : float or array, optional
+    ///     Angle of the cage, rad: one or one for each displacement.
+    /// time : float or array, optional
+    ///     Time of the scene, s, from which all angles follow.
+    /// model : str, optional
+    ///     Bearing model; the scene's by default.
+    ///
+    /// Returns
+    /// -------
+    /// array
+    ///     Of shape (n, 5, 5) or (5, 5), N/m, N/rad, N m/m and N m/rad.
     #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None))]
     fn stiffness<'py>(
         &self,
@@ -365,7 +415,24 @@ impl Bearing {
         Ok(if rows.is_single { array.reshape([5, 5])?.into_any() } else { array.reshape([n, 5, 5])?.into_any() })
     }
 
-    /// Loads of the rolling elements.
+    /// Computes the load on each rolling element.
+    ///
+    /// Parameters
+    /// ----------
+    /// u : array, list, frame, table or dictionary
+    ///     Displacements of the inner ring against the outer ring: ``u, v, w`` (m), ``thu, thv`` (rad), of shape (n, 5) or (5,); or a frame,
+    ///     a table or a dictionary with these columns.
+    /// cage_angle : float or array, optional
+    ///     Angle of the cage, rad: one or one for each displacement.
+    /// time : float or array, optional
+    ///     Time of the scene, s, from which all angles follow.
+    /// model : str, optional
+    ///     Bearing model; the scene's by default.
+    ///
+    /// Returns
+    /// -------
+    /// array
+    ///     Of shape (n, elements) or (elements,), N.
     #[pyo3(signature = (u, *, cage_angle=None, time=None, model=None))]
     fn element_loads<'py>(
         &self,

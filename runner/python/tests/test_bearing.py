@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import pickle
 import warnings
 from concurrent.futures import ThreadPoolExecutor
@@ -175,3 +176,12 @@ def test_a_bearing_is_pickled(scene: ballrace.Scene, displacements: np.ndarray) 
     bearing = scene.bearing("NDE")
     copy = pickle.loads(pickle.dumps(bearing))
     assert copy.name == "NDE" and np.array_equal(copy.force(displacements), bearing.force(displacements))
+
+
+@pytest.mark.parametrize("name", ["force", "stiffness", "element_loads"])
+def test_help_has_units_and_examples_that_run(name: str) -> None:
+    text = getattr(ballrace.Bearing, name).__doc__
+    assert all(part in text for part in ("Parameters\n", "Returns\n", "(rad)", "N")), text
+    examples = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
+    assert len(examples.examples) == (3 if name == "force" else 0)
+    assert doctest.DocTestRunner().run(examples).failed == 0
