@@ -233,3 +233,44 @@ mod tests {
         assert_eq!(end.samples(&[], TURNED, 0.0, &mut results), 0);
     }
 }
+
+#[cfg(all(test, feature = "serde"))]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod data {
+    use crate::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+    use crate::phase::SpeedRatio;
+    use crate::probe::ProbeParams;
+    use crate::{BearingKinematicState, Displacement, Phase, Status, Wrench};
+
+    extern crate std;
+
+    /// Names are those of the fields; a phase, a ratio and a status are numbers.
+    #[test]
+    fn public_data_comes_back_from_json() {
+        fn back<D: serde::Serialize + serde::de::DeserializeOwned + PartialEq + core::fmt::Debug>(data: D, text: &str) {
+            let written = serde_json::to_string(&data).unwrap();
+            assert!(written.contains(text), "{written}");
+            assert_eq!(serde_json::from_str::<D>(&written).unwrap(), data);
+        }
+        back(Displacement { u: 1e-6_f32, v: -0.0, w: 0.1, thu: 0.0, thv: 0.0 }, r#""u":0.000001,"v":-0.0,"w":0.1"#);
+        back(Wrench { fx: 1.0_f64, ..Wrench::default() }, r#""fx":1.0"#);
+        back(
+            BearingKinematicState { cage: Phase(u64::MAX), inner_speed: 3.0_f32, ..Default::default() },
+            "18446744073709551615",
+        );
+        back(SpeedRatio::new(0.25), "18014398509481984");
+        back(Status::CONTACT_LOST | Status::OUT_OF_TABLE, "36");
+        let probe = ProbeParams { at_zero: -1e-3_f32, per_count: 1e-6, linear_range: [4, 4000], stuck_after: 7 };
+        back(probe, r#""linear_range":[4,4000]"#);
+        let geometry = BallBearingGeometry {
+            ball_diameter: 7.94e-3,
+            pitch_diameter: 39.04e-3,
+            inner_conformity: 0.52,
+            outer_conformity: 0.52,
+            contact_angle: 0.1,
+            ball: BEARING_STEEL,
+            race: BEARING_STEEL,
+        };
+        back(geometry, r#""race":{"youngs_modulus":206000000000.0"#);
+    }
+}

@@ -20,7 +20,7 @@ const EXCEPTIONS: [(&str, &str); 18] = [
     ("cargo publish", "uploads packages; a test packs them"),
     ("tests/run", "runs this test"),
     ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
-    ("cargo run --locked --release", "needs a board and a debug probe; tests/run builds the image"),
+    ("cargo run -r", "needs a board and a debug probe; tests/run builds the image"),
     ("cargo test", "a part of tests/run"),
     ("cargo bench", "measures for minutes; tests/run checks the instruction counts"),
     ("cargo build --release && cargo bench", "needs a folder of recordings and replays them for minutes"),
@@ -29,10 +29,12 @@ const EXCEPTIONS: [(&str, &str); 18] = [
 ];
 
 /// Values for the words that stand for a value. `SCENE`, `NAME` and `F.csv` are names of files of the sandbox.
-const VALUES: [(&str, &str); 5] = [
+const VALUES: [(&str, &str); 6] = [
     ("completions SHELL", "completions bash"),
     // The demonstration has two.
     ("force SCENE", "force SCENE --bearing DE"),
+    // All of one scene in the sandbox.
+    ("bake scene.toml -o bearings.rs", "bake SCENE -o bearings.rs"),
     ("--duration D", "--duration '1 ms'"),
     ("--rate R", "--rate '1 kHz'"),
     ("KEY=FROM..TO:COUNT", "shaft.speed=2000rpm..3000rpm:2"),
@@ -60,7 +62,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The Markdown files for users and developers.
+/// The Markdown files for users and developers, without the gallery, whose commands `gallery.rs` runs in their order.
 fn documents() -> Vec<PathBuf> {
     let mut all = vec![];
     let mut folders = vec![(repository(), 0)];
@@ -70,7 +72,7 @@ fn documents() -> Vec<PathBuf> {
             let name = path.file_name().unwrap().to_str().unwrap();
             if path.is_dir() && depth < 3 && name != "target" && !name.starts_with('.') {
                 folders.push((path, depth + 1));
-            } else if name.ends_with(".md") && name != "CHANGELOG.md" {
+            } else if name.ends_with(".md") && !["CHANGELOG.md", "gallery.md"].contains(&name) {
                 all.push(path);
             }
         }

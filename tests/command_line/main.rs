@@ -36,6 +36,7 @@ mod force;
 mod formats;
 mod frames_source;
 mod full_disk;
+mod gallery;
 mod hostile_text;
 mod kernel_documents;
 mod kills;

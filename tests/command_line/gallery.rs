@@ -1,0 +1,47 @@
+//! The gallery: its commands in their order, on its scenes, and its pictures, which are figures of the reports.
+
+use crate::documents::{labels, read, rewrites, root, standalone};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program};
+use std::fs;
+use std::process::Command;
+
+const CHAPTER: &str = "docs/src/gallery.md";
+
+/// Returns what stands between two marks of a text, in its order.
+fn between<'a>(text: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
+    text.split(begin).skip(1).map(|part| part.split(end).next().unwrap()).collect()
+}
+
+#[test]
+fn the_pictures_are_figures_of_the_reports_that_the_commands_write() {
+    let text = read(CHAPTER);
+    let sandbox = Sandbox::empty();
+    fs::create_dir_all(sandbox.path("runner/demo")).unwrap();
+    sandbox.put("runner/demo/healthy.toml", DEMO_SCENE);
+    sandbox.put("runner/demo/healthy.csv", DEMO_RECORDING);
+    for file in between(&text, "<!-- file: ", "```\n\n") {
+        let (name, content) = file.split_once(" -->\n```toml\n").unwrap();
+        sandbox.put(name, content);
+    }
+    let folder = fs::canonicalize(program()).unwrap().parent().unwrap().to_owned();
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
+    for commands in between(&text, "```sh\n", "```") {
+        let script = format!("set -e\n{commands}");
+        let output = Command::new("sh").args(["-c", &script]).env("PATH", &path).current_dir(sandbox.path("")).output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{commands}{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let figures = between(&text, "<!-- figure: ", ".svg)");
+    assert!(figures.len() >= 10, "{} pictures", figures.len());
+    for figure in figures {
+        let (of_report, rest) = figure.split_once(" -->\n").unwrap();
+        let (report, caption) = of_report.split_once(": ").unwrap();
+        let name = rest.split_once("](").unwrap().1;
+        let fresh = standalone(&sandbox.read(report), caption);
+        let path = format!("docs/src/{name}.svg");
+        if rewrites() {
+            fs::write(root().join(&path), &fresh).unwrap();
+        }
+        assert_eq!(labels(&read(&path)), labels(&fresh), "{path}: BALLRACE_WRITE=1 rewrites it");
+    }
+}
