@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Command lines that are not run here, by their beginning, and why.
-const EXCEPTIONS: [(&str, &str); 18] = [
+const EXCEPTIONS: [(&str, &str); 19] = [
     ("ballrace new --bearing", "a transcript that new_scene.rs runs in its order"),
     ("ballrace fit pump.toml", "as above"),
     ("ballrace replay pump-fitted.toml", "as above"),
@@ -20,6 +20,7 @@ const EXCEPTIONS: [(&str, &str); 18] = [
     ("cargo publish", "uploads packages; a test packs them"),
     ("tests/run", "runs this test"),
     ("tests/fuzz/run", "needs a C++ compiler and runs for the minutes that it is given"),
+    ("cargo build --release", "builds the program, or the image of a board, which tests/run does too"),
     ("cargo run -r", "needs a board and a debug probe; tests/run builds the image"),
     ("cargo test", "a part of tests/run"),
     ("cargo bench", "measures for minutes; tests/run checks the instruction counts"),

@@ -150,7 +150,7 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
             vec![BakedFile { extension: None, content: source.into() }]
         }
         Language::C => c::files((scene, options.bearing.is_none()), &parts, &comments, options.name)?,
-        Language::Blob => blob::files(scene, &parts, &comments, options.name)?,
+        Language::Blob => blob::files(scene, &parts, &comments)?,
     };
     Ok(BakedScene { files, bearings: parts.into_iter().map(Baked::of).collect() })
 }

@@ -17,9 +17,9 @@ pub const CERTIFICATE_EXTENSION: &str = "txt";
 ///
 /// # Errors
 /// Returns an error if a name is too long or a constant cannot be computed.
-pub fn files(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>, name: &str) -> Result<Vec<BakedFile>> {
+pub fn files(scene: &Scene, parts: &[Part<'_>], comments: &Comments<'_>) -> Result<Vec<BakedFile>> {
     let certificate = format!(
-        "// Made by `ballrace bake` from the scene \"{}\": certificate of {name}.blob. Bake the scene again instead of a change.\n{}\n\
+        "// Made by `ballrace bake` from the scene \"{}\": certificate of the blob beside it. Do not edit: bake the scene again.\n{}\n\
          // Text of the scene.\n{}",
         embedded::escaped(&scene.name),
         embedded::CERTIFICATE.write(&comments.certificate),
