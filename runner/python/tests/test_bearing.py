@@ -183,5 +183,5 @@ def test_help_has_units_and_examples_that_run(name: str) -> None:
     text = getattr(ballrace.Bearing, name).__doc__
     assert all(part in text for part in ("Parameters\n", "Returns\n", "(rad)", "N")), text
     examples = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
-    assert len(examples.examples) == (3 if name == "force" else 0)
+    assert len(examples.examples) == (4 if name == "force" else 0)
     assert doctest.DocTestRunner().run(examples).failed == 0
