@@ -1,7 +1,7 @@
 //! Bearings from a binary file: `ballrace bake SCENE -o F.blob` writes it, firmware checks it and uses it in place.
 //!
 //! A blob has the constants of the bearings of a scene, so that a device takes those of another machine without a new image. Its
-//! elements, tables and laminae stay where the blob is; the other constants of a bearing, at most 92 bytes, are read once.
+//! elements, tables and laminae stay where the blob is; the other constants of a bearing are read once.
 //! The bits of the forces are those of the constants that `bake` writes in C.
 //!
 //! A CRC-32 tells damage, not intent: a device that takes parameters over the air leaves their signature to its bootloader.

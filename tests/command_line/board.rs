@@ -53,6 +53,22 @@ fn a_log_of_the_board_is_a_recording() {
     }
 }
 
+/// The instructions of a sample that the chapter states, from the table of the performance chapter.
+#[test]
+fn the_budget_is_that_of_the_counted_rows() {
+    let table = include_str!("../../runner/studies/src/trade/cores/cortex-m4f.csv");
+    let row = |start: &str| {
+        let line = table.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}"));
+        line.split(';').nth(5).unwrap().parse::<u32>().unwrap()
+    };
+    let block = row("radial 3/2;9;f32;exact;block of 16 samples, counts;") / 16;
+    let sum = block + row("damage detector;9;f32;exact;sample;") + row("log;0;f32;exact;frame of 4 readings;");
+    let text = read("docs/src/board.md");
+    let stated = text.split_once("force, detector and frame are ").unwrap().1;
+    let stated: u32 = stated.split(':').next().unwrap().parse().unwrap();
+    assert!(stated.abs_diff(sum) <= 20, "{stated} instructions stated, {sum} counted");
+}
+
 /// `<!-- file: PATH -->` stands before a block of the chapter that is the file.
 #[test]
 fn the_chapter_shows_the_files_of_the_boards() {

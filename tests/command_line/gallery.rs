@@ -1,4 +1,4 @@
-//! The gallery: its commands in their order, on its scenes, and its pictures, which are figures of the reports.
+//! The gallery: its commands in their order, on its scenes, the figures that it states, and its pictures, which are figures of the reports.
 
 use crate::documents::{labels, read, rewrites, root, standalone};
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program};
@@ -25,11 +25,19 @@ fn the_pictures_are_figures_of_the_reports_that_the_commands_write() {
     }
     let folder = fs::canonicalize(program()).unwrap().parent().unwrap().to_owned();
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
-    for commands in between(&text, "```sh\n", "```") {
+    let blocks: Vec<&str> = text.split("```sh\n").skip(1).collect();
+    for block in blocks {
+        let (commands, after) = block.split_once("```\n").unwrap();
         let script = format!("set -e\n{commands}");
         let output = Command::new("sh").args(["-c", &script]).env("PATH", &path).current_dir(sandbox.path("")).output();
         let output = output.unwrap();
         assert!(output.status.success(), "{commands}{}", String::from_utf8_lossy(&output.stderr));
+        // What the chapter says of the results.
+        let printed = String::from_utf8_lossy(&output.stdout);
+        let stated = after.strip_prefix("<!-- prints: ").map_or("", |stated| stated.split(" -->").next().unwrap());
+        for part in stated.split(" | ") {
+            assert!(printed.contains(part), "{commands}{part}: not in {printed}");
+        }
     }
     let figures = between(&text, "<!-- figure: ", ".svg)");
     assert!(figures.len() >= 10, "{} pictures", figures.len());

@@ -134,17 +134,33 @@ pub unsafe extern "C" fn ballrace_fixed_radial_init(
     // SAFETY: by the contract of the function.
     unsafe {
         let FixedRadialParams { stiffness, exponent, radial_play, range, first, element_count } = *params;
-        let found = f64::from(element_count);
+        let of = RadialParams { stiffness, exponent, radial_play, range };
+        init(bearing, (first, element_count), invalid, |directions| {
+            let value = RadialElements::with_directions(directions, &of)?;
+            (*metres_per_count, *newtons_per_count) = (value.metres_per_count(), value.newtons_per_count());
+            Ok(value)
+        })
+    }
+}
+
+/// Stores elements in evenly spaced directions, or reports the parameter that is out of its range.
+///
+/// # Safety
+/// `bearing` points to a struct of the elements, `invalid` to a struct or nothing.
+unsafe fn init<V: Stored, S>(
+    bearing: *mut S,
+    (first, element_count): (u64, u32),
+    invalid: *mut InvalidParameter,
+    create: impl FnOnce(Directions) -> Result<V, ballrace::bearing::geometry::InvalidParameter>,
+) -> u32 {
+    let found = f64::from(element_count);
+    // SAFETY: by the contract of the function.
+    unsafe {
         if check((3..=32).contains(&element_count), "element_count", found, "3 to 32", invalid) {
             return status::INVALID_ARGUMENT;
         }
-        let of = RadialParams { stiffness, exponent, radial_play, range };
-        match RadialElements::with_directions(Directions::evenly_spaced(first, element_count), &of) {
-            Ok(value) => {
-                *metres_per_count = value.metres_per_count();
-                *newtons_per_count = value.newtons_per_count();
-                state::write(bearing, value);
-            }
+        match create(Directions::evenly_spaced(first, element_count)) {
+            Ok(value) => state::write(bearing, value),
             Err(error) => return report(error, invalid),
         }
     }
@@ -192,21 +208,13 @@ pub unsafe extern "C" fn ballrace_fixed_axial_init(
     // SAFETY: by the contract of the function.
     unsafe {
         let FixedAxialParams { stiffness, exponent, axial_play, radius, range, first, element_count } = *params;
-        let found = f64::from(element_count);
-        if check((3..=32).contains(&element_count), "element_count", found, "3 to 32", invalid) {
-            return status::INVALID_ARGUMENT;
-        }
         let of = AxialParams { stiffness, exponent, axial_play, radius, range };
-        match AxialElements::with_directions(Directions::evenly_spaced(first, element_count), &of) {
-            Ok(value) => {
-                *metres_per_count = value.metres_per_count();
-                *newtons_per_count = value.newtons_per_count();
-                state::write(bearing, value);
-            }
-            Err(error) => return report(error, invalid),
-        }
+        init(bearing, (first, element_count), invalid, |directions| {
+            let value = AxialElements::with_directions(directions, &of)?;
+            (*metres_per_count, *newtons_per_count) = (value.metres_per_count(), value.newtons_per_count());
+            Ok(value)
+        })
     }
-    status::OK
 }
 
 /// Computes force and moment on the inner ring at the displacement `w` along Z and the tilts about X and Y times the radius, in counts; any counts

@@ -1,16 +1,31 @@
 """The extension module."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Protocol, overload
+from typing import Any, Protocol, TypedDict, overload
 
 import numpy as np
 import numpy.typing as npt
 import pandas
 import polars
+from typing_extensions import Unpack
 
 from .typing import Math, Model, Precision
 
 Floats = npt.NDArray[np.float64]
+
+class EvaluationOptions(TypedDict, total=False):
+    """Options of all evaluations of a bearing."""
+
+    cage_angle: npt.ArrayLike | None
+    time: npt.ArrayLike | None
+    model: Model | None
+
+class ForceOptions(EvaluationOptions, total=False):
+    """Further options of a force."""
+
+    precision: Precision | None
+    math: Math
+    status: npt.NDArray[np.uint8] | None
 
 class ArrowTable(Protocol):
     """A table of pyarrow, whose package has no types."""
@@ -35,99 +50,19 @@ class Bearing:
     @property
     def elements(self) -> int: ...
     @overload
-    def force(
-        self,
-        u: npt.NDArray[np.float32],
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> npt.NDArray[np.float32]: ...
+    def force(self, u: npt.NDArray[np.float32], **options: Unpack[ForceOptions]) -> npt.NDArray[np.float32]: ...
     @overload
-    def force(
-        self,
-        u: pandas.DataFrame,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> pandas.DataFrame: ...
+    def force(self, u: pandas.DataFrame, **options: Unpack[ForceOptions]) -> pandas.DataFrame: ...
     @overload
-    def force(
-        self,
-        u: polars.DataFrame,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> polars.DataFrame: ...
+    def force(self, u: polars.DataFrame, **options: Unpack[ForceOptions]) -> polars.DataFrame: ...
     @overload
-    def force(
-        self,
-        u: ArrowTable,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> Any: ...
+    def force(self, u: ArrowTable, **options: Unpack[ForceOptions]) -> Any: ...
     @overload
-    def force(
-        self,
-        u: Mapping[str, Any],
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> dict[str, Floats]: ...
+    def force(self, u: Mapping[str, Any], **options: Unpack[ForceOptions]) -> dict[str, Floats]: ...
     @overload
-    def force(
-        self,
-        u: npt.ArrayLike,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-        precision: Precision | None = None,
-        math: Math = "exact",
-        out: Floats | None = None,
-        status: npt.NDArray[np.uint8] | None = None,
-    ) -> Floats: ...
-    def stiffness(
-        self,
-        u: DisplacementLike,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-    ) -> Floats: ...
-    def element_loads(
-        self,
-        u: DisplacementLike,
-        *,
-        cage_angle: npt.ArrayLike | None = None,
-        time: npt.ArrayLike | None = None,
-        model: Model | None = None,
-    ) -> Floats: ...
+    def force(self, u: npt.ArrayLike, *, out: Floats | None = None, **options: Unpack[ForceOptions]) -> Floats: ...
+    def stiffness(self, u: DisplacementLike, **options: Unpack[EvaluationOptions]) -> Floats: ...
+    def element_loads(self, u: DisplacementLike, **options: Unpack[EvaluationOptions]) -> Floats: ...
 
 class Outcome:
     def json(self) -> str: ...

@@ -41,10 +41,7 @@ class Indicators(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     baseline : path, optional
         Baseline with which each recording is compared.
 
-    Attributes
-    ----------
-    feature_names_in_ : not set
-        A recording has no features of its own: it is a path or a table, as for :meth:`ballrace.Scene.replay`.
+    A recording is a path or a table, as for :meth:`ballrace.Scene.replay`.
     """
 
     def __init__(self, scene: Scene, baseline: str | os.PathLike[str] | None = None) -> None:

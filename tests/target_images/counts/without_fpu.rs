@@ -8,19 +8,17 @@ use std::fmt::Write;
 const BEGIN: &str = "<!-- without-fpu:begin -->\n";
 const END: &str = "<!-- without-fpu:end -->";
 const HEAD: &str = "| model | N | Cortex-M4 without FPU | Cortex-M0+ | RV32IMAC |\n| --- | --: | --: | --: | --: |\n";
-/// Names of the tables that the runner reads.
-const NAMES: [&str; 3] = ["cortex-m4", "cortex-m0plus", "rv32imac"];
-/// Target and board of each column. The board of the Cortex-M0+ has a Cortex-M3, which runs its code as it is.
-const CORES: [(&str, Board); 3] = [
-    ("thumbv7em-none-eabi", Board::arm("mps2-an386")),
-    ("thumbv6m-none-eabi", Board::arm("mps2-an385")),
-    ("riscv32imac-unknown-none-elf", RISC_V),
+/// Table that the runner reads, target and board of each column. The board of the Cortex-M0+ has a Cortex-M3, which runs its code as it is.
+const CORES: [(&str, &str, Board); 3] = [
+    ("cortex-m4", "thumbv7em-none-eabi", Board::arm("mps2-an386")),
+    ("cortex-m0plus", "thumbv6m-none-eabi", Board::arm("mps2-an385")),
+    ("rv32imac", "riscv32imac-unknown-none-elf", RISC_V),
 ];
 
 fn measured() -> Vec<Vec<Subject>> {
-    let targets = CORES.map(|(target, _)| target);
+    let targets = CORES.map(|(_, target, _)| target);
     let images = build("images", "release", &["counts"], &targets, &["--bin", "without_fpu"]);
-    let run = |(target, board): (&str, Board)| {
+    let run = |(_, target, board): (&str, &str, Board)| {
         let image = images.join(target).join("release/without_fpu");
         let text = String::from_utf8(printed(board.command(&image).args(COUNTING))).expect("text");
         text.lines().map(Subject::parse).collect()
@@ -65,7 +63,7 @@ fn fixed_point_takes_a_constant_number_of_instructions_without_a_floating_point_
     let begin = text.find(BEGIN).expect("a mark where the table begins") + BEGIN.len();
     let end = begin + text[begin..].find(END).expect("a mark where the table ends");
     let measured = measured();
-    for (core, subjects) in NAMES.into_iter().zip(&measured) {
+    for ((core, ..), subjects) in CORES.into_iter().zip(&measured) {
         hold_known(core, subjects);
     }
     let found = section(&measured);
