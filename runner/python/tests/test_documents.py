@@ -47,6 +47,9 @@ def _plain(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
 
 
 def _texts(notebook: nbformat.NotebookNode) -> list[str]:
-    """Return the text that the cells print; times differ from run to run."""
-    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
-    return [output.text for output in outputs if output.output_type == "stream" and output.name == "stdout"]
+    """Return the text that each cell prints. The kernel sends it in pieces whose borders differ from run to run."""
+    return [
+        "".join(output.text for output in cell.outputs if output.output_type == "stream" and output.name == "stdout")
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+    ]
