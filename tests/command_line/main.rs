@@ -73,6 +73,7 @@ mod system;
 mod terminal;
 mod text_datagrams;
 mod texts;
+mod thermal;
 mod trade;
 mod truth;
 mod verify;

@@ -8,7 +8,7 @@ use ballrace::rotor::{
     BearingAtStation, Equilibrium, RigidRotor, RotorBearingSystem, RotorParams, SpeedRatios, equilibrium, solve,
 };
 use ballrace::{BearingKinematicState, Displacement, Exact, Scalar, Stiffness};
-use ballrace_scene::{Bearing as BearingScene, Facing, PreloadAmount, PreloadState, Scene};
+use ballrace_scene::{Bearing as BearingScene, Facing, Preload, PreloadAmount, PreloadState, Scene};
 use std::sync::Arc;
 
 /// A bearing with a constant displacement by its preload.
@@ -44,8 +44,8 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 
 /// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
 ///
-/// A preload that is set before fits or temperatures act locks the rings axially: the axial distance of their groove centres stays as it
-/// was set, while the displacement counts from the first contact of the mounted, warm bearing:
+/// A preload that is set before fits or temperatures act is set at standstill and locks the rings axially: the axial distance of their groove
+/// centres stays as it was set, while the displacement counts from the first contact of the mounted, warm bearing:
 /// `w = w_set + A (sin(alpha_set) - sin(alpha))` with the free contact angles `alpha_set` before and `alpha` after.
 ///
 /// # Errors
@@ -56,25 +56,38 @@ pub fn preload_offset(
     built: &AnyBearing<f64>,
 ) -> Result<Option<Displacement<f64>>, BuildError> {
     let Some(preload) = bearing.preload else { return Ok(None) };
-    let sign = if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 };
-    if let Some(set) = as_set(bearing) {
-        let at_setting =
-            construct::<f64, Exact, AnyBearing<f64>>(scene, &set, bearing_model(set.model).preload_model())?;
-        let axial = |of: &BearingScene| match of.facing {
-            // Without a displacement the grooves of a deep groove bearing are opposite each other.
-            Facing::Both => 0.0,
-            Facing::PlusZ | Facing::MinusZ => of.geometry.map_or(0.0, |geometry| geometry.axial_groove_distance()),
-        };
-        let shift = sign * (axial(&set) - axial(bearing));
-        let offset = preload_offset(scene, &set, &at_setting)?;
-        return Ok(offset.map(|offset| Displacement { w: offset.w + shift, ..offset }));
-    }
+    let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..rotation_at(scene, bearing, 0.0)? };
+    let Some(set) = as_set(bearing) else { return displaced(scene, bearing, preload, built, &at).map(Some) };
+    let built = construct::<f64, Exact, AnyBearing<f64>>(scene, &set, bearing_model(set.model).preload_model())?;
+    let axial = |of: &BearingScene| match of.facing {
+        // Without a displacement the grooves of a deep groove bearing are opposite each other.
+        Facing::Both => 0.0,
+        Facing::PlusZ | Facing::MinusZ => of.geometry.map_or(0.0, |geometry| geometry.axial_groove_distance()),
+    };
+    let shift = thrust_sign(bearing) * (axial(&set) - axial(bearing));
+    let standing = BearingKinematicState { inner_speed: 0.0, outer_speed: 0.0, ..at };
+    let offset = displaced(scene, &set, preload, &built, &standing)?;
+    Ok(Some(Displacement { w: offset.w + shift, ..offset }))
+}
+
+/// Returns the direction of the thrust that a bearing carries.
+fn thrust_sign(bearing: &BearingScene) -> f64 {
+    if bearing.facing == Facing::MinusZ { -1.0 } else { 1.0 }
+}
+
+/// Returns the displacement by a preload as the bearing is, in the kinematic state `at`.
+fn displaced(
+    scene: &Scene,
+    bearing: &BearingScene,
+    preload: Preload,
+    built: &AnyBearing<f64>,
+    at: &BearingKinematicState<f64>,
+) -> Result<Displacement<f64>, BuildError> {
+    let sign = thrust_sign(bearing);
     match preload.amount {
-        PreloadAmount::Displacement(w) => Ok(Some(Displacement { w: sign * w, ..Displacement::default() })),
+        PreloadAmount::Displacement(w) => Ok(Displacement { w: sign * w, ..Displacement::default() }),
         PreloadAmount::Force(force) => {
-            let at = rotation_at(scene, bearing, 0.0)?;
-            let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
-            let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], &at)?;
+            let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], at)?;
             if rest.residual > 1e-6 {
                 return Err(BuildError::Preload {
                     file: scene.path.clone(),
@@ -82,7 +95,7 @@ pub fn preload_offset(
                     found: force,
                 });
             }
-            Ok(Some(rest.displacement()))
+            Ok(rest.displacement())
         }
     }
 }
@@ -165,14 +178,23 @@ pub fn loaded(
 
 /// Largest number of Newton steps.
 const NEWTON_STEPS: usize = 12;
+/// Halvings of the interval in which the bearing carries the axial load: to a thousandth of it.
+const HALVINGS: usize = 20;
 /// Axial displacements for the start, m.
 const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
 
-/// Returns the first axial displacement at which the bearing carries the axial load; none where there is none.
+/// Returns the axial displacement at which the bearing carries the axial load; none where there is none.
 fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
     let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
-    let carries = |u: &Displacement<f64>| bearing.reaction(u, at).wrench.fz.abs() >= load[2].abs();
-    THRUST_STARTS.map(along).into_iter().find(carries).unwrap_or_default()
+    let carries = |w: &f64| bearing.reaction(&along(*w), at).wrench.fz.abs() >= load[2].abs();
+    let Some(carrying) = THRUST_STARTS.iter().position(|w| carries(w)) else { return Displacement::default() };
+    let mut high = THRUST_STARTS[carrying];
+    let mut low = if carrying > 0 { THRUST_STARTS[carrying - 1] } else { 0.0 };
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if carries(&middle) { high = middle } else { low = middle }
+    }
+    along(high)
 }
 
 /// Returns one step of Newton's method; none where the stiffness is singular.

@@ -117,7 +117,9 @@ class Scene:
         """
         return self._native.bearing(name)
 
-    def equilibrium(self, bearing: str | None = None, load: Sequence[float] | None = None) -> Equilibrium:
+    def equilibrium(
+        self, bearing: str | None = None, load: Sequence[float] | None = None, thermal: bool = False
+    ) -> Equilibrium:
         """Compute the static equilibrium of the rotor, or of one bearing under a load.
 
         Parameters
@@ -126,6 +128,8 @@ class Scene:
             Name of a bearing to be solved alone.
         load : sequence of five numbers, optional
             FX, FY, FZ (N), MX, MY (N m) on its inner ring.
+        thermal : bool
+            At the temperatures that friction and ``cooling`` of the scene keep, instead of those of the scene.
 
         Examples
         --------
@@ -134,7 +138,7 @@ class Scene:
         >>> round(rest.force_n_nm[1], 1)
         58.8
         """
-        text, page = self._native.equilibrium(bearing, None if load is None else [float(x) for x in load])
+        text, page = self._native.equilibrium(bearing, None if load is None else [float(x) for x in load], thermal)
         return Equilibrium(json.loads(text), page)
 
     def balance(

@@ -20,6 +20,7 @@ use ballrace_twin::scene::read::{load, read_str};
 use ballrace_twin::scene::units::{Dimension, parse};
 use ballrace_twin::scene::{Clock, RotationSource};
 use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
+use ballrace_twin::thermal::thermal_equilibrium;
 use ballrace_twin::trade::{self, Goal, Target};
 use ballrace_twin::vectors::{RecordedRuns, vector_table};
 use ballrace_twin::{outcome, scene};
@@ -154,10 +155,16 @@ impl Scene {
     }
 
     /// Computes the static equilibrium; returns JSON and HTML.
-    #[pyo3(signature = (bearing=None, load=None))]
-    fn equilibrium(&self, py: Python<'_>, bearing: Option<&str>, load: Option<[f64; 5]>) -> PyResult<(String, String)> {
-        let settled =
-            interruptible(py, |_| static_equilibrium(&self.content, bearing, load))?.map_err(|e| exception(py, e))?;
+    #[pyo3(signature = (bearing=None, load=None, thermal=false))]
+    fn equilibrium(
+        &self,
+        py: Python<'_>,
+        bearing: Option<&str>,
+        load: Option<[f64; 5]>,
+        thermal: bool,
+    ) -> PyResult<(String, String)> {
+        let solve = if thermal { thermal_equilibrium } else { static_equilibrium };
+        let settled = interruptible(py, |_| solve(&self.content, bearing, load))?.map_err(|e| exception(py, e))?;
         Ok((json_of(py, &settled)?, page(py, report::equilibrium::html(&settled))?))
     }
 

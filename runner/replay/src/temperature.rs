@@ -72,11 +72,7 @@ pub(super) fn corrected(
     }
     for bearing in &mut scene.bearings {
         let Some(measured) = measured(bearing, &recording.temperatures, &means) else { continue };
-        if let Some(mounting) = &mut bearing.mounting {
-            mounting.temperatures = Some(measured);
-            let clearance = mounting.operating().value();
-            bearing.set_clearance(clearance);
-        }
+        bearing.set_temperatures(measured);
     }
     Ok((scene, rows))
 }

@@ -49,6 +49,7 @@ pub fn text(settled: &StaticEquilibrium) -> String {
             line(&mut out, &format!("  clearance     {clearance}"));
         }
         life(&mut out, b);
+        friction(&mut out, b);
         kinematics(&mut out, b);
         element_table(&mut out, settled, &b.name);
     }
@@ -137,10 +138,50 @@ fn life(out: &mut String, b: &BearingEquilibrium) {
     if let Some(load) = load {
         line(out, &format!("  life L10      {} by P = {load} N (ISO 281)", lasting(life.basic_life, life)));
     }
+    let Some(modified) = &life.modified else { return };
+    let ratio = alone(modified.viscosity_ratio);
+    match modified.factor {
+        Some(factor) => {
+            let lasts = lasting(modified.life, life);
+            line(out, &format!("  life L10mr    {lasts} by a_ISO = {} with kappa = {ratio}", alone(factor)));
+        }
+        None => line(
+            out,
+            &format!("  life L10mr    not known: kappa = {ratio}, below 0.1 of ISO 281; a thicker oil is needed"),
+        ),
+    }
 }
 
-fn of<'a>(settled: &'a StaticEquilibrium, name: &str) -> Vec<&'a Element> {
-    settled.elements.iter().filter(|e| e.bearing == name).collect()
+/// Returns a temperature in degrees Celsius.
+fn celsius(kelvin: f64) -> String {
+    fixed(kelvin - 273.15, 1)
+}
+
+/// Writes friction and temperatures of a bearing.
+fn friction(out: &mut String, b: &BearingEquilibrium) {
+    if let Some(lost) = &b.friction {
+        let [all, viscous, load, spin] =
+            [lost.moment, lost.viscous_moment, lost.load_moment, lost.spin_moment].map(|moment| alone(1e3 * moment));
+        let (power, oil) = (alone(lost.power), alone(1e6 * lost.viscosity));
+        let at = celsius(lost.temperature);
+        line(
+            out,
+            &format!(
+                "  friction      {all} N mm, {power} W: by viscosity {viscous}, by load {load}, by spin {spin} N mm"
+            ),
+        );
+        line(out, &format!("                (Palmgren, to within a third), oil of {oil} mm^2/s at {at} degC"));
+    }
+    if let Some(warm) = &b.temperatures {
+        let [inner, outer, housing] = [warm.inner, warm.outer, warm.housing].map(celsius);
+        let [shaft, walls, oil] = [warm.through_shaft, warm.through_housing, warm.with_oil].map(alone);
+        line(out, &format!("  temperatures  inner ring {inner}, outer ring {outer}, housing {housing} degC"));
+        line(out, &format!("                heat: shaft {shaft}, housing {walls}, oil {oil} W"));
+    }
+}
+
+fn of<'a>(settled: &'a StaticEquilibrium, name: &'a str) -> Vec<&'a Element> {
+    settled.of(name).collect()
 }
 
 fn element_table(out: &mut String, settled: &StaticEquilibrium, name: &str) {
@@ -291,6 +332,9 @@ pub fn html(settled: &StaticEquilibrium) -> Result<String> {
     if settled.bearings.iter().any(|b| b.life.is_some()) {
         sections.push(PageSection::table("Ratings and life", lives(&settled.bearings)));
     }
+    if settled.bearings.iter().any(|b| b.friction.is_some()) {
+        sections.push(PageSection::table("Friction and heat", frictions(&settled.bearings)));
+    }
     let with_orders: Vec<&BearingEquilibrium> = settled.bearings.iter().filter(|b| b.orders.is_some()).collect();
     if !with_orders.is_empty() {
         sections.push(PageSection::table("Kinematics", orders(&with_orders)));
@@ -397,6 +441,7 @@ fn lives(bearings: &[BearingEquilibrium]) -> Table {
             number(Some(life.static_rating)),
             number(Some(life.reference_load)),
             hours(life.reference_life),
+            hours(life.modified.and_then(|modified| modified.life)),
             number(life.equivalent_load),
             hours(life.basic_life),
         ])
@@ -407,12 +452,45 @@ fn lives(bearings: &[BearingEquilibrium]) -> Table {
         Column::number("C0", "N"),
         Column::number("Reference load", "N"),
         Column::number("L10r", "h"),
+        Column::number("L10mr", "h"),
         Column::number("P", "N"),
         Column::number("L10", "h"),
     ];
     let note = "Ratings from the geometry (ISO 281, ISO 76). L10r from the loads of the elements (ISO/TS 16281), L10 from the equivalent load P \
-                (ISO 281); both for 90 % reliability, without the influence of lubrication and contamination.";
+                (ISO 281); both for 90 % reliability, without the influence of lubrication and contamination. L10mr has it, by a_ISO.";
     Table::of(heads, bearings.iter().filter_map(row), note)
+}
+
+fn frictions(bearings: &[BearingEquilibrium]) -> Table {
+    let row = |b: &BearingEquilibrium| {
+        let lost = b.friction.as_ref()?;
+        let moments = [lost.viscous_moment, lost.load_moment, lost.spin_moment, lost.moment];
+        let moments = moments.map(|moment| typeset(&fixed(1e3 * moment, 2)));
+        let kelvin = b.temperatures.map(|warm| [warm.inner, warm.outer, warm.housing]);
+        let oil = [celsius(lost.temperature), fixed(1e6 * lost.viscosity, 1)].map(|text| typeset(&text));
+        let rings = kelvin.map_or([const { String::new() }; 3], |rings| rings.map(|ring| typeset(&celsius(ring))));
+        let power = [typeset(&fixed(lost.power, 1))];
+        Some([b.name.clone()].into_iter().chain(oil).chain(moments).chain(power).chain(rings).collect::<Vec<_>>())
+    };
+    let heads = vec![
+        Column::name("Bearing"),
+        Column::number("Oil", "degC"),
+        Column::number("Viscosity", "mm^2/s"),
+        Column::number("By viscosity", "N mm"),
+        Column::number("By load", "N mm"),
+        Column::number("By spin", "N mm"),
+        Column::number("All", "N mm"),
+        Column::number("Power", "W"),
+        Column::number("Inner ring", "degC"),
+        Column::number("Outer ring", "degC"),
+        Column::number("Housing", "degC"),
+    ];
+    let note = "Moments by the equations of Palmgren and the spin of the balls: means over makers, to within a third. Temperatures are those \
+                that friction and cooling keep, where they were sought.";
+    Table {
+        groups: vec![(1, ""), (2, "oil"), (4, "moment"), (1, ""), (3, "temperature")],
+        ..Table::of(heads, bearings.iter().filter_map(row), note)
+    }
 }
 
 fn orders(bearings: &[&BearingEquilibrium]) -> Table {

@@ -14,6 +14,7 @@ mod damaged_bearing;
 mod deflected_line;
 mod diagnosis;
 mod envelope;
+mod equilibria;
 mod fault_motion;
 mod fit;
 mod force;
@@ -37,6 +38,7 @@ mod vectors;
 
 pub(super) use balance::balance;
 pub(super) use campbell::diagram;
+pub(super) use equilibria::{NamedCurve, over};
 pub(super) use fit::{changes, residuals};
 pub(super) use mode_shape::mode_shapes;
 pub(super) use ring::present_loads;

@@ -1,6 +1,6 @@
 //! `[[bearing]]` of a scene: geometry, model, effects, damage.
 
-use super::{Coordinates, Model, Mounting, Rollers};
+use super::{Cooling, Coordinates, Lubrication, Model, Mounting, Rollers, Temperatures};
 use crate::catalogue::Listed;
 use ballrace::bearing::kinematics::{Orders, orders};
 use ballrace::bearing::quasi_static::film;
@@ -67,6 +67,10 @@ pub struct Bearing {
     pub catalogue: Option<FromCatalogue>,
     /// `fit` and `temperatures`: the clearance before mounting; geometry and law have the operating clearance.
     pub mounting: Option<Mounting>,
+    /// `lubrication`, from which friction and modified life follow
+    pub lubrication: Option<Lubrication>,
+    /// `cooling`, from which the temperatures of the rings follow
+    pub cooling: Option<Cooling>,
 }
 
 impl Bearing {
@@ -124,6 +128,23 @@ impl Bearing {
         if let Some(play) = self.law.as_mut().and_then(|law| law.radial_play.as_mut()) {
             *play = 0.5 * clearance;
         }
+    }
+
+    /// Sets the temperatures of its rings, and the clearance that it has with them; nothing without `temperatures` in the scene.
+    pub fn set_temperatures(&mut self, temperatures: Temperatures) {
+        let Some(mounting) = self.mounting.as_mut().filter(|mounting| mounting.temperatures.is_some()) else { return };
+        mounting.temperatures = Some(temperatures);
+        let clearance = mounting.operating().value();
+        self.set_clearance(clearance);
+    }
+
+    /// Returns the temperature of its lubricant, K, and its kinematic viscosity there, m^2/s; none without `lubrication`.
+    #[must_use]
+    pub fn oil(&self) -> Option<(f64, f64)> {
+        let lubrication = self.lubrication?;
+        let of_rings = || self.mounting?.temperatures.map(|t| 0.5 * (t.inner + t.outer));
+        let temperature = lubrication.temperature.or_else(of_rings)?;
+        Some((temperature, lubrication.viscosity(temperature)))
     }
 
     /// Returns the diametral clearance of the law, else of the geometry, m.

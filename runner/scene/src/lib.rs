@@ -9,6 +9,7 @@ pub mod catalogue;
 pub mod edit;
 pub mod flexible_rotor;
 mod key;
+mod lubrication;
 mod machine;
 mod model;
 mod mounting;
@@ -28,6 +29,7 @@ pub use bearing::{
     Geometry, InletHeating, KinematicData, Law, Linear, Lubricant, OuterRing, Preload, PreloadAmount, PreloadState,
     RaceControl, Support, Surface, TableRange, Wave,
 };
+pub use lubrication::{Cooling, Lubrication, LubricationMethod, OilFlow};
 pub use machine::{MachineClass, MachineGroup, MachineSupport};
 pub use model::{Model, ModelInput, ModelProperties};
 pub use mounting::{Mounting, OperatingClearance, PartMaterial, Ring, RingFit, Temperatures};

@@ -8,6 +8,7 @@ mod catalogue;
 mod effects;
 pub(crate) mod keys;
 mod kinematics;
+mod lubrication;
 mod mounting;
 mod pitch_circle;
 mod recording;
@@ -338,6 +339,7 @@ fn bearings<'a>(root: &Table<'a>, catalogue: &'a [Option<Expansion>]) -> Read<Ve
         let mut bearing = bearing::read(&table, root)?;
         bearing.catalogue = expansion.as_ref().map(|expansion| expansion.used.clone());
         mounting::read(&table, &mut bearing)?;
+        lubrication::read(&table, &mut bearing)?;
         if let Some(other) = bearings.iter().position(|b| b.name == bearing.name) {
             let own = format!("a name of its own (bearing[{other}] has this one)");
             return Err(table.required("name", &own)?.repeated(own));

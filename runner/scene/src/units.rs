@@ -17,6 +17,8 @@ const FREQUENCY: Powers = [0.0, 0.0, -1.0, 0.0, 0.0];
 const SPEED: Powers = [0.0, 0.0, -1.0, 1.0, 0.0];
 const FORCE: Powers = [1.0, 1.0, -2.0, 0.0, 0.0];
 const MOMENT: Powers = [2.0, 1.0, -2.0, 0.0, 0.0];
+/// The one of kinematic viscosities.
+const KINEMATIC_VISCOSITY: Powers = [2.0, 0.0, -1.0, 0.0, 0.0];
 const UNBALANCE: Powers = [1.0, 1.0, 0.0, 0.0, 0.0];
 const VOLTAGE: Powers = [0.0, 0.0, 0.0, 0.0, 1.0];
 const PRESSURE: Powers = [-1.0, 1.0, -2.0, 0.0, 0.0];
@@ -76,6 +78,8 @@ pub enum Dimension {
     Density,
     /// Pa s
     Viscosity,
+    /// m^2/s
+    KinematicViscosity,
     /// 1/Pa
     PressureViscosity,
     /// V
@@ -110,7 +114,7 @@ pub struct Mismatch {
 }
 
 /// Every dimension that has a fixed form, the more usual name first where two share their powers.
-const FIXED: [Dimension; 24] = [
+const FIXED: [Dimension; 25] = [
     Dimension::Length,
     Dimension::Mass,
     Dimension::Time,
@@ -131,6 +135,7 @@ const FIXED: [Dimension; 24] = [
     Dimension::Pressure,
     Dimension::Density,
     Dimension::Viscosity,
+    Dimension::KinematicViscosity,
     Dimension::PressureViscosity,
     Dimension::Rate,
     Dimension::Voltage,
@@ -166,6 +171,9 @@ impl Dimension {
             Self::Pressure => row("a pressure", "206 GPa", "Pa", PRESSURE),
             Self::Density => row("a density", "7800 kg/m^3", "kg/m^3", [-3.0, 1.0, 0.0, 0.0, 0.0]),
             Self::Viscosity => row("a viscosity", "0.04 Pa s", "Pa s", [-1.0, 1.0, -1.0, 0.0, 0.0]),
+            Self::KinematicViscosity => {
+                row("a kinematic viscosity", "32 mm^2/s", "m^2/s", KINEMATIC_VISCOSITY)
+            }
             Self::PressureViscosity => {
                 row("a compliance to pressure", "2.2e-8 1/Pa", "1/Pa", [1.0, -1.0, 2.0, 0.0, 0.0])
             }
@@ -530,7 +538,7 @@ fn atom(name: &str) -> Result<(f64, Powers), String> {
 /// Units by name with their factor to SI: decimal multiples, the definitions of the international yard and pound agreement
 /// of 1959 (inch, foot, pound, ounce) and what follows from them with standard gravity, 9.80665 m/s^2 (lbf, kgf, psi).
 #[rustfmt::skip] // a table
-const UNITS: [(&str, f64, Powers); 54] = [
+const UNITS: [(&str, f64, Powers); 55] = [
     ("m", 1.0, LENGTH),
     ("cm", 1e-2, LENGTH),
     ("mm", 1e-3, LENGTH),
@@ -580,6 +588,7 @@ const UNITS: [(&str, f64, Powers); 54] = [
     ("GPa", 1e9, PRESSURE),
     ("bar", 1e5, PRESSURE),
     ("psi", 6_894.757_293_168_361, PRESSURE),
+    ("cSt", 1e-6, KINEMATIC_VISCOSITY),
     ("V", 1.0, VOLTAGE),
     ("mV", 1e-3, VOLTAGE),
     // Balancing sheets print these without a space.

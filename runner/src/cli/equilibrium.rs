@@ -2,14 +2,19 @@
 
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use ballrace_report as report;
+use ballrace_twin::equilibria::{FIGURES, equilibria};
 use ballrace_twin::equilibrium::{Element, static_equilibrium};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::output::quoted;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
 use ballrace_twin::scene::read::read_file;
-use std::io::Write;
+use ballrace_twin::sweep::Axis;
+use ballrace_twin::thermal::thermal_equilibrium;
+use indicatif::ProgressBar;
+use serde_json::json;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 /// Arguments of `equilibrium`.
@@ -23,7 +28,14 @@ pub struct Args {
     /// Load on that bearing's inner ring: FX,FY,FZ,MX,MY in N and N m (a preload force of the scene is added).
     #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
     load: Option<String>,
-    /// HTML page with the load distribution and the contact angles.
+    /// At the temperatures that friction and `cooling` of the scene keep, instead of those of the scene.
+    #[arg(long)]
+    thermal: bool,
+    /// Equilibria over values of a key, repeatable: KEY=FROM..TO:COUNT, KEY=FROM..TO:STEP or KEY=A,B,C; e.g.
+    /// shaft.speed=1000rpm..12000rpm:12.
+    #[arg(long, value_name = "RANGE")]
+    over: Vec<String>,
+    /// HTML page with the load distribution and the contact angles, or with the figures over a range.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -40,8 +52,11 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         check_distinct_paths(&[("--report", path)], &[&args.scene])?;
     }
     let load = args.load.as_deref().map(parse_load).transpose().map_err(UsageError::new)?;
-    let equilibrium =
-        static_equilibrium(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
+    if !args.over.is_empty() {
+        return over(args, &scene.name, load, format);
+    }
+    let solve = if args.thermal { thermal_equilibrium } else { static_equilibrium };
+    let equilibrium = solve(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&equilibrium)?)?;
     }
@@ -71,6 +86,44 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Prints the equilibria over ranges.
+fn over(args: &Args, scene: &str, load: Option<[f64; 5]>, format: Format) -> Result<()> {
+    let text = std::fs::read_to_string(&args.scene).with_context(|| args.scene.display().to_string())?;
+    let axes = args.over.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let bar = if std::io::stderr().is_terminal() { ProgressBar::new(0) } else { ProgressBar::hidden() };
+    let progress = |points: usize| if points > 0 { bar.set_length(points as u64) } else { bar.inc(1) };
+    let points = equilibria((&text, &args.scene), &axes, (args.bearing.as_deref(), load, args.thermal), &progress);
+    bar.finish_and_clear();
+    let points = points.map_err(UsageError::with_bearing_option)?;
+    if let Some(failure) = points.first().and_then(|point| point.failure.as_ref())
+        && points.iter().all(|point| point.failure.is_some())
+    {
+        bail!("no equilibrium at any of {} points; the first: {failure}", points.len());
+    }
+    if let Some(path) = &args.report {
+        AtomicFile::write(path, &report::equilibria::html(scene, &axes, &points)?)?;
+    }
+    let mut out = super::standard_output(format);
+    match format {
+        Format::Json => {
+            let columns = FIGURES.iter().map(|figure| figure.name);
+            let axes: Vec<_> = axes.iter().map(|axis| json!({ "key": axis.key, "unit": axis.unit })).collect();
+            let whole =
+                json!({ "scene": scene, "axes": axes, "figures": columns.collect::<Vec<_>>(), "points": points });
+            serde_json::to_writer_pretty(&mut out, &whole)?;
+            writeln!(out)?;
+        }
+        Format::Csv => out.write_all(report::equilibria::csv(&axes, &points).as_bytes())?,
+        Format::Text => {
+            out.write_all(report::equilibria::text(scene, &axes, &points).as_bytes())?;
+            if let Some(path) = &args.report {
+                writeln!(out, "Written: {}", path.display())?;
+            }
+        }
+    }
+    Ok(out.flush()?)
 }
 
 fn parse_load(text: &str) -> Result<[f64; 5]> {

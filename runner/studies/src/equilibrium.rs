@@ -2,6 +2,8 @@
 
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
+use crate::friction::{BallContacts, BearingFriction};
+use crate::heat::BearingTemperatures;
 use crate::life::{BearingLife, ElementLoads};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -62,6 +64,11 @@ pub struct StaticEquilibrium {
 }
 
 impl StaticEquilibrium {
+    /// Returns the elements of a bearing.
+    pub fn of<'a>(&'a self, bearing: &'a str) -> impl Iterator<Item = &'a Element> {
+        self.elements.iter().filter(move |element| element.bearing == bearing)
+    }
+
     /// Returns true if the residual over the load is at most [`LARGEST_RESIDUAL`].
     #[must_use]
     pub fn is_in_equilibrium(&self) -> bool {
@@ -96,6 +103,12 @@ pub struct BearingEquilibrium {
     pub operating_clearance: Option<ClearanceOutcome>,
     /// Load ratings and life; `None` where the contact is not known.
     pub life: Option<BearingLife>,
+    /// Friction; `None` without `lubrication` in the scene or where the contact is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<BearingFriction>,
+    /// Temperatures that friction and cooling keep; `None` where they were not sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperatures: Option<BearingTemperatures>,
 }
 
 /// Contact angles of a bearing, rad, 0 or more.
@@ -145,6 +158,12 @@ pub struct Element {
 }
 
 impl Element {
+    /// Returns its contacts; `None` without load or contact angle.
+    fn contacts(&self) -> Option<BallContacts> {
+        let angles = [self.inner_angle?, self.outer_angle?];
+        Some(BallContacts { loads: [self.inner_load, self.outer_load], angles })
+    }
+
     /// Returns its loads along its length. Centrifugal force loads all laminae of the outer race alike.
     fn loads(&self) -> ElementLoads {
         let Some(roller) = &self.roller else {
@@ -191,18 +210,24 @@ pub struct EffectShare {
 /// # Errors
 /// Returns an error if there is no load or the scene lacks a value.
 pub fn static_equilibrium(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
-    let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
-    let solve =
-        |scene: &Scene| if alone { bearing_equilibrium(scene, bearing, load) } else { rotor_equilibrium(scene) };
-    let mut settled = solve(scene)?;
+    let mut whole = settled(scene, bearing, load)?;
     for (effect, off) in EFFECTS {
         let mut without = scene.clone();
         let named = without.bearings.iter_mut().fold(false, |named, b| off(&mut b.effects) | named);
         if named {
-            settled.effects.push(share(effect, &settled, &solve(&without)?));
+            whole.effects.push(share(effect, &whole, &settled(&without, bearing, load)?));
         }
     }
-    Ok(settled)
+    Ok(whole)
+}
+
+/// Computes the static equilibrium without the share of each effect.
+///
+/// # Errors
+/// As [`static_equilibrium`].
+pub(crate) fn settled(scene: &Scene, bearing: Option<&str>, load: Option<[f64; 5]>) -> Result<StaticEquilibrium> {
+    let alone = (scene.rotor.is_none() && scene.system.is_none()) || bearing.is_some() || load.is_some();
+    if alone { bearing_equilibrium(scene, bearing, load) } else { rotor_equilibrium(scene) }
 }
 
 /// Function that switches an effect off and returns true if it was on.
@@ -315,11 +340,13 @@ fn equilibrium_of_bearing(
         pressure_limit: None,
         operating_clearance: None,
         life: None,
+        friction: None,
+        temperatures: None,
     }
 }
 
 impl BearingEquilibrium {
-    /// Adds load ratings and life; `u` is the displacement with the preload.
+    /// Adds load ratings, life and friction; `u` is the displacement with the preload.
     fn with_life(
         self,
         scene: &Scene,
@@ -328,15 +355,18 @@ impl BearingEquilibrium {
         u: &Displacement<f64>,
         at: &BearingKinematicState<f64>,
     ) -> Result<Self> {
-        let loads = (0..CAGE_POSITIONS).map(|i| {
+        let turned = (0..CAGE_POSITIONS).map(|i| {
             let part = f64::from(i) / f64::from(CAGE_POSITIONS) / of.elements.max(1) as f64;
             let cage = at.cage.wrapping_add(Phase::from_revolutions(part));
-            let elements = elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })?;
-            Ok(elements.iter().map(Element::loads).collect())
+            elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })
         });
-        let loads: Vec<Vec<ElementLoads>> = loads.collect::<Result<_>>()?;
-        let life = BearingLife::of(of, &loads.concat(), &self.force, [at.inner_speed, at.outer_speed])?;
-        Ok(Self { life, ..self })
+        let turned: Vec<Vec<Element>> = turned.collect::<Result<_>>()?;
+        let loads: Vec<ElementLoads> = turned.iter().flatten().map(Element::loads).collect();
+        let speeds = [at.inner_speed, at.outer_speed];
+        let life = BearingLife::of(of, &loads, &self.force, speeds)?;
+        let balls: Vec<BallContacts> = turned.iter().take(1).flatten().filter_map(Element::contacts).collect();
+        let friction = BearingFriction::of(of, &balls, &self.force, life.as_ref(), speeds)?;
+        Ok(Self { life, friction, ..self })
     }
 
     /// Adds contact angles, orders and the limit of pressure; `elements` are those of this bearing.

@@ -2,7 +2,8 @@
 //!
 //! | modules | question |
 //! | --- | --- |
-//! | [`equilibrium`], [`life`], [`force`] | where the rotor rests, how long its bearings last, what a displacement costs |
+//! | [`equilibrium`], [`equilibria`], [`life`], [`force`] | where the rotor rests, how long its bearings last, what a displacement costs |
+//! | [`friction`], [`heat`], [`thermal`] | what a bearing loses, and how warm it runs |
 //! | [`campbell`] | natural frequencies over the speed |
 //! | [`effect_significance`] | what an effect changes that the scene omits |
 //! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
@@ -14,9 +15,13 @@ pub mod bake;
 pub mod balance;
 pub mod campbell;
 pub mod effect_significance;
+pub mod equilibria;
 pub mod equilibrium;
 pub mod fit;
 pub mod force;
+pub mod friction;
+pub mod heat;
 pub mod life;
 pub mod sweep;
+pub mod thermal;
 pub mod trade;

@@ -9,7 +9,8 @@ mod study;
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
 pub use study::{
-    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, TradeError, VectorError, VerifyError,
+    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, ThermalError, TradeError, VectorError,
+    VerifyError,
 };
 
 use crate::PlantError;
@@ -59,6 +60,8 @@ pub enum Error {
     Vibration(#[from] VibrationError),
     /// A static equilibrium without a load.
     Equilibrium(#[from] NoLoad),
+    /// The temperatures of bearings cannot be found.
+    Thermal(#[from] ThermalError),
     /// A computed motion overflows.
     Motion(#[from] MotionOverflow),
     /// A sweep cannot be run or continued.
@@ -127,6 +130,7 @@ impl Error {
             Self::Baseline(error) => !matches!(error, BaselineError::Read { .. }),
             Self::Replay(error) => matches!(error, ReplayError::NoRecording { .. }),
             Self::Vibration(error) => !matches!(error, VibrationError::TooShort { .. }),
+            Self::Thermal(error) => matches!(error, ThermalError::NoCooling { .. } | ThermalError::NoFriction { .. }),
             Self::Sweep(error) => error.is_usage_error(),
             Self::Fleet(error) => error.is_usage_error(),
             Self::Fit(error) => matches!(

@@ -125,6 +125,8 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
         linear,
         catalogue: None,
         mounting: None,
+        lubrication: None,
+        cooling: None,
     })
 }
 

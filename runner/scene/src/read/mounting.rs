@@ -157,7 +157,7 @@ fn read_temperatures(node: &Node<'_>) -> Read<(Temperatures, f64)> {
 const TEMPERATURE: &str = "a temperature with its unit, such as \"60 degC\", \"333 K\" or \"140 degF\"";
 
 /// Reads a temperature in K. A bare number has no unit and is rejected.
-fn temperature(node: &Node<'_>) -> Read<f64> {
+pub(super) fn temperature(node: &Node<'_>) -> Read<f64> {
     let parsed = node.text(TEMPERATURE)?.trim().rsplit_once(' ').and_then(|(number, unit)| {
         let (scale, zero) = temperature_unit(unit)?;
         Some(number.trim().parse::<f64>().ok()? * scale + zero)

@@ -31,6 +31,8 @@ fn units_of_the_scene_format() {
         ("30 g*mm", Unbalance, 30e-6),
         ("30 gmm", Unbalance, 30e-6),
         ("0.04 Pa s", Viscosity, 0.04),
+        ("32 mm^2/s", KinematicViscosity, 32e-6),
+        ("32 cSt", KinematicViscosity, 32e-6),
         ("2.2e-8 1/Pa", PressureViscosity, 2.2e-8),
         ("2.2e-8 /Pa", PressureViscosity, 2.2e-8),
         ("2.2e-8 Pa^-1", PressureViscosity, 2.2e-8),

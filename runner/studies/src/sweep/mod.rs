@@ -17,7 +17,7 @@ use ballrace_scene::edit::{dimension_of, put};
 use ballrace_scene::read::read_str;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use toml_edit::DocumentMut;
@@ -91,6 +91,50 @@ const MAX_NUMBERS: usize = 1 << 27;
 /// Number of values of one point besides its sections.
 const NUMBERS_OF_POINT: usize = 256;
 
+/// Rejects numbers without a unit of a quantity whose usual unit is not that of SI.
+pub(crate) fn check_units(text: &str, path: &Path, axes: &[Axis]) -> Result<(), SweepError> {
+    for axis in axes.iter().filter(|axis| axis.unit.is_empty()) {
+        let dimension = dimension_of(text, path, &axis.key);
+        if let Some(expected) = dimension.and_then(|dimension| axis.likely(dimension)) {
+            let found = format!("{}={}", axis.key, axis.range(""));
+            return Err(SweepError::NoUnit { found, expected });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the value of each axis at a point; the first axis runs fastest.
+pub(crate) fn values_at(axes: &[Axis], point: usize) -> Vec<f64> {
+    let mut rest = point;
+    let value = |axis: &Axis| {
+        let count = axis.values.len().max(1);
+        let value = axis.values.get(rest % count).copied().unwrap_or(0.0);
+        rest /= count;
+        value
+    };
+    axes.iter().map(value).collect()
+}
+
+/// Returns the scene of a text with these values of the axes.
+///
+/// # Errors
+/// A key that the scene does not have, a value that it rejects.
+pub(crate) fn scene_at(text: &str, path: &Path, axes: &[Axis], values: &[f64]) -> Result<Scene> {
+    let syntax = |source| SweepError::Syntax { file: path.to_owned(), source };
+    let mut document: DocumentMut = text.parse().map_err(syntax)?;
+    for (axis, &value) in axes.iter().zip(values) {
+        put(&mut document, &axis.key, axis.written(value)).map_err(SweepError::Key)?;
+    }
+    Ok(read_str(&document.to_string(), path)?)
+}
+
+/// Returns the axes with their values at a point.
+pub(crate) fn named(axes: &[Axis], values: &[f64]) -> String {
+    let one = |(axis, value): (&Axis, &f64)| format!("{} = {value} {}", axis.key, axis.unit);
+    let all: Vec<String> = axes.iter().zip(values).map(one).collect();
+    all.iter().map(|one| one.trim_end()).collect::<Vec<_>>().join(", ")
+}
+
 impl Plan {
     /// Checks the units of the axes, and the number of points before memory for them is allocated.
     ///
@@ -101,22 +145,11 @@ impl Plan {
         let most = MAX_NUMBERS / (both_ways * (NUMBERS_OF_POINT + 2 * self.measure.periods));
         let points = self.axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.values.len()));
         if points.is_some_and(|points| points <= most) {
-            self.check_units()?;
+            check_units(&self.text, &self.path, &self.axes)?;
             return Ok(self);
         }
         let counts: Vec<String> = self.axes.iter().map(|axis| axis.values.len().to_string()).collect();
         Err(SweepError::Points { found: counts.join(" x "), most, periods: self.measure.periods }.into())
-    }
-
-    fn check_units(&self) -> Result<(), SweepError> {
-        for axis in self.axes.iter().filter(|axis| axis.unit.is_empty()) {
-            let dimension = dimension_of(&self.text, &self.path, &axis.key);
-            if let Some(expected) = dimension.and_then(|dimension| axis.likely(dimension)) {
-                let found = format!("{}={}", axis.key, axis.range(""));
-                return Err(SweepError::NoUnit { found, expected });
-            }
-        }
-        Ok(())
     }
 
     /// Returns the number of points.
@@ -168,14 +201,7 @@ impl Plan {
     /// Returns the value of each axis at a point.
     #[must_use]
     pub fn values(&self, point: usize) -> Vec<f64> {
-        let mut rest = point;
-        let value = |axis: &Axis| {
-            let count = axis.values.len().max(1);
-            let value = axis.values.get(rest % count).copied().unwrap_or(0.0);
-            rest /= count;
-            value
-        };
-        self.axes.iter().map(value).collect()
+        values_at(&self.axes, point)
     }
 
     /// Returns the scene at a point.
@@ -183,12 +209,7 @@ impl Plan {
     /// # Errors
     /// A key that the scene does not have, a value that it rejects.
     pub fn scene(&self, values: &[f64]) -> Result<Scene> {
-        let syntax = |source| SweepError::Syntax { file: self.path.clone(), source };
-        let mut document: DocumentMut = self.text.parse().map_err(syntax)?;
-        for (axis, &value) in self.axes.iter().zip(values) {
-            put(&mut document, &axis.key, axis.written(value)).map_err(SweepError::Key)?;
-        }
-        Ok(read_str(&document.to_string(), &self.path)?)
+        scene_at(&self.text, &self.path, &self.axes, values)
     }
 
     /// Computes one chain.
@@ -256,9 +277,7 @@ impl Plan {
     }
 
     fn named(&self, values: &[f64]) -> String {
-        let one = |(axis, value): (&Axis, &f64)| format!("{} = {value} {}", axis.key, axis.unit);
-        let all: Vec<String> = self.axes.iter().zip(values).map(one).collect();
-        all.iter().map(|one| one.trim_end()).collect::<Vec<_>>().join(", ")
+        named(&self.axes, values)
     }
 
     /// Computes the `chains` that the journal does not have, `jobs` in parallel; calls `progress` after each.

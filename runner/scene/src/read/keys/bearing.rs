@@ -10,7 +10,7 @@ use crate::key::Kind::{Either, Integer, List, Number, NumberIn, Quantity, Table,
 use crate::key::{ANY, BELOW_ONE, Keys, Kind, NOT_NEGATIVE, POSITIVE, REQUIRED, key, words};
 use crate::model::OWN_KEYS;
 use crate::units::Dimension;
-use crate::{PreloadState, RollerKind};
+use crate::{LubricationMethod, PreloadState, RollerKind};
 use std::ops::Bound::{Excluded, Included};
 
 /// Coordinates of a system.
@@ -23,6 +23,9 @@ const EXPONENT: Kind = Number((Included(1.0), Included(3.0)));
 const CONTACT_STIFFNESS: Kind = Quantity(Dimension::ContactStiffness(1.5), POSITIVE);
 /// Linear thermal expansion.
 const EXPANSION: Kind = NumberIn("1/K", (Included(0.0), Included(1e-4)));
+const KINEMATIC_VISCOSITY: Kind = Quantity(Dimension::KinematicViscosity, POSITIVE);
+/// Conductance of heat.
+const CONDUCTANCE: Kind = NumberIn("W/K", (Included(0.0), Included(1e4)));
 const STIFFNESS: Kind = Quantity(Dimension::Stiffness, ANY);
 const POSITIVE_STIFFNESS: Kind = Quantity(Dimension::Stiffness, POSITIVE);
 const CROSS_STIFFNESS: Kind = Quantity(Dimension::CrossStiffness, ANY);
@@ -163,6 +166,14 @@ pub(super) static BEARING: Keys = Keys {
                 "pitch diameter plus ball diameter", "only with `fit` or `temperatures`; required without a geometry",
                 "\"46.9 mm\""),
         ]]),
+        ("Friction and heat", &[&[
+            key("lubrication", Table(&LUBRICATION),
+                "oil or grease, from which [friction](models.md#friction) and modified life follow", "none",
+                "not with `linear`", ""),
+            key("cooling", Table(&COOLING),
+                "where the heat goes; `equilibrium --thermal` finds the [temperatures](models.md#temperatures-of-a-bearing)",
+                "none", "only with `lubrication` and `temperatures`", ""),
+        ]]),
         ("Keys of one model", &OWN_KEYS),
     ],
     choices: &[
@@ -258,6 +269,51 @@ static INLET_HEATING: Keys = Keys {
             "relative decrease of the viscosity", "0.04 1/K", "", "\"0.04 1/K\""),
         key("conductivity", NumberIn("W/(m K)", (Included(0.01), Included(10.0))), "thermal conductivity",
             "0.14 W/(m K)", "", "\"0.14 W/(m K)\""),
+    ]])],
+    choices: &[],
+};
+
+static LUBRICATION: Keys = Keys {
+    name: "lubrication",
+    #[rustfmt::skip] // a table
+    sections: &[("", &[&[
+        key("method", Words(|| words(&LubricationMethod::ALL)), "how the lubricant comes to the bearing", REQUIRED,
+            "a bath up to the middle of the lowest element; `\"oil-jet\"` also a bath of a vertical shaft",
+            "\"oil-bath\""),
+        key("viscosity_40", KINEMATIC_VISCOSITY, "kinematic viscosity of the (base) oil at 40 degC", REQUIRED, "",
+            "\"32 mm^2/s\""),
+        key("viscosity_100", KINEMATIC_VISCOSITY, "the same at 100 degC", REQUIRED, "below `viscosity_40`",
+            "\"5.4 mm^2/s\""),
+        key("temperature", Temperature, "temperature of the oil in the bearing", "mean of `temperatures`, else required",
+            "no bare number", "\"50 degC\""),
+        key("contamination", Number((Excluded(0.0), Included(1.0))),
+            "contamination factor `e_C` of ISO 281, for the modified life: 1 extreme cleanliness, 0.8 to 0.6 high, \
+             0.6 to 0.5 normal, 0.3 to 0.1 typical contamination (small bearings)", "none: no modified life", "", "0.5"),
+        key("f0", Number((Excluded(0.0), Included(50.0))), "factor of the viscous friction",
+            "by [kind and method](models.md#friction)", "", "2"),
+        key("f1", Number((Excluded(0.0), Included(0.1))), "factor of the friction by the load",
+            "by [kind and load](models.md#friction)", "", "0.0003"),
+        key("sliding_friction", Number((Included(0.0), Included(0.3))), "coefficient of friction in sliding contacts",
+            "0.05, a full film of mineral oil", "", "0.05"),
+    ]])],
+    choices: &[],
+};
+
+static COOLING: Keys = Keys {
+    name: "cooling",
+    #[rustfmt::skip] // a table
+    sections: &[("", &[&[
+        key("ambient", Temperature, "temperature of the surroundings", REQUIRED, "no bare number", "\"20 degC\""),
+        key("shaft", CONDUCTANCE, "conductance from the inner ring through the shaft to the surroundings",
+            "seat in the catalogue's size by ISO 15312, else required", "", "\"1.2 W/K\""),
+        key("housing", CONDUCTANCE, "conductance from the housing to the surroundings",
+            "seat in the catalogue's size by ISO 15312, else required", "", "\"2.5 W/K\""),
+        key("seat", NumberIn("W/K", (Excluded(0.0), Included(1e4))), "conductance from the outer ring to the housing",
+            "none: both have one temperature", "", "\"20 W/K\""),
+        key("elements", CONDUCTANCE, "conductance from ring to ring through the elements", "0", "", "\"0.5 W/K\""),
+        key("oil_flow", NumberIn("l/min", (Excluded(0.0), Included(1000.0))), "flow of oil that cools the bearing",
+            "none", "with `oil_inlet`", "\"0.5 l/min\""),
+        key("oil_inlet", Temperature, "temperature at which this oil enters", "none", "with `oil_flow`", "\"40 degC\""),
     ]])],
     choices: &[],
 };
