@@ -94,6 +94,25 @@ fn the_life_modified_by_lubrication_and_contamination() {
     assert!(at("6205", 1.2, "3000,0,0,0,0")["modified"]["factor"].is_null());
 }
 
+/// The ratings of a maker's catalogue in place of those of the geometry: lives follow with the power of the load, and the text states the difference.
+#[test]
+fn ratings_of_the_maker() {
+    let plain = lubricated("6205", "method = \"oil-bath\"");
+    let given = plain.clone() + "dynamic_rating = \"14.8 kN\"\nstatic_rating = \"7.8 kN\"\n";
+    let life = |scene: &str| solved(scene, &["--load", "2000,0,0,0,0"])["bearings"][0]["life"].clone();
+    let (of_geometry, of_maker) = (life(&plain), life(&given));
+    assert_eq!((number(&of_maker, "/dynamic_rating"), number(&of_maker, "/static_rating")), (14_800.0, 7800.0));
+    assert_eq!(number(&of_maker, "/geometry_ratings/0"), number(&of_geometry, "/dynamic_rating"));
+    let ratio = 14_800.0 / number(&of_geometry, "/dynamic_rating");
+    for kind in ["/basic_life", "/reference_life"] {
+        assert!((number(&of_maker, kind) / number(&of_geometry, kind) / ratio.powi(3) - 1.0).abs() < 1e-9, "{kind}");
+    }
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", given);
+    let text = sandbox.done(&["equilibrium", "scene.toml", "--load", "2000,0,0,0,0"]).out;
+    assert!(text.contains("C 14.80 kN, C0 7.80 kN, as given; the geometry gives C 1"), "{text}");
+}
+
 /// At the temperatures found, the friction of this equilibrium leaves by shaft, housing and oil; they are those of the network by hand.
 #[test]
 fn heat_that_arises_is_heat_that_leaves() {

@@ -33,6 +33,32 @@ fn two_spring_formula_of_friswell_as_ross_prints_it() {
     assert!(two_spring_ball(36, 0.03, 500.0, angle).is_err(), "no extrapolation of the three-point table");
 }
 
+/// The sums over many balls are the integrals: `J_r = F_r/(Z Q_max cos(alpha))`, `J_a = F_a/(Z Q_max sin(alpha))`, to the four digits of the table.
+#[test]
+fn load_distribution_integrals_of_sjovall() {
+    const BALLS: usize = 180;
+    let file = published();
+    let geometry = BallBearingGeometry { contact_angle: 0.5, ..mastas_geometry() };
+    let bearing: Angular<f64, Exact, ElementPositions<f64, BALLS>> =
+        Angular::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Touching).unwrap();
+    for row in file["load_distribution_integrals"]["point_contact"].as_array().unwrap() {
+        let [share, radial, axial] = [0, 1, 2].map(|i| row[i].as_f64().unwrap());
+        // So small that the contact angle is constant.
+        let along = 1e-10;
+        let u = Displacement {
+            u: along,
+            w: (2.0 * share - 1.0) * along / geometry.contact_angle.tan(),
+            ..Displacement::default()
+        };
+        let mut loads = [0.0; BALLS];
+        let wrench = bearing.reaction_and_loads(&u, &Phase::ZERO.into(), &mut loads).wrench;
+        let most = BALLS as f64 * loads.iter().copied().fold(0.0, f64::max);
+        let found =
+            [-wrench.fx / (most * geometry.contact_angle.cos()), -wrench.fz / (most * geometry.contact_angle.sin())];
+        assert!((found[0] - radial).abs() < 2e-4 && (found[1] - axial).abs() < 2e-4, "{share}: {found:?}");
+    }
+}
+
 /// Ring displacement under an axial and a radial load by Newton on the tangent, from the loaded side.
 fn settle<const N: usize>(
     bearing: &Angular<f64, Exact, ElementPositions<f64, N>>,
@@ -52,11 +78,11 @@ fn settle<const N: usize>(
     u
 }
 
-fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, ElementPositions<f64, 7>> {
+fn mastas_geometry() -> BallBearingGeometry {
     let file = published();
     let input = |key: &str| file["static_ball_bearing_5dof"]["inputs"][key].as_f64().unwrap();
     let steel = Material { youngs_modulus: input("youngs_modulus"), poissons_ratio: input("poissons_ratio") };
-    let geometry = BallBearingGeometry {
+    BallBearingGeometry {
         ball_diameter: input("ball_diameter"),
         pitch_diameter: input("pitch_diameter"),
         inner_conformity: input("inner_conformity"),
@@ -64,9 +90,12 @@ fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, ElementPositions<f64, 7
         contact_angle: 0.0,
         ball: steel,
         race: steel,
-    };
+    }
+}
+
+fn mastas_bearing(clearance: f64) -> Angular<f64, Exact, ElementPositions<f64, 7>> {
     // The source takes the contact stiffness at zero angle whatever the clearance.
-    let geometry = geometry.with_clearance(clearance).unwrap();
+    let geometry = mastas_geometry().with_clearance(clearance).unwrap();
     Angular::try_new(geometry, evenly_spaced(Phase::ZERO), DisplacementDatum::Centred).unwrap()
 }
 

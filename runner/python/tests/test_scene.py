@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import ballrace
+from conftest import ROOT
 
 
 def test_an_error_names_file_line_key_found_and_expected(tmp_path: Path, scene: ballrace.Scene) -> None:
@@ -56,6 +57,16 @@ def test_equilibrium(scene: ballrace.Scene) -> None:
     assert abs(loaded.force_n_nm[1] - 500) < 1e-6
     assert "<svg" in rest.to_html()
     json.dumps(rest.to_dict())
+
+
+def test_temperatures_that_friction_and_cooling_keep() -> None:
+    spindle = ballrace.Scene.read(ROOT / "runner/scenes/spindle-thermal.toml")
+    front = spindle.equilibrium(thermal=True).to_dict()["bearings"][0]
+    warm = front["temperatures"]
+    assert warm["inner"] > warm["outer"] > 295
+    assert abs(warm["through_shaft"] + warm["through_housing"] - front["friction"]["power"]) < 0.5
+    with pytest.raises(ballrace.Error, match="no steady temperature"):
+        spindle.with_value("shaft.speed", "13000 rpm").equilibrium(thermal=True)
 
 
 def test_balance(scene: ballrace.Scene) -> None:

@@ -126,12 +126,27 @@ fn lasting(life: Option<f64>, of: &BearingLife) -> String {
     format!("{hours}{} million turns", alone(turns))
 }
 
+/// Returns the ratings of the geometry beside others, with the difference; `None` where there are no others.
+fn ratings_beside(life: &BearingLife) -> Option<String> {
+    let [dynamic, at_rest] = life.geometry_ratings;
+    let used = [life.dynamic_rating, life.static_rating];
+    let one = |name: &str, rating: f64, used: f64| {
+        format!("{name} {} kN, {} %", fixed(rating / 1e3, 2), with_sign(100.0 * (rating / used - 1.0), 1))
+    };
+    (life.geometry_ratings != used)
+        .then(|| format!("the geometry gives {}, {}", one("C", dynamic, used[0]), one("C0", at_rest, used[1])))
+}
+
 /// Writes load ratings and life of a bearing.
 fn life(out: &mut String, b: &BearingEquilibrium) {
     let Some(life) = &b.life else { return };
     let kilonewtons = |load: f64| fixed(load / 1e3, 2);
     let [dynamic, at_rest] = [life.dynamic_rating, life.static_rating].map(kilonewtons);
-    line(out, &format!("  ratings       C {dynamic} kN, C0 {at_rest} kN, from the geometry (ISO 281, ISO 76)"));
+    let source = match ratings_beside(life) {
+        Some(beside) => format!("as given; {beside}"),
+        None => "from the geometry (ISO 281, ISO 76)".to_owned(),
+    };
+    line(out, &format!("  ratings       C {dynamic} kN, C0 {at_rest} kN, {source}"));
     let reference = lasting(life.reference_life, life);
     line(out, &format!("  life L10r     {reference} by the loads of its elements (ISO/TS 16281)"));
     let load = life.equivalent_load.filter(|load| *load > 0.0).map(alone);
@@ -456,7 +471,7 @@ fn lives(bearings: &[BearingEquilibrium]) -> Table {
         Column::number("P", "N"),
         Column::number("L10", "h"),
     ];
-    let note = "Ratings from the geometry (ISO 281, ISO 76). L10r from the loads of the elements (ISO/TS 16281), L10 from the equivalent load P \
+    let note = "Ratings from the geometry (ISO 281, ISO 76) or as given. L10r from the loads of the elements (ISO/TS 16281), L10 from the equivalent load P \
                 (ISO 281); both for 90 % reliability, without the influence of lubrication and contamination. L10mr has it, by a_ISO.";
     Table::of(heads, bearings.iter().filter_map(row), note)
 }

@@ -67,6 +67,8 @@ pub struct Bearing {
     pub catalogue: Option<FromCatalogue>,
     /// `fit` and `temperatures`: the clearance before mounting; geometry and law have the operating clearance.
     pub mounting: Option<Mounting>,
+    /// `dynamic_rating` and `static_rating` of the maker, N
+    pub ratings: [Option<f64>; 2],
     /// `lubrication`, from which friction and modified life follow
     pub lubrication: Option<Lubrication>,
     /// `cooling`, from which the temperatures of the rings follow

@@ -31,10 +31,12 @@ pub struct ElementLoads {
 /// Load ratings and life of one bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BearingLife {
-    /// Basic dynamic radial load rating `C_r` of the geometry (ISO 281), N.
+    /// Basic dynamic radial load rating `C_r`, N: `dynamic_rating` of the scene, else that of the geometry (ISO 281).
     pub dynamic_rating: f64,
-    /// Basic static radial load rating `C_0r` of the geometry (ISO 76), N.
+    /// Basic static radial load rating `C_0r`, N: `static_rating` of the scene, else that of the geometry (ISO 76).
     pub static_rating: f64,
+    /// Both ratings by the geometry, N.
+    pub geometry_ratings: [f64; 2],
     /// Dynamic equivalent radial load `P_r` of ISO 281, N; `None` where its factors are not listed for the contact angle.
     pub equivalent_load: Option<f64>,
     /// Basic rating life `L_10 = (C_r/P_r)^p`, million revolutions; `None` without load.
@@ -88,6 +90,8 @@ impl BearingLife {
                 rated
             }
         };
+        let geometry_ratings = [rated.dynamic, rated.fixed];
+        let rated = rated.with(of.ratings);
         // A ring that turns under the load has the mean of its positions; the other ages where its load is.
         let life = rated.life(loads, [speeds[0] != 0.0 || speeds[1] == 0.0, speeds[1] != 0.0]);
         let load = rated.equivalent(of, force[0].hypot(force[1]), force[2].abs());
@@ -97,6 +101,7 @@ impl BearingLife {
             modified: life.and_then(|life| rated.modified(of, life, turning)),
             dynamic_rating: rated.dynamic,
             static_rating: rated.fixed,
+            geometry_ratings,
             equivalent_load: load,
             basic_life: basic,
             reference_life: life,
@@ -206,6 +211,13 @@ impl Rated {
             slope: 9.0 / 8.0,
             ball: None,
         })
+    }
+
+    /// Returns the bearing with the ratings of its maker, which count for all its contacts.
+    fn with(self, [dynamic, fixed]: [Option<f64>; 2]) -> Self {
+        let dynamic = dynamic.unwrap_or(self.dynamic);
+        let contact = self.contact.map(|rating| rating * dynamic / self.dynamic);
+        Self { dynamic, fixed: fixed.unwrap_or(self.fixed), contact, ..self }
     }
 
     /// Returns `L_10r`, million revolutions; `None` without load. `moves`: the inner and the outer ring turn under the load.

@@ -125,6 +125,7 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
         linear,
         catalogue: None,
         mounting: None,
+        ratings: [table.optional_quantity("dynamic_rating")?, table.optional_quantity("static_rating")?],
         lubrication: None,
         cooling: None,
     })

@@ -24,6 +24,7 @@ const CONTACT_STIFFNESS: Kind = Quantity(Dimension::ContactStiffness(1.5), POSIT
 /// Linear thermal expansion.
 const EXPANSION: Kind = NumberIn("1/K", (Included(0.0), Included(1e-4)));
 const KINEMATIC_VISCOSITY: Kind = Quantity(Dimension::KinematicViscosity, POSITIVE);
+const RATING: Kind = Quantity(Dimension::Force, POSITIVE);
 /// Conductance of heat.
 const CONDUCTANCE: Kind = NumberIn("W/K", (Included(0.0), Included(1e4)));
 const STIFFNESS: Kind = Quantity(Dimension::Stiffness, ANY);
@@ -166,7 +167,11 @@ pub(super) static BEARING: Keys = Keys {
                 "pitch diameter plus ball diameter", "only with `fit` or `temperatures`; required without a geometry",
                 "\"46.9 mm\""),
         ]]),
-        ("Friction and heat", &[&[
+        ("Life, friction and heat", &[&[
+            key("dynamic_rating", RATING, "basic dynamic load rating `C` of the maker",
+                "[from the geometry](models.md#ratings-and-life-of-an-equilibrium)", "", "\"14.8 kN\""),
+            key("static_rating", RATING, "basic static load rating `C_0` of the maker", "from the geometry", "",
+                "\"7.8 kN\""),
             key("lubrication", Table(&LUBRICATION),
                 "oil or grease, from which [friction](models.md#friction) and modified life follow", "none",
                 "not with `linear`", ""),
