@@ -187,7 +187,7 @@ const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
 fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
     let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
     let carries = |w: &f64| bearing.reaction(&along(*w), at).wrench.fz.abs() >= load[2].abs();
-    let Some(carrying) = THRUST_STARTS.iter().position(|w| carries(w)) else { return Displacement::default() };
+    let Some(carrying) = THRUST_STARTS.iter().position(carries) else { return Displacement::default() };
     let mut high = THRUST_STARTS[carrying];
     let mut low = if carrying > 0 { THRUST_STARTS[carrying - 1] } else { 0.0 };
     for _ in 0..HALVINGS {
