@@ -31,8 +31,8 @@ pub trait SystemTask<R> {
     /// Runs the task.
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
-        S: SecondOrderSystem<f64, D> + Send + 'static,
-        C: ReactingElement<D> + Send + 'static;
+        S: SecondOrderSystem<f64, D> + Clone + Send + 'static,
+        C: ReactingElement<D> + Clone + Send + 'static;
 }
 
 /// A rigid rotor on bearings.
@@ -66,6 +66,7 @@ impl ReactingElement<5> for BearingAtStation<f64, AnyBearing<f64>> {
 }
 
 /// A bearing on any coordinates, or one whose balls are coordinates.
+#[derive(Clone)]
 pub(crate) enum MountedElement<const D: usize> {
     /// Bearing on coordinates of the system.
     Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),

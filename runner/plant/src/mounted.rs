@@ -79,6 +79,12 @@ impl MountedBearing {
         self.solved = None;
     }
 
+    /// Returns true where [`MountedBearing::moving`] starts each solution from earlier samples.
+    #[must_use]
+    pub const fn is_warm_started(&self) -> bool {
+        self.solved.is_some()
+    }
+
     /// Returns the bearing without memory of earlier samples.
     #[must_use]
     pub fn cold(&self) -> AnyBearing<f64> {

@@ -8,6 +8,7 @@
 //! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
 //! | [`fit`], [`balance`] | parameters from a recording; masses from vibration vectors |
 //! | [`bake`] | constants for firmware |
+//! | [`fmu`] | a rotor or a bearing as a part of another simulation |
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -16,6 +17,7 @@ pub mod campbell;
 pub mod effect_significance;
 pub mod equilibrium;
 pub mod fit;
+pub mod fmu;
 pub mod force;
 pub mod life;
 pub mod sweep;
