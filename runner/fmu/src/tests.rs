@@ -233,7 +233,8 @@ fn a_rotor_is_saved_restored_reset_and_loaded() {
 #[test]
 fn an_external_force_is_a_load_of_the_scene() {
     // Balanced, the rotor has one motion under a load, which it approaches from the equilibrium without the load.
-    let balanced = SCENE.replace("120 g mm", "0 g mm");
+    // The step is given, since that of the scene depends on the load.
+    let balanced = SCENE.replace("120 g mm", "0 g mm") + "[integration]\nstep = \"20 us\"\n";
     let host = Host::new(&balanced, &ROTOR);
     let instance = host.started();
     assert_eq!(set(instance, [1, 2, 3, 5], [120.0, -400.0, 60.0, 1.5]), OK);
