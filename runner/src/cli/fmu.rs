@@ -111,8 +111,8 @@ fn read_library(path: &Path) -> Result<Vec<u8>> {
     let bytes = match fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => bail!(
-            "{file}: no library of units, expected the one of the program's archive, or in a clone of the project: cargo build \
-             --release -p ballrace-fmu, then --library target/release/{DLL_PREFIX}ballrace_fmu{DLL_SUFFIX}"
+            "{file}: no library of units, expected the one beside the program in its archive, or --library FILE with the one in \
+             target/release after cargo build --release -p ballrace-fmu"
         ),
         Err(error) => bail!("{file}: this library cannot be read: {error}"),
     };
