@@ -1,6 +1,7 @@
 //! Units for co-simulation: what `fmu` writes, and what it refuses. The Python package's tests run units in a host.
 
 use crate::support::{DEMO_SCENE, Sandbox, program, scene};
+use serde_json::Value;
 use std::process::Command;
 
 /// Names of the files in an archive, from the headers before each.
@@ -17,9 +18,8 @@ fn names(archive: &[u8]) -> Vec<String> {
 #[test]
 fn a_unit_has_description_library_and_scene() {
     let sandbox = Sandbox::rig();
-    let unit = sandbox.done(&["fmu", "scene.toml", "-o", "rotor.fmu", "--format", "json"]).json();
+    let unit: Value = sandbox.done(&["fmu", "scene.toml", "-o", "rotor.fmu", "--format", "json"]).json();
     assert_eq!(unit["internal_step_s"], 1.0 / 12_800.0);
-    assert_eq!(unit["can_save_its_state"], true);
     let rows = unit["variables"].as_array().unwrap();
     assert_eq!(rows.len(), 1 + 5 + 10 + 10 + 1, "{rows:?}");
     assert_eq!(rows[6]["name"], "u");
@@ -58,7 +58,6 @@ fn wrong_command_lines_are_refused() {
     };
     refused(&["scene.toml", "--bearing", "XE"], 2, &["--bearing: ", "\"XE\"", "DE, NDE"]);
     refused(&["scene.toml", "--rate", "fast"], 2, &["--rate: ", "fast"]);
-    refused(&["scene.toml", "--rate", "12800"], 2, &["--rate: no unit"]);
     refused(&["scene.toml", "--rate", "1 Hz"], 2, &["too many integration steps"]);
     refused(&["unclocked.toml"], 2, &["--rate: missing, expected the sampling rate, such as \"12.8 kHz\""]);
     refused(&["lone.toml"], 2, &["unused"]);

@@ -10,16 +10,6 @@ struct Saved {
     mode: Mode,
 }
 
-impl Saved {
-    fn of(unit: &Unit, mode: Mode) -> Result<Self, String> {
-        let unit = unit.copy().ok_or(
-            "the solution of a quasi-static bearing starts from earlier ones, expected another model of every bearing \
-             (canGetAndSetFMUState)",
-        )?;
-        Ok(Self { unit, mode })
-    }
-}
-
 /// Copies the state of an instance to `FMUState`, a new one where that is null.
 ///
 /// # Safety
@@ -31,7 +21,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, FMUState: *mut *
         let Some(place) = (unsafe { FMUState.as_mut() }) else {
             return Err("FMUState: null, expected a place".to_owned());
         };
-        let saved = Saved::of(&instance.unit, instance.mode)?;
+        let saved = Saved { unit: instance.unit.copy(), mode: instance.mode };
         // SAFETY: a state that the host gives is one of this library.
         match unsafe { place.cast::<Saved>().as_mut() } {
             Some(state) => *state = saved,
@@ -54,8 +44,7 @@ pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, FMUState: *mut c
         let Some(state) = (unsafe { FMUState.cast::<Saved>().as_ref() }) else {
             return Err("FMUState: null, expected a state of fmi3GetFMUState".to_owned());
         };
-        let Saved { unit, mode } = Saved::of(&state.unit, state.mode)?;
-        (instance.unit, instance.mode) = (unit, mode);
+        (instance.unit, instance.mode) = (state.unit.copy(), state.mode);
         Ok(())
     };
     // SAFETY: the caller's.

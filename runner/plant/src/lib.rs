@@ -283,7 +283,7 @@ impl Plant {
 
     fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&MountedBearing) -> Phase) -> Result<Rest> {
         let at = self.bearings.iter().map(|mounted| self.resting(mounted, cages(mounted))).collect();
-        self.with_machine(MountedBearing::cold, RestTask { start, at })
+        self.with_machine(MountedBearing::resting, RestTask { start, at })
     }
 
     /// Returns the plant with a flexible rotor as a rigid one, with its damping proportional to the mass; `None` for another rotor.

@@ -27,7 +27,7 @@ pub trait Twin: Send {
     fn turn_cage(&mut self, i: usize, by: Phase);
     /// Sets the load on each coordinate besides that of the scene, N and N m; 0 at the start and where `load` is shorter.
     fn set_load(&mut self, load: &[f64]);
-    /// Returns a copy that moves by itself. Quasi-static bearings of both start their solutions from the last of either.
+    /// Returns a copy that goes on by itself, bit for bit as this twin does.
     fn copy(&self) -> Box<dyn Twin>;
 }
 

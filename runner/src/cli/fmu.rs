@@ -43,7 +43,6 @@ struct Summary<'a> {
     platform: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     internal_step_s: Option<f64>,
-    can_save_its_state: bool,
     variables: Vec<Row<'a>>,
     output: String,
 }
@@ -92,7 +91,6 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
         bearing: args.bearing.as_deref(),
         platform: platform(),
         internal_step_s: unit.internal_step(),
-        can_save_its_state: unit.can_be_copied(),
         variables: rows.collect(),
         output: args.output.display().to_string(),
     };
@@ -162,12 +160,6 @@ fn print(summary: &Summary<'_>, format: Format) -> Result<()> {
             match summary.internal_step_s {
                 Some(step) => writeln!(out, "Communication steps: whole multiples of {:.6} us", step * 1e6)?,
                 None => writeln!(out, "Communication steps: of any length")?,
-            }
-            if !summary.can_save_its_state {
-                writeln!(
-                    out,
-                    "The state cannot be saved: the solution of a quasi-static bearing starts from earlier ones."
-                )?;
             }
             writeln!(out, "Written: {}", summary.output)?;
         }

@@ -125,19 +125,12 @@ impl Unit {
         (self.start, self.stop) = (start, stop);
     }
 
-    /// Returns true where [`Unit::copy`] returns a copy.
+    /// Returns a copy that goes on as this unit does, bit for bit.
     #[must_use]
-    pub fn can_be_copied(&self) -> bool {
-        self.machine.can_be_copied()
-    }
-
-    /// Returns a copy that goes on as this unit does, bit for bit; none for a rotor on quasi-static bearings, whose solutions start
-    /// from earlier ones.
-    #[must_use]
-    pub fn copy(&self) -> Option<Self> {
-        let (variables, machine) = (self.variables.clone(), self.machine.copy()?);
+    pub fn copy(&self) -> Self {
+        let (variables, machine) = (self.variables.clone(), self.machine.copy());
         let (inputs, outputs) = (self.inputs.clone(), self.outputs.clone());
-        Some(Self { variables, machine, inputs, outputs, ..*self })
+        Self { variables, machine, inputs, outputs, ..*self }
     }
 
     /// Returns the time, s.

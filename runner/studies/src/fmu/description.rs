@@ -44,9 +44,8 @@ pub fn model_description(
     let internal = step.map_or(String::new(), |step| format!(" fixedInternalStepSize=\"{step:?}\""));
     writeln!(
         out,
-        "  <CoSimulation modelIdentifier=\"{identifier}\" canGetAndSetFMUState=\"{}\" \
-         canHandleVariableCommunicationStepSize=\"true\"{internal}/>",
-        unit.can_be_copied()
+        "  <CoSimulation modelIdentifier=\"{identifier}\" canGetAndSetFMUState=\"true\" \
+         canHandleVariableCommunicationStepSize=\"true\"{internal}/>"
     )?;
     writeln!(out, "  <UnitDefinitions>")?;
     for (name, base) in UNITS {

@@ -7,9 +7,9 @@ use ballrace::bearing::LastValidWrench;
 use ballrace::{Displacement, Status};
 use ballrace_models::build::{self, AnyBearing};
 use ballrace_models::handle::ForceModel as _;
+use ballrace_plant::Plant;
 use ballrace_plant::error::{Error, Result};
 use ballrace_plant::motion::Response;
-use ballrace_plant::{MountedBearing, Plant};
 use ballrace_scene::{Bearing, Scene};
 use std::f64::consts::TAU;
 
@@ -83,18 +83,11 @@ impl Machine {
         Ok(())
     }
 
-    pub fn can_be_copied(&self) -> bool {
+    pub fn copy(&self) -> Self {
         match self {
-            Self::Bearing(_) => true,
-            Self::Rotor(rotor) => !rotor.plant.bearings.iter().any(MountedBearing::is_warm_started),
-        }
-    }
-
-    pub fn copy(&self) -> Option<Self> {
-        self.can_be_copied().then(|| match self {
             Self::Bearing(bearing) => Self::Bearing(bearing.clone()),
             Self::Rotor(rotor) => Self::Rotor(Box::new(rotor.copy())),
-        })
+        }
     }
 
     /// Computes the outputs at these inputs.
