@@ -54,7 +54,7 @@ impl Kind {
 /// Reads variables of type Float64.
 ///
 /// # Safety
-/// As [`call`]; the arrays are null or have the stated lengths.
+/// As in the [crate](crate#safety); the arrays are null or have the stated lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFloat64(
     instance: *mut c_void,

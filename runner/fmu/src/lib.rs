@@ -4,6 +4,11 @@
 //! The library is the same in every unit. An instance reads the scene in the resources of its unit and is a
 //! [`Unit`](ballrace_studies::fmu::Unit). Everything that is not co-simulation without events returns an error. No panic reaches the
 //! host; every error is a message to its logger.
+//!
+//! # Safety
+//!
+//! Of every function, `instance` is null or was returned by [`fmi3InstantiateCoSimulation`], was not freed, and is in no other call; each array
+//! is null or has the stated number of values, and each text is null or ends with a 0.
 // The functions take pointers from the host and have the names of the standard.
 #![allow(unsafe_code, non_snake_case)]
 
@@ -106,7 +111,7 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
 /// Accepts every choice of messages: the only ones are those of errors.
 ///
 /// # Safety
-/// As [`call`].
+/// As in the [crate](crate#safety).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     instance: *mut c_void,
@@ -121,7 +126,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
 /// Begins the initialisation at a start time.
 ///
 /// # Safety
-/// As [`call`].
+/// As in the [crate](crate#safety).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     instance: *mut c_void,
@@ -133,7 +138,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
 ) -> c_int {
     let enter = |instance: &mut Instance| {
         let stop = if stopTimeDefined { stopTime } else { f64::INFINITY };
-        if !startTime.is_finite() || !(stop >= startTime) {
+        if !startTime.is_finite() || stop.is_nan() || stop < startTime {
             return Err(format!("startTime and stopTime: {startTime} and {stop}, expected finite times in this order"));
         }
         instance.unit.run_from(startTime, stop);
@@ -147,7 +152,7 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
 /// Ends the initialisation: the first step may follow.
 ///
 /// # Safety
-/// As [`call`].
+/// As in the [crate](crate#safety).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> c_int {
     // SAFETY: the caller's.
@@ -162,7 +167,7 @@ pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> c_
 /// Ends a simulation; values can still be read.
 ///
 /// # Safety
-/// As [`call`].
+/// As in the [crate](crate#safety).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> c_int {
     // SAFETY: the caller's.
@@ -177,7 +182,7 @@ pub unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> c_int {
 /// Returns an instance to its state after [`fmi3InstantiateCoSimulation`].
 ///
 /// # Safety
-/// As [`call`].
+/// As in the [crate](crate#safety).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> c_int {
     // SAFETY: the caller's.
@@ -193,7 +198,7 @@ pub unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> c_int {
 /// Advances by a communication step with the present inputs.
 ///
 /// # Safety
-/// As [`call`]; each pointer to a result is null or writable.
+/// As in the [crate](crate#safety); each pointer to a result is null or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: *mut c_void,

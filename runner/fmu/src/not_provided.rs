@@ -18,7 +18,7 @@ macro_rules! not_provided {
             /// Not provided.
             ///
             /// # Safety
-            /// As [`call`].
+            /// As in the [crate](crate#safety).
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(instance: *mut c_void, $(_: $argument),*) -> c_int {
                 // SAFETY: the caller's.

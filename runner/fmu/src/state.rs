@@ -13,7 +13,7 @@ struct Saved {
 /// Copies the state of an instance to `FMUState`, a new one where that is null.
 ///
 /// # Safety
-/// As [`call`]; `FMUState` is null or a place with null or a state that this function has returned.
+/// As in the [crate](crate#safety); `FMUState` is null or a place with null or a state that this function has returned.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, FMUState: *mut *mut c_void) -> c_int {
     let get = |instance: &mut Instance| {
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, FMUState: *mut *
 /// Returns an instance to a copied state.
 ///
 /// # Safety
-/// As [`call`]; `FMUState` is null or a state of [`fmi3GetFMUState`].
+/// As in the [crate](crate#safety); `FMUState` is null or a state of [`fmi3GetFMUState`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, FMUState: *mut c_void) -> c_int {
     let set = |instance: &mut Instance| {
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, FMUState: *mut c
 /// Frees a copied state and writes null to its place; null is none.
 ///
 /// # Safety
-/// As [`call`]; `FMUState` is null or a place with null or a state of [`fmi3GetFMUState`].
+/// As in the [crate](crate#safety); `FMUState` is null or a place with null or a state of [`fmi3GetFMUState`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeFMUState(instance: *mut c_void, FMUState: *mut *mut c_void) -> c_int {
     let free = |_: &mut Instance| {

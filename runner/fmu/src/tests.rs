@@ -262,6 +262,7 @@ fn refused_steps_say_why() {
         (0.0, f64::INFINITY, "above 0 s"),
         (period, period, "expected 0 s, the end of the last step"),
         (f64::NAN, period, "expected 0 s"),
+        (f64::INFINITY, period, "expected 0 s"),
     ] {
         let instance = host.started();
         assert_eq!(step(instance, point, length), ERROR, "{point} {length}");

@@ -201,7 +201,7 @@ impl Unit {
         let internal = self.internal_step();
         let expected = self.time();
         let allowed = NEAR * internal.unwrap_or(length) + ROUNDING * point.abs();
-        if !((point - expected).abs() <= allowed) {
+        if !point.is_finite() || (point - expected).abs() > allowed {
             return Err(UnitError::Point { found: point, expected }.into());
         }
         if !(length > 0.0 && length.is_finite()) {
