@@ -118,9 +118,8 @@ impl Machine {
 impl BearingForce {
     fn variables(&self) -> Vec<Variable> {
         let input = |name: &str, unit, meaning: String| Variable::new(Causality::Input, name, Some(unit), meaning);
-        let kind = |unit: &str| if unit == "m" { "Displacement" } else { "Rotation" };
         let displacements = DIRECTIONS.map(|(name, _, along, unit, _)| {
-            input(name, unit, format!("{} {along} of the inner ring against the outer ring", kind(unit)))
+            input(name, unit, format!("{} of the inner ring against the outer ring", motion_along(unit, along)))
         });
         let angle = input("angle", "rad", "Angle of the shaft from that at time 0, of any number of turns".to_owned());
         let speed = input("speed", "rad/s", "Speed of the shaft".to_owned());
@@ -165,7 +164,20 @@ impl RotorMotion {
 
     fn sample(&mut self) {
         self.row.clear();
-        self.row.extend(self.response.now().row().skip(1));
+        let now = self.response.now();
+        self.row.extend(now.row().skip(1));
+        if self.has_load_place() {
+            // Displacement, then rate, of the place of the external force.
+            for coordinates in [now.twin.coordinates(), now.twin.rates()] {
+                let at = |along: &Vec<f64>| along.iter().zip(coordinates).map(|(row, q)| row * q).sum::<f64>();
+                self.row.extend(self.rows.iter().map(at));
+            }
+        }
+    }
+
+    /// Returns true where the place of the external force moves apart from the centre of mass: on a rotor that bends.
+    fn has_load_place(&self) -> bool {
+        self.plant.layout.flexible().is_some()
     }
 
     fn write(&self, outputs: &mut Vec<f64>) {
@@ -207,6 +219,19 @@ impl RotorMotion {
             variables.push(Variable { rate_of: Some(first + i), ..rate });
         }
         variables.extend(mounted.iter().flat_map(|one| forces(&format!("{}.", identifier(&one.name)), &one.name)));
+        if self.has_load_place() {
+            let first = variables.len();
+            for (name, _, along, unit, _) in DIRECTIONS {
+                let meaning = format!("{} where the external force acts", motion_along(unit, along));
+                variables.push(Variable::new(Causality::Output, format!("load.{name}"), Some(unit), meaning));
+            }
+            for (i, (name, _, along, unit, _)) in DIRECTIONS.into_iter().enumerate() {
+                let meaning = format!("Rate: {} where the external force acts", motion_along(unit, along));
+                let unit = if unit == "m" { "m/s" } else { "rad/s" };
+                let rate = Variable::new(Causality::Output, format!("der(load.{name})"), Some(unit), meaning);
+                variables.push(Variable { rate_of: Some(first + i), ..rate });
+            }
+        }
     }
 
     /// Describes the coordinate `i` with this name in the plant: those of the centre of mass are first, then those of bending, which
@@ -214,8 +239,10 @@ impl RotorMotion {
     fn coordinate(&self, i: usize, name: &str) -> Coordinate {
         let (length, angle) = (["m", "m/s"], ["rad", "rad/s"]);
         let (units, meaning) = match DIRECTIONS.get(i).filter(|_| !self.plant.layout.is_given()) {
-            Some((_, _, along, "m", _)) => (Some(length), format!("Displacement {along} of the centre of mass")),
-            Some((_, _, along, ..)) => (Some(angle), format!("Rotation {along} of the centre of mass")),
+            Some(&(_, _, along, unit, _)) => {
+                let units = if unit == "m" { length } else { angle };
+                (Some(units), format!("{} of the centre of mass", motion_along(unit, along)))
+            }
             None => {
                 let is_length = i >= self.plant.layout.rotor_order();
                 (is_length.then_some(length), format!("Coordinate {name}"))
@@ -223,6 +250,11 @@ impl RotorMotion {
         };
         Coordinate { name: identifier(name), units, meaning }
     }
+}
+
+/// Names a displacement in a direction, or a rotation about it.
+fn motion_along(unit: &str, along: &str) -> String {
+    format!("{} {along}", if unit == "m" { "Displacement" } else { "Rotation" })
 }
 
 /// One coordinate of a rotor.
