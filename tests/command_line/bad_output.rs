@@ -6,10 +6,11 @@ use std::process::Stdio;
 use crate::support::{DEMO_SCENE, SHORT, Sandbox, short_recording};
 
 /// The options that name a file to write, each with its command.
-const OUTPUTS: [(&[&str], &str); 3] = [
+const OUTPUTS: [(&[&str], &str); 4] = [
     (&["replay", "scene.toml"], "--report"),
     (&["replay", "scene.toml"], "--forces"),
     (&["simulate", "scene.toml", "--duration", "0.1 s", "--rate", "1 kHz"], "--output"),
+    (&["fmu", "scene.toml"], "--output"),
 ];
 
 #[test]

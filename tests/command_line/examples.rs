@@ -74,7 +74,7 @@ fn exit_codes_are_in_the_help() {
 fn the_error_of_force_is_offered_only_where_it_counts() {
     let sandbox = Sandbox::empty();
     for name in commands() {
-        let counts = ["check", "verify", "fit", "balance", "new", "scenes", "schema", "completions", "man"]
+        let counts = ["check", "verify", "fit", "fmu", "balance", "new", "scenes", "schema", "completions", "man"]
             .iter()
             .all(|other| *other != name);
         let help = sandbox.done(&[&name, "--help"]).out;

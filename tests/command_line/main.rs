@@ -32,6 +32,7 @@ mod fit_validity;
 mod fleet;
 mod flexible;
 mod flexible_rotor;
+mod fmu;
 mod force;
 mod formats;
 mod frames_source;

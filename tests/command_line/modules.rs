@@ -17,7 +17,8 @@ const LIBRARY: [&str; 9] = [
     "runner/replay/src",
 ];
 /// Folders of the other packages.
-const OTHERS: [&str; 5] = ["kernel/src", "kernel/c/src", "runner/report/src", "runner/src", "runner/python/src"];
+const OTHERS: [&str; 6] =
+    ["kernel/src", "kernel/c/src", "runner/report/src", "runner/src", "runner/python/src", "runner/fmu/src"];
 
 /// A path of modules from the root of a package.
 type ModulePath = Vec<String>;

@@ -31,6 +31,8 @@ pub fn program() -> &'static Path {
             .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
             .package("ballrace-runner")
             .bin("ballrace")
+            // And the library that `fmu` puts into units.
+            .args(["--package", "ballrace-fmu", "--lib"])
             .release();
         let build = match own_target_folder() {
             Some(folder) => build.target_dir(folder),

@@ -117,13 +117,15 @@ fn printed_texts_have_no_slips() {
     let sandbox = Sandbox::rig();
     sandbox.put("d.csv", "u,v,w,thu,thv\n1e-6,0,1e-6,0,0\nnan,0,0,0,0\n");
     sandbox.put("machines.csv", "machine,scene\nrig,scene.toml\nlost,absent.toml\n");
-    let commands: [&[&str]; 7] = [
+    let commands: [&[&str]; 9] = [
         &["replay", "scene.toml"],
         &["fleet", "machines.csv", "-o", "fleet"],
         &["equilibrium", "scene.toml"],
         &["campbell", "scene.toml", "--speeds", "0rpm..3000rpm:2"],
         &["force", "scene.toml", "--bearing", "DE", "--displacements", "d.csv"],
         &["bake", "scene.toml", "-o", "baked.rs"],
+        &["fmu", "scene.toml", "-o", "rotor.fmu"],
+        &["fmu", "scene.toml", "--bearing", "DE", "-o", "bearing.fmu"],
         &["sweep", "scene.toml", "--over", "shaft.speed=2000rpm..3000rpm:2", "--periods", "16", "-o", "sweep"],
     ];
     for args in commands {

@@ -12,7 +12,7 @@ pub use contact::{ElementContact, point_contact_approach, point_contact_load, st
 pub use effects::{inertia_params, lubricant};
 pub use error::BuildError;
 pub(crate) use kinematics::outer_ratio;
-pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation_at};
+pub use kinematics::{Kinematics, element_azimuth, kinematics, kinematics_of, rolling_speed, rotation, rotation_at};
 pub use table::TableData;
 pub(crate) use table::numbers;
 

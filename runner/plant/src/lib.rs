@@ -283,7 +283,7 @@ impl Plant {
 
     fn equilibrium(&self, start: Vec<f64>, cages: impl Fn(&MountedBearing) -> Phase) -> Result<Rest> {
         let at = self.bearings.iter().map(|mounted| self.resting(mounted, cages(mounted))).collect();
-        self.with_machine(MountedBearing::cold, RestTask { start, at })
+        self.with_machine(MountedBearing::resting, RestTask { start, at })
     }
 
     /// Returns the plant with a flexible rotor as a rigid one, with its damping proportional to the mass; `None` for another rotor.
@@ -361,6 +361,18 @@ impl Plant {
     #[must_use]
     pub fn pose(&self, coordinates: &[f64]) -> Displacement<f64> {
         if self.layout.is_given() { self.displacement(0, coordinates) } else { first_five(coordinates) }
+    }
+
+    /// Returns the displacement along each external force per unit of each coordinate: `u v w thu thv` where the scene's load acts
+    /// on its rotor; each coordinate of a given system. The transposed map is that of the forces to the coordinates.
+    #[must_use]
+    pub fn external_rows(&self) -> Vec<Vec<f64>> {
+        match &self.rotor {
+            Some(rotor) => self.layout.rows(rotor.local_load().0).into(),
+            None => (0..self.layout.order)
+                .map(|i| (0..self.layout.order).map(|j| f64::from(u8::from(i == j))).collect())
+                .collect(),
+        }
     }
 
     /// Returns mass and inertia of a flexible rotor, and the error of its reduced model; `None` for another rotor.

@@ -2,6 +2,7 @@
 
 use super::plant_error::{PlantError, Result, rejected};
 use super::system::{OnHeap, RIGID};
+use super::warm::Held;
 use super::{MountedBearing, Plant};
 use ballrace::bearing::{Bearing, ElementPosition, Reaction};
 use ballrace::rotor::{
@@ -9,7 +10,7 @@ use ballrace::rotor::{
     RotorBearingSystem, SecondOrderSystem, SpeedRatios,
 };
 use ballrace::{BearingKinematicState, Displacement, Exact, Status, Stiffness};
-use ballrace_models::build::{self, AnyBearing, Shared};
+use ballrace_models::build::{self, Shared};
 use nalgebra::SMatrix;
 use std::sync::Arc;
 
@@ -31,16 +32,16 @@ pub trait SystemTask<R> {
     /// Runs the task.
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> R
     where
-        S: SecondOrderSystem<f64, D> + Send + 'static,
-        C: ReactingElement<D> + Send + 'static;
+        S: SecondOrderSystem<f64, D> + Clone + Send + 'static,
+        C: ReactingElement<D> + Clone + Send + 'static;
 }
 
 /// A rigid rotor on bearings.
 pub(crate) type RigidSystem<const N: usize> =
-    RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, AnyBearing<f64>>, N>;
+    RotorBearingSystem<RigidRotor<f64, Exact>, BearingAtStation<f64, Held>, N>;
 
-/// Function that returns the kernel's bearing of a mounted bearing: [`MountedBearing::cold`] or [`MountedBearing::moving`].
-pub(crate) type Hold = fn(&MountedBearing) -> AnyBearing<f64>;
+/// Function that returns the kernel's bearing of a mounted bearing: [`MountedBearing::resting`] or [`MountedBearing::moving`].
+pub(crate) type Hold = fn(&MountedBearing) -> Held;
 
 /// A bearing without force, for an unused position of the system.
 struct NoBearing;
@@ -59,16 +60,17 @@ impl Bearing<f64> for NoBearing {
     fn element_loads(&self, _u: &Displacement<f64>, _at: &BearingKinematicState<f64>, _loads: &mut [f64]) {}
 }
 
-impl ReactingElement<5> for BearingAtStation<f64, AnyBearing<f64>> {
+impl ReactingElement<5> for BearingAtStation<f64, Held> {
     fn reaction(&self, q: &[f64; 5], at: &BearingKinematicState<f64>) -> Reaction<f64> {
         self.bearing.reaction(&Displacement::from_array(*q).at_station(self.station), at)
     }
 }
 
 /// A bearing on any coordinates, or one whose balls are coordinates.
+#[derive(Clone)]
 pub(crate) enum MountedElement<const D: usize> {
     /// Bearing on coordinates of the system.
-    Bearing(AttachedBearing<f64, AnyBearing<f64>, D>),
+    Bearing(AttachedBearing<f64, Held, D>),
     /// Balls with coordinates of their own.
     Balls(Box<MovingBalls<f64, Exact, Vec<ElementPosition<f64>>, D>>),
 }
@@ -204,6 +206,6 @@ impl Plant {
     }
 }
 
-fn nothing() -> AnyBearing<f64> {
-    Shared(Arc::new(NoBearing))
+fn nothing() -> Held {
+    Held::Plain(Shared(Arc::new(NoBearing)))
 }

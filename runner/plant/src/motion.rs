@@ -4,11 +4,11 @@ pub mod instruments;
 
 use crate::error::{Error, LARGEST_SPEED, MotionOverflow};
 use crate::{Plant, Twin};
-use ballrace::Wrench;
 use ballrace::rotor::ShaftMotion;
+use ballrace::{Phase, Status, Wrench};
 use ballrace_recording::Row;
 use ballrace_recording::rotation::Tracker;
-use ballrace_scene::{RotationSource, Scene};
+use ballrace_scene::{RotationSource, Scene, Speed};
 
 /// Largest number of samples of one run, with those of the transient.
 pub const MAX_SAMPLES: f64 = 1e9;
@@ -114,6 +114,89 @@ pub fn check_overflow(
     }))
 }
 
+/// Time response of a scene's rotor, advanced sample by sample.
+pub struct Response {
+    plant: Plant,
+    twin: Box<dyn Twin>,
+    speed: Speed,
+    /// Follows the scene's speed profile as for a recording without a speed column.
+    shaft: Tracker,
+    /// Samples per second.
+    rate: f64,
+    /// Number of the present sample, from 0.
+    index: u64,
+    /// Revolutions of the shaft at the present sample.
+    turned: f64,
+    drive: ShaftMotion<f64>,
+}
+
+impl Response {
+    /// Starts at time 0 in static equilibrium, with `rate` samples per second (Hz).
+    ///
+    /// # Errors
+    /// Returns an error if a sample takes too many integration steps or the kernel rejects a parameter.
+    pub fn start(scene: &Scene, plant: &Plant, rate: f64) -> Result<Self, Error> {
+        let (plant, speed) = (plant.for_simulation(), scene.shaft.speed);
+        let twin = plant.start(1.0 / rate, 0.0).map_err(Error::setup)?;
+        let drive = ShaftMotion { angle: Phase::ZERO, speed: 0.0, acceleration: 0.0 };
+        let mut response = Self { plant, twin, speed, shaft: follow(speed, rate), rate, index: 0, turned: 0.0, drive };
+        response.turn_shaft()?;
+        Ok(response)
+    }
+
+    /// Returns a copy that moves by itself, as [`Twin::copy`].
+    #[must_use]
+    pub fn copy(&self) -> Self {
+        let (plant, twin, shaft) = (self.plant.clone(), self.twin.copy(), follow(self.speed, self.rate));
+        Self { plant, twin, shaft, ..*self }
+    }
+
+    /// Returns the present sample.
+    #[must_use]
+    pub fn now(&self) -> ResponseSample<'_> {
+        let (time, twin) = (self.index as f64 * self.period(), self.twin.as_ref());
+        ResponseSample { time, turned: self.turned, drive: self.drive, twin, plant: &self.plant }
+    }
+
+    /// Returns the twin.
+    pub fn twin(&mut self) -> &mut dyn Twin {
+        self.twin.as_mut()
+    }
+
+    /// Returns the sample period, s.
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        1.0 / self.rate
+    }
+
+    /// Advances by one sample period.
+    ///
+    /// # Errors
+    /// [`MotionOverflow`].
+    pub fn advance(&mut self) -> Result<Status, Error> {
+        let status = self.twin.step(&self.drive);
+        self.index += 1;
+        let end = self.index as f64 * self.period();
+        check_overflow((&self.plant, self.period()), (self.twin.as_ref(), status.is_held()), end)?;
+        self.turn_shaft()?;
+        Ok(status)
+    }
+
+    /// Turns the shaft to the present sample.
+    fn turn_shaft(&mut self) -> Result<(), Error> {
+        let time = self.index as f64 * self.period();
+        self.shaft.push(Row { index: self.index, time, ..Row::default() })?;
+        if let Some(sample) = self.shaft.pop() {
+            (self.turned, self.drive) = (sample.total_revolutions(), sample.shaft_motion());
+        }
+        Ok(())
+    }
+}
+
+fn follow(speed: Speed, rate: f64) -> Tracker {
+    Tracker::new(&RotationSource::Scene, rate, speed)
+}
+
 /// Simulates the scene's rotor from equilibrium, or from the state `start`, and passes each sample after the transient to `visit`.
 /// Returns the twin at the end.
 ///
@@ -126,25 +209,15 @@ pub fn run<E: From<Error>>(
     start: impl FnOnce(&mut dyn Twin),
     mut visit: impl FnMut(&ResponseSample<'_>) -> Result<(), E>,
 ) -> Result<Box<dyn Twin>, E> {
-    let period = 1.0 / span.rate;
-    let plant = &plant.for_simulation();
-    let mut twin = plant.start(period, 0.0).map_err(Error::setup)?;
-    start(twin.as_mut());
-    // The tracker follows the scene's speed profile as for a recording without a speed column.
-    let mut shaft = Tracker::new(&RotationSource::Scene, span.rate, scene.shaft.speed);
+    let mut response = Response::start(scene, plant, span.rate)?;
+    start(response.twin());
     for i in 0..span.settle + span.samples {
-        let time = i as f64 * period;
-        shaft.push(Row { index: i, time, ..Row::default() }).map_err(Error::from)?;
-        let Some(sample) = shaft.pop() else { break };
-        let drive = sample.shaft_motion();
         if i >= span.settle {
-            let turned = sample.total_revolutions();
-            visit(&ResponseSample { time, turned, drive, twin: twin.as_ref(), plant })?;
+            visit(&response.now())?;
         }
-        let is_held = twin.step(&drive).is_held();
-        check_overflow((plant, period), (twin.as_ref(), is_held), (i + 1) as f64 * period)?;
+        response.advance()?;
     }
-    Ok(twin)
+    Ok(response.twin)
 }
 
 #[cfg(test)]

@@ -1,14 +1,13 @@
 //! A bearing on the rotor.
 
 use super::plant_error::Result;
-use super::warm::{ColdAndFew, WARM_STEPS, Warm};
+use super::warm::{ColdAndFew, Held, WARM_STEPS, Warm};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_models::bearing_model;
 pub use ballrace_models::build::Balls;
-use ballrace_models::build::{self, AnyBearing, Kinematics, Shared};
+use ballrace_models::build::{self, AnyBearing, Kinematics};
 use ballrace_scene::{Bearing as BearingScene, Model, Scene};
-use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
 #[derive(Clone)]
@@ -85,12 +84,16 @@ impl MountedBearing {
         self.bearing.clone()
     }
 
+    /// Returns the bearing for one machine at rest.
+    pub(crate) fn resting(&self) -> Held {
+        Held::Plain(self.cold())
+    }
+
     /// Returns the bearing for one twin: the quasi-static one starts from its last ball positions.
-    #[must_use]
-    pub fn moving(&self) -> AnyBearing<f64> {
+    pub(crate) fn moving(&self) -> Held {
         match &self.solved {
-            Some(solved) => Shared(Arc::new(Warm::new(solved.clone(), self.offset, self.elements))),
-            None => self.bearing.clone(),
+            Some(solved) => Held::Warm(Box::new(Warm::new(solved.clone(), self.offset, self.elements))),
+            None => self.resting(),
         }
     }
 }

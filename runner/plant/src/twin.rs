@@ -6,6 +6,7 @@ use ballrace::rotor::{
     ComponentAngles, ForceElement, Integrator, Newmark, RotorBearingSystem, RotorState, RungeKuttaNystrom,
     SecondOrderSystem, ShaftMotion, SteadyVerlet, Verlet,
 };
+use ballrace::twin::WithUnmodelledForce;
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_models::simd::SimdDispatch;
 use ballrace_scene::Method;
@@ -24,6 +25,10 @@ pub trait Twin: Send {
     fn place(&mut self, coordinates: &[f64], rates: &[f64]);
     /// Turns the cage of bearing `i` by an angle.
     fn turn_cage(&mut self, i: usize, by: Phase);
+    /// Sets the load on each coordinate besides that of the scene, N and N m; 0 at the start and where `load` is shorter.
+    fn set_load(&mut self, load: &[f64]);
+    /// Returns a copy that goes on by itself, bit for bit as this twin does.
+    fn copy(&self) -> Box<dyn Twin>;
 }
 
 /// Returns the displacement of a rigid rotor from its coordinates.
@@ -74,14 +79,15 @@ pub(super) struct StartTask {
 impl SystemTask<Box<dyn Twin>> for StartTask {
     fn run<S, C, const D: usize, const N: usize>(self, machine: RotorBearingSystem<S, C, N>) -> Box<dyn Twin>
     where
-        S: SecondOrderSystem<f64, D> + Send + 'static,
-        C: ReactingElement<D> + Send + 'static,
+        S: SecondOrderSystem<f64, D> + Clone + Send + 'static,
+        C: ReactingElement<D> + Clone + Send + 'static,
     {
         let steady = SteadyVerlet::with_storage(Verlet { step: self.step.length }, &machine.rotor, 0.0);
         Box::new(Moving {
             machine,
             steady,
             state: RotorState::stationary(array::<f64, D>(&self.rest), self.shaft, array::<_, N>(&self.parts)),
+            load: [0.0; D],
             coordinates: self.rest.len(),
             step: self.step,
             substeps: self.substeps,
@@ -91,10 +97,13 @@ impl SystemTask<Box<dyn Twin>> for StartTask {
     }
 }
 
+#[derive(Clone)]
 struct Moving<S, C, const D: usize, const N: usize> {
     machine: RotorBearingSystem<S, C, N>,
     steady: SteadyVerlet<f64, D, OnHeap<D>>,
     state: RotorState<f64, D, N>,
+    /// Load on the coordinates besides that of the scene.
+    load: [f64; D],
     /// Number of coordinates that are not idle.
     coordinates: usize,
     step: Step,
@@ -104,11 +113,17 @@ struct Moving<S, C, const D: usize, const N: usize> {
     registers: SimdDispatch,
 }
 
-impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D: usize, const N: usize> Twin
-    for Moving<S, C, D, N>
+impl<S, C, const D: usize, const N: usize> Twin for Moving<S, C, D, N>
+where
+    S: SecondOrderSystem<f64, D> + Clone + Send + 'static,
+    C: ReactingElement<D> + Clone + Send + 'static,
 {
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
-        let (step, substeps, machine) = (self.step, self.substeps, &self.machine);
+        let (step, substeps) = (self.step, self.substeps);
+        let machine = &RotorBearingSystem {
+            rotor: WithUnmodelledForce { system: &self.machine.rotor, load: self.load },
+            bearings: self.machine.bearings.each_ref(),
+        };
         if !self.is_started {
             // The other integrators carry no acceleration from step to step.
             if matches!(step.method, Method::Newmark { .. }) {
@@ -155,6 +170,16 @@ impl<S: SecondOrderSystem<f64, D> + Send, C: ReactingElement<D> + Send, const D:
         if let Some(parts) = self.state.component_angles.get_mut(i) {
             parts.cage = parts.cage.wrapping_add(by);
         }
+    }
+    fn set_load(&mut self, load: &[f64]) {
+        let load = std::array::from_fn(|i| load.get(i).copied().unwrap_or(0.0));
+        if load != self.load {
+            self.is_started = false;
+            self.load = load;
+        }
+    }
+    fn copy(&self) -> Box<dyn Twin> {
+        Box::new(self.clone())
     }
 }
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
+import subprocess
 from pathlib import Path
 
 import nbformat
@@ -12,12 +14,17 @@ from nbclient import NotebookClient
 
 from conftest import ROOT
 
-DOCUMENTS = ["README.md", "docs/src/python.md", "runner/python/README.md"]
+DOCUMENTS = ["README.md", "docs/src/python.md", "docs/src/fmu.md", "runner/python/README.md"]
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
-def test_python_of_a_document(name: str) -> None:
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(), re.MULTILINE | re.DOTALL)
+def test_python_of_a_document(name: str, program: Path, tmp_path: Path) -> None:
+    text = (ROOT / name).read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    # The units that a document writes before.
+    (tmp_path / "machine.toml").write_text((ROOT / "runner/demo/healthy.toml").read_text())
+    for line in re.findall(r"^ballrace (fmu .*)$", text, re.MULTILINE):
+        subprocess.run([program, *shlex.split(line)], check=True, capture_output=True)
     if name != "README.md":
         assert blocks
     # The workers of a cluster import the main program, which a text has not.

@@ -60,6 +60,10 @@ pub(super) const SIMULATE: &str = after_help!(
     "  ballrace simulate machine.toml --duration \"0.1 s\" --rate \"12.8 kHz\" -o motion.csv
   ballrace simulate machine.toml --duration \"0.1 s\" --settle \"0.1 s\" --as-recording -o readings.csv"
 );
+pub(super) const FMU: &str = after_help!(
+    "  ballrace fmu machine.toml -o rotor.fmu
+  ballrace fmu machine.toml --bearing DE -o bearing.fmu"
+);
 pub(super) const CAMPBELL: &str = after_help!(
     "  ballrace campbell machine.toml
   ballrace campbell machine.toml --speeds 0rpm..6000rpm:1000rpm --report campbell.html"

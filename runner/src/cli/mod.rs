@@ -8,6 +8,7 @@ pub mod completions;
 pub mod equilibrium;
 pub mod fit;
 pub mod fleet;
+pub mod fmu;
 pub mod force;
 mod help;
 mod live;
@@ -109,6 +110,9 @@ pub enum Command {
     /// Simulate the time response of the scene's rotor.
     #[command(after_help = help::SIMULATE)]
     Simulate(simulate::Args),
+    /// Write the rotor or a bearing of a scene as a unit for co-simulation in other programs (FMI 3.0).
+    #[command(after_help = help::FMU)]
+    Fmu(fmu::Args),
     /// Compute natural frequencies, damping and whirl of the rotor over the shaft speed.
     #[command(after_help = help::CAMPBELL)]
     Campbell(campbell::Args),
@@ -227,6 +231,7 @@ pub fn run(cli: &Cli) -> ExitCode {
         Command::Verify(args) => verify::run(args, cli.format),
         Command::Equilibrium(args) => equilibrium::run(args, cli.format, args.limit.error),
         Command::Simulate(args) => simulate::run(args, cli.format, args.limit.error),
+        Command::Fmu(args) => fmu::run(args, cli.format),
         Command::Campbell(args) => campbell::run(args, cli.format, args.limit.error),
         Command::Sweep(args) => sweep::run(args, cli.format, args.limit.error),
         Command::Balance(args) => balance::run(args, cli.format),

@@ -130,9 +130,23 @@ fn rate(args: &Args, scene: &Scene) -> Result<f64> {
             bail!(UsageError(format!("--rate: {given} Hz, expected {rate} Hz as in [recording], or no --rate")))
         }
         (Some(rate), _) | (None, Some(rate)) => Ok(rate),
-        (None, None) => {
-            bail!(UsageError("--rate: missing, expected the sampling rate, such as \"12.8 kHz\"".to_owned()))
-        }
+        (None, None) => bail!(missing_rate()),
+    }
+}
+
+fn missing_rate() -> UsageError {
+    UsageError("--rate: missing, expected the sampling rate, such as \"12.8 kHz\"".to_owned())
+}
+
+/// Returns the sampling rate of the option `--rate`, else that of the scene's recording, Hz.
+///
+/// # Errors
+/// An invalid rate, or none.
+pub(super) fn sampling_rate(given: Option<&str>, scene: &Scene) -> Result<f64> {
+    match (given, scene.recording.as_ref().map(|recording| &recording.clock)) {
+        (Some(text), _) => parse_option("--rate", text, Dimension::Frequency, false),
+        (None, Some(Clock::Rate(rate))) => Ok(*rate),
+        (None, _) => bail!(missing_rate()),
     }
 }
 

@@ -9,6 +9,7 @@
 //! | [`sweep`], [`trade`] | motion over a parameter; cost against accuracy |
 //! | [`fit`], [`balance`] | parameters from a recording; masses from vibration vectors |
 //! | [`bake`] | constants for firmware |
+//! | [`fmu`] | a rotor or a bearing as a part of another simulation |
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -18,6 +19,7 @@ pub mod effect_significance;
 pub mod equilibria;
 pub mod equilibrium;
 pub mod fit;
+pub mod fmu;
 pub mod force;
 pub mod friction;
 pub mod heat;

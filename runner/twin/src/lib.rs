@@ -84,7 +84,7 @@
 //! | `ballrace-outcome` | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
 //! | `ballrace-plant` | [`plant`], [`probes`], [`spectrum`], [`error`], [`observer`], [`motion`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; displacement and unmodelled force from noisy probes |
 //! | `ballrace-diagnosis` | [`diagnosis`], [`vibration`], [`plausibility`] | kind, place and size of faults; whether a recording can be one of the scene's machine |
-//! | `ballrace-studies` | [`campbell`], [`effect_significance`], [`equilibrium`], [`equilibria`], [`life`], [`friction`], [`heat`], [`thermal`], [`force`], [`sweep`], [`trade`], [`fit`], [`balance`], [`bake`] | one question about a scene each; parameters from a recording, constants for firmware |
+//! | `ballrace-studies` | [`campbell`], [`effect_significance`], [`equilibrium`], [`equilibria`], [`life`], [`friction`], [`heat`], [`thermal`], [`force`], [`sweep`], [`trade`], [`fit`], [`balance`], [`bake`], [`fmu`] | one question about a scene each; parameters from a recording, constants for firmware, units for co-simulation |
 //! | `ballrace-replay` | [`replay`], [`check`], [`draft`], [`fleet`], [`record`], [`vectors`] | measured against computed motion: an [`Outcome`](outcome::Outcome); check and draft of a scene; a table of machines; records of a monitor; 1X vectors for balancing |
 //!
 //! Data flows one way: scene and recording, displacement at each bearing, force, twin, residual, outcome.
@@ -114,8 +114,8 @@ pub use ballrace_recording::{self as recording, parquet_table};
 pub use ballrace_replay::{self as replay, check, draft, fleet, record, vectors};
 pub use ballrace_scene::{catalogue, flexible_rotor};
 pub use ballrace_studies::{
-    bake, balance, campbell, effect_significance, equilibria, equilibrium, fit, force, friction, heat, life, sweep,
-    thermal, trade,
+    bake, balance, campbell, effect_significance, equilibria, equilibrium, fit, fmu, force, friction, heat, life,
+    sweep, thermal, trade,
 };
 
 /// Scenes: the description of a machine (TOML with units), and the kernel's parameters from it.

@@ -155,8 +155,21 @@ pub fn outer_ratio(scene: &Scene) -> Result<f64, BuildError> {
 /// # Errors
 /// A geometry that the kernel rejects.
 pub fn rotation_at(scene: &Scene, bearing: &BearingScene, time: f64) -> Result<BearingKinematicState<f64>, BuildError> {
-    let (inner_speed, outer_speed) = (scene.shaft.speed.at(time), scene.shaft.outer_speed);
-    let inner = scene.shaft.speed.revolutions(time);
+    rotation(scene, bearing, (scene.shaft.speed.revolutions(time), scene.shaft.speed.at(time)), time)
+}
+
+/// Returns angles and speeds of a bearing's parts with the shaft at `inner` revolutions from its angle 0 and at `inner_speed`
+/// (rad/s); the outer ring turns at the scene's speed from time 0 to `time` (s).
+///
+/// # Errors
+/// A geometry that the kernel rejects.
+pub fn rotation(
+    scene: &Scene,
+    bearing: &BearingScene,
+    (inner, inner_speed): (f64, f64),
+    time: f64,
+) -> Result<BearingKinematicState<f64>, BuildError> {
+    let outer_speed = scene.shaft.outer_speed;
     let outer = outer_speed * time / TAU;
     let rolling = rolling(bearing, geometry(bearing)?);
     let cage = CageSpeed::new(bearing, rolling.as_ref());

@@ -9,8 +9,8 @@ mod study;
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
 pub use fleet::{FleetError, TablePosition};
 pub use study::{
-    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, ThermalError, TradeError, VectorError,
-    VerifyError,
+    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, ThermalError, TradeError, UnitError,
+    VectorError, VerifyError,
 };
 
 use crate::PlantError;
@@ -78,6 +78,8 @@ pub enum Error {
     Bake(#[from] BakeError),
     /// A file of baked constants cannot be verified.
     Verify(#[from] VerifyError),
+    /// A co-simulation unit cannot be opened or used.
+    Unit(#[from] UnitError),
     /// An output file cannot be written.
     Output(#[from] OutputError),
     /// A text cannot be formatted.
