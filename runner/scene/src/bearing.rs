@@ -149,6 +149,15 @@ impl Bearing {
         Some((temperature, lubrication.viscosity(temperature)))
     }
 
+    /// Returns the contact angle that the scene gives, before fits and temperatures, rad; `None` without a geometry or where it has a
+    /// clearance instead.
+    #[must_use]
+    pub fn nominal_contact_angle(&self) -> Option<f64> {
+        let geometry = self.geometry?;
+        let FreeAngle::ContactAngle(operating) = geometry.fit else { return None };
+        Some(self.mounting.map_or(operating, |mounting| geometry.contact_angle_of(mounting.unmounted_clearance)))
+    }
+
     /// Returns the diametral clearance of the law, else of the geometry, m.
     #[must_use]
     pub fn clearance(&self) -> Option<f64> {

@@ -1,8 +1,8 @@
 //! Friction of a bearing and the power that it costs, by the equations of Palmgren and the spin of balls in their contacts.
 //!
 //! Sources: Palmgren, Grundlagen der Waelzlagertechnik; factors by Harris and Kotzalas, Rolling Bearing Analysis, chapter on friction (`f1` of
-//! needles: ISO 15312). They are
-//! means over makers: the moment of one bearing may differ by a third, and `f0` and `f1` of its catalogue are better.
+//! needles: ISO 15312). They are means over makers: the moment of one bearing may differ by a third, and `f0` and `f1` of its catalogue are
+//! better.
 
 use crate::life::BearingLife;
 use ballrace::bearing::geometry::BallBearingGeometry;
@@ -106,7 +106,7 @@ impl BearingFriction {
         let geometry = build::geometry(of)?;
         let turning = (speeds[0] - speeds[1]).abs();
         let (radial, axial) = (force[0].hypot(force[1]), force[2].abs());
-        let (kind, angle) = kind(of, geometry.as_ref());
+        let (kind, angle) = kind(of);
         let share = equivalent_static(kind, angle, radial, axial) / life.static_rating;
         let by_load = oil.load_factor.unwrap_or_else(|| kind.load(share));
         let load_moment = by_load * driving(kind, angle, radial, axial) * pitch;
@@ -134,14 +134,14 @@ fn listed_diameters(of: &Bearing) -> Option<[f64; 2]> {
 }
 
 /// Returns the kind of a bearing and its nominal contact angle, rad.
-fn kind(of: &Bearing, geometry: Option<&BallBearingGeometry>) -> (Kind, f64) {
+fn kind(of: &Bearing) -> (Kind, f64) {
     let listed = of.catalogue.as_ref().map(|used| used.listed.entry);
     let rollers = of.rollers.as_ref().map(|rollers| (rollers.kind, rollers.contact_angle));
     let of_entry = || listed.and_then(|entry| Some((entry.kind.rollers()?, entry.contact_angle.to_radians())));
     if let Some((kind, angle)) = rollers.or_else(of_entry) {
         return (Kind::Rollers(kind), angle);
     }
-    match geometry.map(|g| g.contact_angle).filter(|angle| *angle >= crate::life::LEAST_ANGULAR) {
+    match crate::life::angular_contact(of) {
         Some(angle) => (Kind::AngularContact, angle),
         None => (Kind::DeepGroove, 0.0),
     }

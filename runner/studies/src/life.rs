@@ -4,7 +4,7 @@ use ballrace::bearing::geometry::BallBearingGeometry;
 use ballrace::contact::hertz::Race;
 use ballrace::twin::LifeParams;
 use ballrace_models::build::{BuildError, ElementContact, named};
-use ballrace_scene::{Bearing, FreeAngle, RollerKind};
+use ballrace_scene::{Bearing, RollerKind};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -16,8 +16,13 @@ const BALL_QUALITY: f64 = 1.3;
 const LINE_REDUCTION: f64 = 0.83;
 /// Power of the life of balls and of rollers in the load.
 const POWERS: [f64; 2] = [3.0, 10.0 / 3.0];
-/// Smallest nominal contact angle of an angular-contact bearing of ISO 281, rad; below it the factors of deep-groove bearings hold.
-pub(crate) const LEAST_ANGULAR: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+/// Smallest nominal contact angle of an angular-contact bearing of ISO 281, rad, less rounding; below it the factors of deep-groove bearings hold.
+const LEAST_ANGULAR: f64 = 14.999 / 180.0 * std::f64::consts::PI;
+
+/// Returns the nominal contact angle of an angular-contact ball bearing, rad; `None` for other bearings.
+pub(crate) fn angular_contact(of: &Bearing) -> Option<f64> {
+    of.nominal_contact_angle().filter(|angle| *angle >= LEAST_ANGULAR)
+}
 
 /// Loads of one rolling element at one position of the cage, N: of each lamina of a roller, one of a ball.
 #[derive(Debug, Clone)]
@@ -136,9 +141,11 @@ impl Rated {
         of: &Bearing,
         geometry: BallBearingGeometry,
     ) -> Result<Self, ballrace::bearing::geometry::InvalidParameter> {
-        let nominal = match of.geometry.map(|geometry| geometry.fit) {
-            Some(FreeAngle::ContactAngle(angle)) if angle >= LEAST_ANGULAR => angle,
-            _ => 0.0,
+        let nominal = angular_contact(of).unwrap_or(0.0);
+        // The rating is that of the bearing as delivered.
+        let geometry = BallBearingGeometry {
+            contact_angle: of.nominal_contact_angle().unwrap_or(geometry.contact_angle),
+            ..geometry
         };
         let g = BallBearingGeometry {
             inner_conformity: geometry.inner_conformity.max(RATED_CONFORMITY),
