@@ -47,10 +47,32 @@ fn a_table_of_variables_is_printed() {
     assert_eq!(rows.len(), 1 + 1 + 7 + 5 + 1, "{table}");
 }
 
+/// Without a recording the internal step is a round one, twenty in a period of the highest natural frequency; without a rotor the unit is the bearing.
+#[test]
+fn scenes_without_a_recording_or_a_rotor() {
+    let sandbox = Sandbox::rig();
+    sandbox.put("unclocked.toml", DEMO_SCENE.split("[recording]").next().unwrap());
+    let unit: Value = sandbox.done(&["fmu", "unclocked.toml", "-o", "rotor.fmu", "--format", "json"]).json();
+    let highest =
+        sandbox.done(&["equilibrium", "unclocked.toml", "--format", "json"]).json::<Value>()["natural_frequencies_hz"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(Value::as_f64)
+            .fold(0.0, f64::max);
+    let rate = 1.0 / unit["internal_step_s"].as_f64().unwrap();
+    // The margin of the plant is for contacts that stiffen under load.
+    assert!(rate >= 20.0 * highest && rate <= 80.0 * highest, "{rate} {highest}");
+    let leading = rate / 10_f64.powf(rate.log10().floor());
+    assert!([1.0, 2.0, 5.0].iter().any(|round| (leading / round - 1.0).abs() < 1e-9), "{rate}");
+    sandbox.put("alone.toml", sandbox.done(&["scenes", "jones-1960"]).out);
+    let unit: Value = sandbox.done(&["fmu", "alone.toml", "-o", "bearing.fmu", "--format", "json"]).json();
+    assert!(unit["internal_step_s"].is_null() && unit["bearing"].is_string(), "{unit}");
+}
+
 #[test]
 fn wrong_command_lines_are_refused() {
     let sandbox = Sandbox::rig();
-    sandbox.put("unclocked.toml", DEMO_SCENE.split("[recording]").next().unwrap());
     sandbox.put("lone.toml", scene(&[("[rotor]", "[unused]")]));
     let write = ["-o", "unit.fmu"];
     let refused = |args: &[&str], code: i32, parts: &[&str]| {
@@ -59,7 +81,6 @@ fn wrong_command_lines_are_refused() {
     refused(&["scene.toml", "--bearing", "XE"], 2, &["--bearing: ", "\"XE\"", "DE, NDE"]);
     refused(&["scene.toml", "--rate", "fast"], 2, &["--rate: ", "fast"]);
     refused(&["scene.toml", "--rate", "1 Hz"], 2, &["too many integration steps"]);
-    refused(&["unclocked.toml"], 2, &["--rate: missing, expected the sampling rate, such as \"12.8 kHz\""]);
     refused(&["lone.toml"], 2, &["unused"]);
     refused(
         &["scene.toml", "--library", "healthy.csv"],

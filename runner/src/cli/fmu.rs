@@ -6,10 +6,12 @@ use anyhow::{Context, Result, bail};
 use ballrace_report::number::counted;
 use ballrace_twin::fmu::{Causality, Content, Resources, Unit, Variable, model_description, platform};
 use ballrace_twin::output::{AtomicFile, cell_text};
-use ballrace_twin::scene::build;
+use ballrace_twin::plant::Plant;
 use ballrace_twin::scene::read::{load, read_str};
+use ballrace_twin::scene::{Scene, build};
 use serde::Serialize;
 use std::env::consts::{DLL_EXTENSION, DLL_PREFIX, DLL_SUFFIX};
+use std::f64::consts::TAU;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -24,10 +26,11 @@ pub struct Args {
     /// File to write.
     #[arg(short, long, value_name = "F.fmu")]
     output: PathBuf,
-    /// Write this bearing, displacement in and force out, and not the whole rotor.
+    /// Write this bearing, displacement in and force out, and not the whole rotor [default without a rotor: the bearing].
     #[arg(long, value_name = "NAME")]
     bearing: Option<String>,
-    /// Internal steps of the rotor per second, e.g. "12.8 kHz"; by default the sampling rate of the scene's recording.
+    /// Internal steps of the rotor per second, e.g. "12.8 kHz"; by default the sampling rate of the scene's recording, without one 20 steps
+    /// in a period of the highest natural frequency.
     #[arg(long, value_name = "R", conflicts_with = "bearing")]
     rate: Option<String>,
     /// Library to put into the unit [default: the one beside the program].
@@ -66,12 +69,12 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let scene = read_str(&text, &args.scene)?;
     let library = args.library.clone().map_or_else(library_of_program, Ok)?;
     check_distinct_paths(&[("--output", &args.output)], &[&args.scene, &library])?;
-    let content = match &args.bearing {
-        Some(name) => {
-            let bearing = build::pick(&scene, Some(name)).map_err(UsageError::with_bearing_option)?;
-            Content::Bearing { name: bearing.name.clone() }
-        }
-        None => Content::Rotor { rate: simulate::sampling_rate(args.rate.as_deref(), &scene)? },
+    let has_rotor = scene.rotor.is_some() || scene.system.is_some();
+    let content = if has_rotor && args.bearing.is_none() {
+        Content::Rotor { rate: internal_rate(args.rate.as_deref(), &scene)? }
+    } else {
+        let bearing = build::pick(&scene, args.bearing.as_deref()).map_err(UsageError::with_bearing_option)?;
+        Content::Bearing { name: bearing.name.clone() }
     };
     let unit = Unit::try_new(&scene, &content)?;
     let binary = read_library(&library)?;
@@ -88,13 +91,26 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     });
     let summary = Summary {
         scene: &scene.name,
-        bearing: args.bearing.as_deref(),
+        bearing: if let Content::Bearing { name } = &content { Some(name) } else { None },
         platform: platform(),
         internal_step_s: unit.internal_step(),
         variables: rows.collect(),
         output: args.output.display().to_string(),
     };
     print(&summary, format)
+}
+
+/// Steps in a period of the highest natural frequency where nothing else sets the rate.
+const STEPS_OF_PERIOD: f64 = 20.0;
+
+/// Returns the internal steps per second, Hz.
+fn internal_rate(given: Option<&str>, scene: &Scene) -> Result<f64> {
+    if given.is_some() || scene.recording.is_some() {
+        return simulate::sampling_rate(given, scene);
+    }
+    let least = STEPS_OF_PERIOD * Plant::try_new(scene)?.highest_frequency() / TAU;
+    let decade = 10_f64.powf(least.log10().floor());
+    Ok([1.0, 2.0, 5.0].map(|factor| factor * decade).into_iter().find(|rate| *rate >= least).unwrap_or(10.0 * decade))
 }
 
 /// Returns the path of the library beside this program.
