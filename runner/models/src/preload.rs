@@ -88,7 +88,7 @@ fn displaced(
         PreloadAmount::Displacement(w) => Ok(Displacement { w: sign * w, ..Displacement::default() }),
         PreloadAmount::Force(force) => {
             let rest = loaded(built, [0.0, 0.0, sign * force, 0.0, 0.0], at)?;
-            if rest.residual > 1e-6 {
+            if rest.residual > LARGEST_RESIDUAL {
                 return Err(BuildError::Preload {
                     file: scene.path.clone(),
                     bearing: bearing.name.clone(),
@@ -167,34 +167,67 @@ pub fn loaded(
     let rotor = RigidRotor::<f64, Exact>::try_new(&params, &[])?;
     let mounted = BearingAtStation { bearing: bearing.clone(), station: 0.0, speed_ratios: SpeedRatios::new(0.0) };
     let machine = RotorBearingSystem { rotor, bearings: [mounted] };
-    // From a displacement at which the bearing carries thrust, Newton's method needs a few steps; where it fails, the damped
-    // motion from zero displacement converges.
-    let start = thrust_start(bearing, load, at);
-    let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
-    let start = settled.unwrap_or_default();
-    let found = equilibrium(&machine, &[*at], start);
-    Ok(if found.residual > 1e-6 { equilibrium(&machine, &[*at], Displacement::default()) } else { found })
+    // From a displacement at which the bearing carries thrust, Newton's method needs a few steps. At a high speed, where the balls lie at the bottom of
+    // the outer groove, it needs the displacement at which the bearing carries just this thrust. The damped motion from zero displacement
+    // converges where both fail.
+    let from = |start: Displacement<f64>| {
+        let settled = (0..NEWTON_STEPS).try_fold(start, |u, _| newton_step(bearing, load, at, u));
+        equilibrium(&machine, &[*at], settled.unwrap_or_default())
+    };
+    let carrying = thrust_interval(bearing, load, at);
+    let mut found = from(along_axis(carrying[1], load));
+    if found.residual > LARGEST_RESIDUAL {
+        found = from(along_axis(halved(bearing, load, at, carrying), load));
+    }
+    if found.residual > LARGEST_RESIDUAL {
+        found = equilibrium(&machine, &[*at], Displacement::default());
+    }
+    Ok(found)
 }
 
+/// Largest residual of an equilibrium over its load.
+const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Largest number of Newton steps.
 const NEWTON_STEPS: usize = 12;
-/// Halvings of the interval in which the bearing carries the axial load: to a thousandth of it.
+/// Halvings of the interval in which the bearing carries the axial load: to a millionth of it.
 const HALVINGS: usize = 20;
 /// Axial displacements for the start, m.
 const THRUST_STARTS: [f64; 6] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3];
 
-/// Returns the axial displacement at which the bearing carries the axial load; none where there is none.
-fn thrust_start(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> Displacement<f64> {
-    let along = |w: f64| Displacement { w: w * load[2].signum(), ..Displacement::default() };
-    let carries = |w: &f64| bearing.reaction(&along(*w), at).wrench.fz.abs() >= load[2].abs();
-    let Some(carrying) = THRUST_STARTS.iter().position(carries) else { return Displacement::default() };
-    let mut high = THRUST_STARTS[carrying];
-    let mut low = if carrying > 0 { THRUST_STARTS[carrying - 1] } else { 0.0 };
+/// Returns an axial displacement along the axial load.
+fn along_axis(w: f64, load: [f64; 5]) -> Displacement<f64> {
+    Displacement { w: w * load[2].signum(), ..Displacement::default() }
+}
+
+/// Returns true where the bearing carries the axial load at an axial displacement.
+fn carries(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>, w: f64) -> bool {
+    bearing.reaction(&along_axis(w, load), at).wrench.fz.abs() >= load[2].abs()
+}
+
+/// Returns an axial displacement at which the bearing does not carry the axial load and the next at which it does; 0 where there is none.
+fn thrust_interval(bearing: &AnyBearing<f64>, load: [f64; 5], at: &BearingKinematicState<f64>) -> [f64; 2] {
+    let mut below = 0.0;
+    for w in THRUST_STARTS {
+        if carries(bearing, load, at, w) {
+            return [below, w];
+        }
+        below = w;
+    }
+    [0.0; 2]
+}
+
+/// Returns the axial displacement within an interval at which the bearing carries the axial load.
+fn halved(
+    bearing: &AnyBearing<f64>,
+    load: [f64; 5],
+    at: &BearingKinematicState<f64>,
+    [mut low, mut high]: [f64; 2],
+) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if carries(&middle) { high = middle } else { low = middle }
+        if carries(bearing, load, at, middle) { high = middle } else { low = middle }
     }
-    along(high)
+    high
 }
 
 /// Returns one step of Newton's method; none where the stiffness is singular.
