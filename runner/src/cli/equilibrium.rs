@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use ballrace_report as report;
 use ballrace_twin::equilibria::{FIGURES, equilibria};
 use ballrace_twin::equilibrium::{Element, static_equilibrium};
+use ballrace_twin::error::Error;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::output::quoted;
 use ballrace_twin::plant::LARGEST_RESIDUAL;
@@ -56,7 +57,7 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         return over(args, &scene.name, load, format);
     }
     let solve = if args.thermal { thermal_equilibrium } else { static_equilibrium };
-    let equilibrium = solve(&scene, args.bearing.as_deref(), load).map_err(UsageError::with_bearing_option)?;
+    let equilibrium = solve(&scene, args.bearing.as_deref(), load).map_err(failure)?;
     if let Some(path) = &args.report {
         AtomicFile::write(path, &report::equilibrium::html(&equilibrium)?)?;
     }
@@ -86,6 +87,14 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Returns an error of the solution; a machine without steady temperatures is no wrong command.
+fn failure(error: Error) -> anyhow::Error {
+    if matches!(error, Error::Thermal(_)) && !error.is_usage_error() {
+        return error.into();
+    }
+    UsageError::with_bearing_option(error).into()
 }
 
 /// Prints the equilibria over ranges.

@@ -67,7 +67,8 @@ struct Row<'a> {
 pub fn run(args: &Args, format: Format) -> Result<()> {
     let text = load(&args.scene)?;
     let scene = read_str(&text, &args.scene)?;
-    let library = args.library.clone().map_or_else(library_of_program, Ok)?;
+    let Args { library, .. } = args;
+    let library = library.clone().map_or_else(library_of_program, Ok)?;
     check_distinct_paths(&[("--output", &args.output)], &[&args.scene, &library])?;
     let has_rotor = scene.rotor.is_some() || scene.system.is_some();
     let content = if has_rotor && args.bearing.is_none() {

@@ -79,15 +79,20 @@ fn read_cooling(node: &Node<'_>, bearing: &Bearing) -> Read<Cooling> {
     };
     let seat = "a conductance above 0 and at most 1e4 W/K, such as \"20 W/K\"";
     let (shaft, housing) = (or_reference("shaft", 0)?, or_reference("housing", 1)?);
-    if shaft + housing <= 0.0 && oil.is_none() {
-        return Err(node.refuse("a way for the heat: shaft, housing or oil_flow above 0"));
+    let elements = conductance("elements")?.unwrap_or(0.0);
+    // Half of the heat arises at each ring: each needs a way, of its own, through the elements or with the oil.
+    let has_way = |own: f64, other: f64| own > 0.0 || (elements > 0.0 && other > 0.0) || oil.is_some();
+    if !(has_way(shaft, housing) && has_way(housing, shaft)) {
+        return Err(node.refuse(
+            "a way for the heat of each ring: shaft and housing above 0, or one of them with elements, or oil_flow",
+        ));
     }
     Ok(Cooling {
         ambient: temperature(&table.required("ambient", "the temperature of the surroundings, such as \"20 degC\"")?)?,
         shaft,
         housing,
         seat: table.read("seat", |n| n.number_in_unit(seat))?,
-        elements: conductance("elements")?.unwrap_or(0.0),
+        elements,
         oil,
     })
 }
