@@ -15,6 +15,7 @@ mod kinematics;
 mod linear;
 mod lumped;
 pub mod model;
+mod multibody;
 mod preload;
 mod quasi_static;
 mod roller;
@@ -63,4 +64,5 @@ registry! {
     Tabulated: tabulated::TabulatedModel by build,
     QuasiStatic: quasi_static::QuasiStaticModel by build,
     Dynamic: dynamic::DynamicModel by build,
+    Multibody: multibody::MultibodyModel by build,
 }

@@ -7,6 +7,7 @@ mod machine;
 pub mod matrix;
 pub mod motion;
 mod mounted;
+mod multibody;
 pub mod observer;
 mod plant_error;
 pub mod probes;
@@ -24,6 +25,7 @@ pub use given::Given;
 pub use machine::ReactingElement;
 pub use machine::{LARGEST, MAX_BEARINGS, MAX_OBSERVED, SystemTask};
 pub use mounted::{Balls, MountedBearing};
+pub use multibody::MultibodyChecks;
 pub use reduction::{ReductionError, response};
 pub use run_in::RunIn;
 use system::Body;
@@ -527,6 +529,9 @@ impl Plant {
     /// # Errors
     /// Returns an error if the kernel rejects a parameter.
     pub fn start(&self, sample_period: f64, revolutions: f64) -> Result<Box<dyn Twin>> {
+        if self.has_bodies() {
+            return self.start_multibody(sample_period, revolutions);
+        }
         let (step, substeps) = self.step(sample_period)?;
         let task = StartTask {
             rest: self.rest.clone(),

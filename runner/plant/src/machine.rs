@@ -206,6 +206,7 @@ impl Plant {
     }
 }
 
-fn nothing() -> Held {
+/// Returns a bearing without force.
+pub(crate) fn nothing() -> Held {
     Held::Plain(Shared(Arc::new(NoBearing)))
 }

@@ -1,13 +1,17 @@
 //! A bearing on the rotor.
 
+use super::machine::nothing;
 use super::plant_error::Result;
 use super::warm::{ColdAndFew, Held, WARM_STEPS, Warm};
+use ballrace::bearing::quasi_static::BallState;
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_models::bearing_model;
 pub use ballrace_models::build::Balls;
 use ballrace_models::build::{self, AnyBearing, Kinematics};
-use ballrace_scene::{Bearing as BearingScene, Model, Scene};
+use ballrace_multibody::{Bearing as Multibody, Params};
+use ballrace_scene::{Bearing as BearingScene, Model, ModelProperties, Scene};
+use std::sync::Arc;
 
 /// A bearing on the rotor, ready to be evaluated.
 #[derive(Clone)]
@@ -30,6 +34,8 @@ pub struct MountedBearing {
     pub description: String,
     /// Balls that are coordinates of the system.
     pub balls: Option<Balls>,
+    /// Balls and cage that are bodies beside the coordinates.
+    pub multibody: Option<Arc<Multibody>>,
     /// The quasi-static model for a cold start, and with the few solver steps of a warm start.
     solved: Option<ColdAndFew>,
 }
@@ -46,6 +52,7 @@ impl MountedBearing {
         if !model.has_elements() {
             kinematics.cage_ratio = 0.0;
         }
+        let ModelProperties { moving_elements: is_moving, bodies: is_multibody, .. } = *model.properties();
         let (loaded, offset) = loaded(scene, bearing, model)?;
         Ok(Self {
             name: bearing.name.clone(),
@@ -57,7 +64,8 @@ impl MountedBearing {
             bearing: loaded,
             description: describe(bearing),
             solved: solved(bearing)?,
-            balls: model.properties().moving_elements.then(|| build::moving_balls(scene, bearing)).transpose()?,
+            balls: (is_moving && !is_multibody).then(|| build::moving_balls(scene, bearing)).transpose()?,
+            multibody: is_multibody.then(|| Params::of(scene, bearing).map(Multibody::new)).transpose()?.map(Arc::new),
         })
     }
 
@@ -87,6 +95,19 @@ impl MountedBearing {
     /// Returns the bearing for one machine at rest.
     pub(crate) fn resting(&self) -> Held {
         Held::Plain(self.cold())
+    }
+
+    /// Returns the bearing for one twin in which the bodies of other bearings move: none where it has bodies itself.
+    pub(crate) fn beside_bodies(&self) -> Held {
+        if self.multibody.is_some() { nothing() } else { self.moving() }
+    }
+
+    /// Returns the states of balls in equilibrium at a displacement without preload; none for another model.
+    pub(crate) fn ball_states(&self, u: Displacement<f64>, at: &BearingKinematicState<f64>) -> Vec<BallState<f64>> {
+        let Some(solved) = &self.solved else { return vec![] };
+        let mut states = vec![BallState::default(); self.elements];
+        solved.cold.ball_states(&(u + self.offset), at, &mut states);
+        states
     }
 
     /// Returns the bearing for one twin: the quasi-static one starts from its last ball positions.

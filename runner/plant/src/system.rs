@@ -186,6 +186,12 @@ impl Layout {
         self.attachments.get(i)
     }
 
+    /// Returns the first coordinate of the support of bearing `i`, where it has one.
+    #[must_use]
+    pub(super) fn housing(&self, i: usize) -> Option<usize> {
+        self.housings.get(i).copied().flatten()
+    }
+
     /// Returns the attachment of bearing `i`.
     #[must_use]
     pub fn attachment<const D: usize>(&self, i: usize) -> Attachment<f64, D> {

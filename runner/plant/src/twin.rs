@@ -1,5 +1,6 @@
 //! The digital twin: the motion of a plant driven by the shaft angle.
 
+use super::MultibodyChecks;
 use super::machine::{ReactingElement, SystemTask};
 use super::system::{OnHeap, array};
 use ballrace::rotor::{
@@ -9,6 +10,7 @@ use ballrace::rotor::{
 use ballrace::twin::WithUnmodelledForce;
 use ballrace::{BearingKinematicState, Displacement, Phase, Status, Wrench};
 use ballrace_models::simd::SimdDispatch;
+use ballrace_multibody::ElementMotion;
 use ballrace_scene::Method;
 
 /// A twin with any number of coordinates and bearings.
@@ -29,6 +31,14 @@ pub trait Twin: Send {
     fn set_load(&mut self, load: &[f64]);
     /// Returns a copy that goes on by itself, bit for bit as this twin does.
     fn copy(&self) -> Box<dyn Twin>;
+    /// Returns motion and contacts of balls and cage of bearing `i`; `None` where they are no bodies.
+    fn element_motion(&self, _i: usize) -> Option<ElementMotion> {
+        None
+    }
+    /// Returns the checks of the integration of bodies; `None` without them.
+    fn multibody_checks(&self) -> Option<MultibodyChecks> {
+        None
+    }
 }
 
 /// Returns the displacement of a rigid rotor from its coordinates.

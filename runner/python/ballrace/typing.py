@@ -7,7 +7,15 @@ from typing import Literal, Union
 
 #: Bearing models with forces.
 Model = Literal[
-    "linear", "lumped", "angular", "quasi-static", "tabulated", "roller", "quasi-static-roller", "dynamic"
+    "linear",
+    "lumped",
+    "angular",
+    "quasi-static",
+    "tabulated",
+    "roller",
+    "quasi-static-roller",
+    "dynamic",
+    "multibody",
 ]
 Precision = Literal["f64", "f32"]
 Math = Literal["exact", "fast"]

@@ -6,6 +6,7 @@
 mod axis;
 mod balance;
 mod bode;
+mod cage_orbit;
 mod campbell;
 mod canvas;
 mod cascade;
@@ -37,6 +38,7 @@ mod trend;
 mod vectors;
 
 pub(super) use balance::balance;
+pub(super) use cage_orbit::cage_orbit;
 pub(super) use campbell::diagram;
 pub(super) use equilibria::{NamedCurve, over};
 pub(super) use fit::{changes, residuals};

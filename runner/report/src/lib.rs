@@ -5,6 +5,7 @@ pub mod campbell;
 pub mod catalogue;
 pub mod check;
 mod csv;
+pub mod element_motion;
 pub mod equilibria;
 pub mod equilibrium;
 mod figures;

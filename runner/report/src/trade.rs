@@ -23,7 +23,7 @@ pub fn text(trade: &Trade) -> String {
         line(&mut out, &format!("  {warning}"));
     }
     if !trade.responses.is_empty() {
-        motions(&mut out, &trade.responses);
+        motions(&mut out, motion_reference(trade), &trade.responses);
     }
     if !trade.impossible.is_empty() {
         line(&mut out, "\nNot applicable to this scene:");
@@ -146,10 +146,17 @@ fn forces(out: &mut String, candidates: &[Candidate]) {
     }
 }
 
-fn motions(out: &mut String, responses: &[Response]) {
+/// Returns the name of the level that motions are compared with.
+fn motion_reference(trade: &Trade) -> &str {
+    trade.motion_truth.as_deref().unwrap_or(&trade.truth)
+}
+
+fn motions(out: &mut String, reference: &str, responses: &[Response]) {
     line(
         out,
-        "\nMotion computed with each model (errors of 1X vector, ball pass, peak to peak, mean and residual, relative to the reference)",
+        &format!(
+            "\nMotion computed with each model (errors of 1X vector, ball pass, peak to peak, mean and residual, relative to {reference})"
+        ),
     );
     let shown = || responses.iter().filter(|r| r.usual || r.front || r.overflow.is_some());
     let has_ball_pass = shown().any(|r| r.error.ball_pass.is_some());
@@ -269,7 +276,10 @@ pub fn html(trade: &Trade) -> Result<String> {
     let mut sections = vec![PageSection::figures("Error over cost", Shape::Wide, figures)];
     sections.push(PageSection::table("Forces of all bearings, one sample", force_table(&trade.candidates)));
     if !trade.responses.is_empty() {
-        sections.push(PageSection::table("Motion computed with each model", motion_table(&trade.responses)));
+        sections.push(PageSection::table(
+            "Motion computed with each model",
+            motion_table(motion_reference(trade), &trade.responses),
+        ));
     }
     if !trade.impossible.is_empty() {
         let columns = vec![Column::name("Model"), Column::words("Reason")];
@@ -349,7 +359,7 @@ fn force_table(candidates: &[Candidate]) -> Table {
     }
 }
 
-fn motion_table(responses: &[Response]) -> Table {
+fn motion_table(reference: &str, responses: &[Response]) -> Table {
     let columns = vec![
         Column::name("Model"),
         Column::name("Numbers"),
@@ -374,7 +384,7 @@ fn motion_table(responses: &[Response]) -> Table {
         let tail = [format!("{:.1}", r.times_real_time), if r.front { "yes" } else { "" }.to_owned(), remarks];
         head.into_iter().chain(errors).chain(tail).collect::<Vec<_>>()
     };
-    let mut note = "Errors are relative to the reference.".to_owned();
+    let mut note = format!("Errors are relative to {reference}.");
     for (is_so, sentence) in [
         (responses.iter().all(|r| r.error.ball_pass.is_none()), NO_BALL_PASS),
         (responses.iter().any(is_not_finite), NOT_FINITE),

@@ -3,6 +3,7 @@
 //! A new model is a new row of [`models!`].
 
 use super::key::{Key, Kind, NOT_NEGATIVE, key};
+use super::multibody;
 use super::units::Dimension;
 
 /// Defines [`Model`] from a row of properties for each model, in the order of messages.
@@ -40,6 +41,7 @@ const NO_KEYS: ModelProperties = ModelProperties {
     effects: false,
     solver_steps: false,
     moving_elements: false,
+    bodies: false,
     linearise: false,
     inclined_rollers: false,
     own_keys: &[],
@@ -114,6 +116,16 @@ models! {
         )],
         ..NO_KEYS
     },
+    /// Balls and cage as bodies with six degrees of freedom, with traction (`docs/src/models.md#balls-and-cage-as-bodies`).
+    Multibody: ModelProperties {
+        name: "multibody",
+        cost: 8,
+        input: ModelInput::ContactAngle,
+        moving_elements: true,
+        bodies: true,
+        own_keys: &multibody::KEYS,
+        ..NO_KEYS
+    },
 }
 
 /// Properties of a bearing model that decide which keys of a scene it takes.
@@ -129,8 +141,10 @@ pub struct ModelProperties {
     pub effects: bool,
     /// Its solution takes `solver_steps`.
     pub solver_steps: bool,
-    /// Its elements are coordinates of the system, with a mass of their own and `element_damping`.
+    /// Its elements move by themselves, with a mass of their own.
     pub moving_elements: bool,
+    /// Balls and cage are bodies beside the coordinates of the system.
+    pub bodies: bool,
     /// `linearise` may name it.
     pub linearise: bool,
     /// It takes tapered and spherical rollers.

@@ -20,7 +20,7 @@ macro_rules! built_in {
 }
 
 /// Name and text of each scene.
-pub const SCENES: [(&str, &str); 16] = built_in![
+pub const SCENES: [(&str, &str); 17] = built_in![
     "jones-1960",
     "tiwari-balanced",
     "tiwari-unbalanced",
@@ -35,6 +35,7 @@ pub const SCENES: [(&str, &str); 16] = built_in![
     "two-spring-rotor",
     "wang-angular-pair",
     "spindle-thermal",
+    "skidding-spindle",
     "tapered-32008-pair",
     "spherical-22210-fan",
 ];

@@ -1,5 +1,8 @@
 //! `ballrace simulate`: time response of the scene's rotor from its static equilibrium.
 
+mod multibody;
+
+use self::multibody::Bodies;
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
@@ -49,6 +52,12 @@ pub struct Args {
     /// Selects the noise.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "as_recording")]
     seed: u64,
+    /// Motion and contacts of balls and cage of each bearing with model = "multibody", one row a sample, to F (.csv, .npy or .parquet).
+    #[arg(long, value_name = "F")]
+    elements: Option<PathBuf>,
+    /// HTML page with slip, orbit of the cage, loads and losses of these bearings.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     pub(super) limit: super::ErrorLimit,
 }
@@ -68,6 +77,8 @@ struct Summary {
     recording: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rotor: Option<RotorOutcome>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    multibody: Option<multibody::Summary>,
     #[serde(rename = "effect_significance")]
     significance: Vec<EffectSignificance>,
 }
@@ -89,10 +100,13 @@ pub fn run(args: &Args, format: Format, error: Option<f64>) -> Result<()> {
     if args.as_recording {
         outputs.push(("the truth beside --output", &truth));
     }
+    outputs.extend(args.elements.as_deref().map(|path| ("--elements", path)));
+    outputs.extend(args.report.as_deref().map(|path| ("--report", path)));
     check_distinct_paths(&outputs, &[&args.scene])?;
     let plant = Plant::try_new(&scene).map_err(UsageError::new)?;
     let measured = args.as_recording.then(|| Measured::try_new(args, &scene, &plant, span)).transpose()?;
-    let mut summary = simulate(&scene, &plant, span, &truth, measured)?;
+    let bodies = Bodies::try_new(&scene, &plant, span, (args.elements.as_deref(), args.report.as_deref()))?;
+    let mut summary = simulate(&scene, &plant, span, &truth, (measured, bodies))?;
     if args.as_recording {
         summary.recording = Some(args.output.display().to_string());
     }
@@ -177,7 +191,13 @@ impl Measured {
     }
 }
 
-fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured: Option<Measured>) -> Result<Summary> {
+fn simulate(
+    scene: &Scene,
+    plant: &Plant,
+    span: Span,
+    path: &Path,
+    (mut measured, mut bodies): (Option<Measured>, Option<Bodies>),
+) -> Result<Summary> {
     let steps_per_sample = plant.for_simulation().substeps(1.0 / span.rate)?;
     let mut file = AtomicFile::create(path)?;
     let cannot_write = || format!("{}: this file cannot be written", path.display());
@@ -187,7 +207,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
     let mut position = span.settle;
     let start = Instant::now();
-    let (file, waiting_time) = std::thread::scope(|scope| {
+    let (file, waiting_time, twin) = std::thread::scope(|scope| {
         let mut rows = RowWriter::new(scope, file);
         let run = motion::run(
             scene,
@@ -205,12 +225,14 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
                 if let Some(measured) = &mut measured {
                     measured.add(now)?;
                 }
+                if let Some(bodies) = &mut bodies {
+                    bodies.add(now)?;
+                }
                 rows.add(now.row())
             },
         );
         let (file, waiting_time) = rows.finish().with_context(cannot_write)?;
-        run?;
-        Ok::<_, anyhow::Error>((file, waiting_time))
+        Ok::<_, anyhow::Error>((file, waiting_time, run?))
     })?;
     let seconds = (start.elapsed() - waiting_time).as_secs_f64();
     bar.finish_and_clear();
@@ -230,6 +252,7 @@ fn simulate(scene: &Scene, plant: &Plant, span: Span, path: &Path, mut measured:
         output: path.display().to_string(),
         recording: None,
         rotor: plant.rotor_outcome(scene),
+        multibody: bodies.map(|bodies| bodies.finish(&scene.name, twin.as_ref())).transpose()?,
         significance: effect_significance::at_rest(scene, plant)?,
     })
 }
@@ -339,6 +362,9 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
             )?;
             if let Some(rotor) = &summary.rotor {
                 writeln!(out, "{}", report::reduced_rotor(rotor))?;
+            }
+            if let Some(multibody) = &summary.multibody {
+                write!(out, "{}", multibody.text)?;
             }
             for note in notes {
                 writeln!(out, "{note}")?;

@@ -211,7 +211,7 @@ pub fn of_bearing(
         let [thrown, spun] = [false, true].map(|spin| pushed(&|ball| inertia.change(ball, spin)));
         [change(thrown, right), change(spun, thrown)]
     };
-    let solved = of.model.properties().effects;
+    let solved = of.model.properties().effects || of.model.properties().bodies;
     let named = of.name.clone();
     let entry = |effect, change, modelled, because: String| EffectSignificance {
         bearing: named.clone(),

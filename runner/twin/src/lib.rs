@@ -81,6 +81,7 @@
 //! | `ballrace-scene` | [`scene`], [`catalogue`], [`flexible_rotor`] | a scene file with units, checked; bearings by designation; a rotor that bends in a few coordinates |
 //! | `ballrace-recording` | [`recording`], [`parquet_table`] | recordings in several formats, row by row, with counted flaws |
 //! | `ballrace-models` | [`scene::build`], [`handle`], [`simd`] | bearings of the kernel, built from a scene and chosen at run time |
+//! | `ballrace-multibody` | [`multibody`] | bearings whose balls and cage are bodies, integrated with error control |
 //! | `ballrace-outcome` | [`outcome`], [`verdict`], [`options`] | results as plain data, the baseline for later recordings, the verdict as a sentence; options of a replay |
 //! | `ballrace-plant` | [`plant`], [`probes`], [`spectrum`], [`error`], [`observer`], [`motion`] | rotor and bearings as equations of motion, with their equilibrium; readings of probes; displacement and unmodelled force from noisy probes |
 //! | `ballrace-diagnosis` | [`diagnosis`], [`vibration`], [`plausibility`] | kind, place and size of faults; whether a recording can be one of the scene's machine |
@@ -108,6 +109,7 @@
 pub use ballrace_base::{eigenvalues, folder_lock, least_squares, output, parallel, printable};
 pub use ballrace_diagnosis::{self as diagnosis, plausibility, vibration};
 pub use ballrace_models::{handle, simd};
+pub use ballrace_multibody as multibody;
 pub use ballrace_outcome::{self as outcome, options, verdict};
 pub use ballrace_plant::{self as plant, error, motion, observer, probes, spectrum};
 pub use ballrace_recording::{self as recording, parquet_table};

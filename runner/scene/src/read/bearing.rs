@@ -61,6 +61,9 @@ const THIN: f64 = 0.4;
 /// hardly take part.
 const RING_ORDERS: usize = 6;
 
+/// Largest traction coefficient of the model `multibody` where the scene gives none.
+pub const TRACTION_PEAK: f64 = 0.06;
+
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
 
@@ -517,6 +520,11 @@ fn check_moving_elements(table: &Table<'_>, model: Model, geometry: Option<&Geom
         return Ok(());
     }
     let name = model.name();
+    if model.properties().bodies {
+        let why = format!("none with model = \"{name}\", where the speed of the cage is a result; remove it");
+        table.check_without(&["cage_ratio", "cage_runout"], &why)?;
+        return check_traction(table);
+    }
     if geometry.is_none() {
         let expected = format!(
             "the geometry of the bearing, from which model = \"{name}\" has mass and contact stiffness of a ball"
@@ -527,6 +535,17 @@ fn check_moving_elements(table: &Table<'_>, model: Model, geometry: Option<&Geom
         ["stiffness", "exponent", "axial", "housing_displacement", "outer_ring", "defect", "waviness", "preload"];
     let why = format!("none with model = \"{name}\", whose balls move in one plane on round races; remove it");
     table.check_without(&keys, &why)
+}
+
+/// Checks that the traction does not grow beyond its peak.
+fn check_traction(table: &Table<'_>) -> Read<()> {
+    let (Some(limit), peak) = (table.optional("traction_limit"), table.read("traction_peak", Node::any_number)?) else {
+        return Ok(());
+    };
+    let peak = peak.unwrap_or(TRACTION_PEAK);
+    let expected = format!("at most traction_peak, {peak}");
+    let found = limit.any_number()?;
+    if found > peak { Err(limit.invalid(found.to_string(), expected)) } else { Ok(()) }
 }
 
 fn defects(table: &Table<'_>, model: Model, elements: usize) -> Read<Vec<Defect>> {

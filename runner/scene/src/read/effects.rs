@@ -40,7 +40,11 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
                 let models = choice_of(models_with(|of| of.effects));
                 Err(node.misplaced(format!("only with model = {models}; remove it")))
             }
-            None => Ok(Effects::default()),
+            // Bodies have their inertia.
+            None => {
+                let inertia = model.properties().bodies;
+                Ok(Effects { centrifugal: inertia, gyroscopic: inertia, ..Effects::default() })
+            }
         };
     }
     let named = table.read("effects", effects)?.unwrap_or_default();

@@ -39,6 +39,12 @@ impl FidelityLevel {
         self.model.properties().moving_elements
     }
 
+    /// Returns true for a model whose integrator chooses its own steps.
+    #[must_use]
+    pub(crate) fn has_bodies(&self) -> bool {
+        self.model.properties().bodies
+    }
+
     /// Returns every level for a scene, in the order of cost.
     #[must_use]
     pub fn all(scene: &Scene) -> Vec<Self> {

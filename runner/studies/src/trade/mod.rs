@@ -39,6 +39,9 @@ pub struct Trade {
     pub poses: usize,
     /// The reference of all candidates.
     pub truth: String,
+    /// Name of the level that the motions are compared with: one whose balls move by themselves, where the scene has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion_truth: Option<String>,
     /// The largest load of a bearing over the motion, N: denominator of relative errors.
     pub largest_load: f64,
     /// Candidates for the forces.
@@ -168,8 +171,12 @@ pub fn trade(
         }
         progress(i + 1, work);
     }
-    let responses = match solved {
-        Some(plant) => responses(&allowed, (&truth_scene, plant), work, progress)?,
+    // Balls with mass describe the motion more accurately than balls in equilibrium.
+    let dynamic = allowed.iter().rev().find(|one| one.level.has_moving_elements());
+    let moving = dynamic.and_then(|one| Some((&one.scene, one.plant.as_ref()?, one.level.name())));
+    let compared = solved.map(|plant| moving.unwrap_or((&truth_scene, plant, truth_level.name())));
+    let responses = match compared {
+        Some((scene, plant, _)) => responses(&allowed, (scene, plant), work, progress)?,
         None => vec![],
     };
     for candidate in &mut candidates {
@@ -188,6 +195,7 @@ pub fn trade(
         motion,
         poses: poses.first().map_or(0, Vec::len),
         truth: truth_level.name().to_owned(),
+        motion_truth: compared.map(|(_, _, name)| name.to_owned()),
         largest_load: truth.largest(),
         candidates,
         responses,
@@ -262,21 +270,23 @@ const STEPS: [f64; 3] = [0.5, 1.0, 2.0];
 
 fn responses(
     allowed: &[Allowed],
-    solved: (&Scene, &Plant),
+    (moving, plant): (&Scene, &Plant),
     work: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Response>> {
-    // Balls with mass describe the motion more accurately than balls in equilibrium.
-    let dynamic = allowed.iter().find(|one| one.level.has_moving_elements());
-    let (moving, plant) = dynamic.and_then(|one| Some((&one.scene, one.plant.as_ref()?))).unwrap_or(solved);
     let truth_plant = plant.with_step(Method::RungeKutta, 0.25);
     let span = poses::span(moving, &truth_plant);
     let truth = response::run(moving, &truth_plant, span)?;
-    if let Some(reason) = truth.overflow {
+    if let Some(reason) = truth.overflow.clone() {
         return Err(TradeError::Reference { reason }.into());
     }
     let mut all = Vec::new();
     for (i, one) in allowed.iter().enumerate() {
+        if one.level.has_bodies() {
+            // The reference itself, which is as slow as all others together.
+            all.push(response(one, ("dormand-prince", "f64", true), truth.mean_step.unwrap_or(0.0), &truth, &truth));
+            continue;
+        }
         for (j, (name, method)) in METHODS.into_iter().enumerate() {
             for (k, part) in STEPS.into_iter().enumerate() {
                 progress(allowed.len() + (i * METHODS.len() + j) * STEPS.len() + k + 1, work);
@@ -307,16 +317,27 @@ fn response_of(
     truth: &response::Motion,
 ) -> Result<Response> {
     let found = response::run(&one.scene, plant, span)?;
-    Ok(Response {
+    let step = 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?);
+    Ok(response(one, (method, precision, usual), step, &found, truth))
+}
+
+fn response(
+    one: &Allowed,
+    (method, precision, usual): (&'static str, &'static str, bool),
+    step: f64,
+    found: &response::Motion,
+    truth: &response::Motion,
+) -> Response {
+    Response {
         model: one.level.name().to_owned(),
         precision,
         method,
-        step: 1.0 / span.rate / f64::from(plant.substeps(1.0 / span.rate)?),
+        step,
         usual,
         error: found.errors(truth),
         spread: found.spread,
         times_real_time: if found.overflow.is_some() { 0.0 } else { 1.0 / found.seconds_per_second },
-        overflow: found.overflow,
+        overflow: found.overflow.clone(),
         front: false,
-    })
+    }
 }

@@ -46,6 +46,8 @@ pub struct Motion {
     pub spread: f64,
     /// Error of a motion that overflows, whose series end there.
     pub overflow: Option<String>,
+    /// Mean step of an integrator that chooses its own, s.
+    pub mean_step: Option<f64>,
 }
 
 /// Computes the motion of a candidate over the span of the reference, with the same sampling times.
@@ -79,15 +81,16 @@ pub fn run(scene: &Scene, plant: &Plant, span: motion::Span) -> Result<Motion> {
             Ok::<_, Error>(())
         },
     );
-    let overflow = match run {
-        Ok(_) => None,
-        Err(Error::Motion(overflow)) => Some(overflow.to_string()),
+    let (overflow, checks) = match run {
+        Ok(twin) => (None, twin.multibody_checks()),
+        Err(Error::Motion(overflow)) => (Some(overflow.to_string()), None),
         Err(error) => return Err(error),
     };
     let computed = (span.settle + span.samples) as f64 / span.rate;
     let orders = plant.bearings.iter().map(|s| s.kinematics.orders.outer_race).collect();
     let seconds_per_second = begun.elapsed().as_secs_f64() / computed;
-    Ok(Motion { series, turned, orders, seconds_per_second, spread: spread(parts), overflow })
+    let mean_step = checks.map(|checks| computed / checks.steps.taken.max(1) as f64);
+    Ok(Motion { series, turned, orders, seconds_per_second, spread: spread(parts), overflow, mean_step })
 }
 
 impl Motion {
