@@ -51,6 +51,7 @@ mod long;
 mod modules;
 #[cfg(target_os = "linux")]
 mod month;
+mod multibody;
 mod new_scene;
 mod observer;
 mod outliers;

@@ -56,7 +56,8 @@ impl Rig {
 
     fn equilibrium(&self, scene: &Scene, cage: Phase) -> Vec<BallState<f64>> {
         let mut balls = vec![BallState::default(); self.bearing.elements()];
-        let at = BearingKinematicState { cage, inner_speed: self.rings[0].speed, ..BearingKinematicState::default() };
+        let RingMotion { angle: inner, speed: inner_speed, .. } = self.rings[0];
+        let at = BearingKinematicState { cage, inner, inner_speed, ..BearingKinematicState::default() };
         let u = Displacement::from_array(self.rings[0].displacement);
         build::quasi_static(&scene.bearings[0]).unwrap().ball_states(&u, &at, &mut balls);
         balls
@@ -249,6 +250,33 @@ fn steady_state() {
         shares.iter().all(|share| (0.1..0.9).contains(share)),
         "spin on the outer race over that on both: {shares:?}"
     );
+}
+
+/// A slow bearing with a wavy inner race, a damaged outer race and a damaged ball: loads of balls in equilibrium on the same surfaces.
+#[test]
+fn surfaces() {
+    let wavy = "waviness = [{ surface = \"inner\", order = 5, amplitude = \"1 um\", phase = \"40 deg\" }, \
+                { surface = \"outer\", direction = \"axial\", order = 3, amplitude = \"1 um\" }]\n";
+    let damaged = "defect = [{ surface = \"outer\", azimuth = \"0 deg\", half_width = \"12 deg\", depth = \"2 um\", shape = \"half-sine\" }]";
+    let text = format!("{wavy}{damaged}");
+    let scene = scene("+z", FIFTEEN, &text);
+    let speed = 300.0 * std::f64::consts::TAU / 60.0;
+    let mut rig = Rig::new(&scene, [0.0, 0.0, 20e-6, 0.0, 0.0], speed);
+    let mut state = rig.start(&scene);
+    let (time, mut error, mut largest) = (0.02, 0.0_f64, 0.0_f64);
+    rig.run(&mut state, time);
+    rig.rings[0].angle = Phase::from_radians(speed * time);
+    let motion = rig.bearing.motion(&state, &rig.rings);
+    let smooth = self::scene("+z", FIFTEEN, "");
+    for (j, ball) in motion.balls.iter().enumerate() {
+        let azimuth = rig.bearing.params().azimuths[j];
+        let cage = Phase::from_radians(ball.azimuth).wrapping_add(azimuth.reversed());
+        let [still, even] = [&scene, &smooth].map(|scene| rig.equilibrium(scene, cage)[j]);
+        error = error.max((ball.load[0] / still.inner_load - 1.0).abs());
+        largest = largest.max((even.inner_load / still.inner_load - 1.0).abs());
+    }
+    assert!(largest > 0.1, "the surfaces change the loads by {largest}");
+    row("wavy and damaged races: load of a ball against quasi-static", error, 1e-2);
 }
 
 /// A slow bearing under pure thrust: speeds of cage and balls in pure rolling at the contact angle.
