@@ -1,6 +1,6 @@
 //! Motion of balls and cage of a bearing: text for the terminal and HTML page.
 
-use super::figures::{NamedCurve, Shape, cage_orbit, over};
+use super::figures::{NamedCurve, Shape, cage_orbit, over_time};
 use super::number::{alone, count, fixed};
 use super::page::{self, Fact, Page, PageSection};
 use anyhow::Result;
@@ -134,7 +134,6 @@ pub fn html(scene: &str, bearings: &[RecordedBearing]) -> Result<String> {
         let slips = races.map(|(name, race)| (name.to_owned(), bearing.over_time(|m| largest_slip(m, race))));
         let losses = ["traction", "damping", "cage", "drag"].iter().enumerate();
         let losses = losses.map(|(i, name)| ((*name).to_owned(), bearing.over_time(|motion| motion.loss[i])));
-        let time = "time, s";
         let (guided_by, clearance) = guidance(&bearing.cage);
         let centre =
             bearing.samples.iter().map(|(_, motion)| (1e3 * motion.cage.centre[0], 1e3 * motion.cage.centre[1]));
@@ -142,9 +141,9 @@ pub fn html(scene: &str, bearings: &[RecordedBearing]) -> Result<String> {
             &format!("Bearing {}: slip", bearing.name),
             Shape::Wide,
             vec![
-                over("Slip of the cage against pure rolling", [time, "%"], &one("cage", &|m| 100.0 * m.cage_slip())),
-                over("Largest slip of a ball on the races", [time, "m/s"], &slips),
-                over("Power lost", [time, "W"], &losses.collect::<Vec<_>>()),
+                over_time("Slip of the cage against pure rolling", "%", &one("cage", &|m| 100.0 * m.cage_slip())),
+                over_time("Largest slip of a ball on the races", "m/s", &slips),
+                over_time("Power lost", "W", &losses.collect::<Vec<_>>()),
             ],
         ));
         sections.push(PageSection::figures(
@@ -156,9 +155,9 @@ pub fn html(scene: &str, bearings: &[RecordedBearing]) -> Result<String> {
             &format!("Bearing {}: balls", bearing.name),
             Shape::Wide,
             vec![
-                over("Load on the inner race", [time, "N"], &bearing.of_balls(|ball| ball.load[0])),
-                over("Load on the outer race", [time, "N"], &bearing.of_balls(|ball| ball.load[1])),
-                over("Force of the cage along the orbit", [time, "N"], &bearing.of_balls(|ball| ball.pocket_force)),
+                over_time("Load on the inner race", "N", &bearing.of_balls(|ball| ball.load[0])),
+                over_time("Load on the outer race", "N", &bearing.of_balls(|ball| ball.load[1])),
+                over_time("Force of the cage along the orbit", "N", &bearing.of_balls(|ball| ball.pocket_force)),
             ],
         ));
     }

@@ -40,7 +40,7 @@ mod vectors;
 pub(super) use balance::balance;
 pub(super) use cage_orbit::cage_orbit;
 pub(super) use campbell::diagram;
-pub(super) use equilibria::{NamedCurve, over};
+pub(super) use equilibria::{NamedCurve, over, over_time};
 pub(super) use fit::{changes, residuals};
 pub(super) use mode_shape::mode_shapes;
 pub(super) use ring::present_loads;

@@ -1,4 +1,4 @@
-//! Figures of equilibria over a range: one figure of the bearings each, over the first key.
+//! Figures of named curves: of equilibria over the first key of a range, of a motion over time.
 
 use super::Picture;
 use super::axis::{Axis, extent};
@@ -15,13 +15,26 @@ pub(crate) type NamedCurve = (String, Vec<(f64, f64)>);
 
 /// Draws a figure of the bearings; `title` names it, `horizontal` and `vertical` are the titles of the axes.
 pub(crate) fn over(title: &str, [horizontal, vertical]: [&str; 2], curves: &[NamedCurve]) -> Picture {
-    let points = || curves.iter().flat_map(|(_, points): &(String, Vec<Point>)| points);
-    let x = Axis::exact(extent(points().map(|point| point.0)), 8, horizontal);
-    let range = extent(points().map(|point| point.1));
-    let y = match range {
+    let y = match range(curves) {
         Some((low, high)) if low > 0.0 && high > DECADES * low => Axis::decades(low, high, vertical),
-        _ => Axis::padded(range, 6, vertical),
+        range => Axis::padded(range, 6, vertical),
     };
+    curves_over(title, horizontal, y, curves)
+}
+
+/// Draws curves over time, s; `vertical` is the title of their axis.
+pub(crate) fn over_time(title: &str, vertical: &str, curves: &[NamedCurve]) -> Picture {
+    curves_over(title, "time, s", Axis::padded(range(curves), 6, vertical), curves)
+}
+
+/// Returns the lowest and the highest value of all curves.
+fn range(curves: &[NamedCurve]) -> Option<(f64, f64)> {
+    extent(curves.iter().flat_map(|(_, points)| points).map(|point: &Point| point.1))
+}
+
+fn curves_over(title: &str, horizontal: &str, y: Axis, curves: &[NamedCurve]) -> Picture {
+    let along = curves.iter().flat_map(|(_, points)| points).map(|point: &Point| point.0);
+    let x = Axis::exact(extent(along), 8, horizontal);
     let left = gutter(&[&y]);
     let stroke = |i: usize| Stroke(SERIES[i % SERIES.len()], 1.5);
     let legend: Vec<(Key, &str)> =
