@@ -31,7 +31,7 @@ fn balls_roll_under_load_and_their_files_agree() {
         "{found}"
     );
     let (names, rows) = numbers(&sandbox.read("elements.csv"));
-    assert_eq!((names.len(), rows.len()), (1 + 11 + 9 * 15, 50));
+    assert_eq!((names.len(), rows.len()), (1 + 11 + 9 * 17, 50));
     let column = |name: &str| names.iter().position(|column| column == name).unwrap();
     // The forces on the inner ring are those of its balls; the traction against the gyroscopic moment takes a part of the thrust.
     let (of_motion, motion) = numbers(&sandbox.read("motion.csv"));
@@ -112,6 +112,7 @@ fn what_does_not_fit_is_refused() {
     refused("traction_limit = 0.1", &["traction_limit: invalid value: 0.1", "expected at most traction_peak, 0.06"]);
     refused("cage_ratio = 0.4", &["cage_ratio", "the speed of the cage is a result"]);
     refused("effects = [\"film\"]", &["effects", "only with model"]);
+    refused("race_control = \"inner\"", &["race_control", "only with model"]);
     refused("cage_friction = 0.7", &["cage_friction", "0.7"]);
     sandbox.put(
         "plain.toml",

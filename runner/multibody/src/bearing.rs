@@ -5,6 +5,7 @@ use crate::parameters::Params;
 use crate::race::{Contact, Deviation, RaceContact};
 use crate::ring::{Ring, RingMotion};
 use crate::state::{BODY, BallMotion, Body, CageMotion, ElementMotion};
+use ballrace::bearing::quasi_static::film::central_film;
 use ballrace::bearing::surface::Surface;
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Phase};
@@ -276,6 +277,7 @@ impl Bearing {
                 contact_angle: [inner.angle, outer.angle],
                 slip: [inner.slip, outer.slip],
                 contact_spin: [inner.spin, outer.spin],
+                film: self.film(&ball.races, orbital_speed(body), [rings[0].speed, rings[1].speed]),
                 pocket_force: ball.pocket.force.dot(&orbit),
             }
         });
@@ -290,6 +292,31 @@ impl Bearing {
         };
         let rolling_speed = self.rolling_speed(&balls, [rings[0].speed, rings[1].speed]);
         ElementMotion { balls, cage, loss, rolling_speed }
+    }
+
+    /// Returns the central film thickness of Hamrock and Dowson at both contacts of a ball, isothermal and without slip, m.
+    fn film(&self, contacts: &[Contact; 2], orbital: f64, rings: [f64; 2]) -> [f64; 2] {
+        let Some(oil) = self.params.oil else { return [0.0; 2] };
+        let geometry = &self.params.geometry;
+        let ratio = geometry.ball_diameter / geometry.pitch_diameter;
+        [(Race::Inner, -1.0), (Race::Outer, 1.0)].map(|(race, side)| {
+            let i = usize::from(side > 0.0);
+            let Contact { load, angle, .. } = contacts[i];
+            if load <= 0.0 {
+                return 0.0;
+            }
+            let arm = 0.5 * geometry.pitch_diameter * (1.0 + side * ratio * angle.cos());
+            let contact = geometry.contact(race);
+            let along = 0.5 * geometry.ball_diameter * (1.0 + side * geometry.gamma());
+            central_film(
+                oil,
+                contact.effective_modulus,
+                along,
+                contact.ellipticity,
+                (rings[i] - orbital).abs() * arm,
+                load,
+            )
+        })
     }
 
     /// Returns the orbital speed of balls that roll at their mean contact angles without spin on the outer race, rad/s (Harris and Kotzalas):

@@ -213,7 +213,11 @@ fn conserves(name: &str, steps: u64) {
 /// At moderate load: loads and contact angles of balls in equilibrium, cage and spin of pure rolling.
 #[test]
 fn steady_state() {
-    let scene = scene("+z", FIFTEEN, "outer_land_clearance = \"0.4 mm\"");
+    let oil = "lubricant = { viscosity = \"0.02 Pa s\", pressure_viscosity = \"2e-8 1/Pa\" }";
+    let scene = scene("+z", FIFTEEN, &format!("outer_land_clearance = \"0.4 mm\"\n{oil}"));
+    // A film changes the loads of balls in equilibrium a little, and its thickness hardly.
+    let mut wet = scene.clone();
+    wet.bearings[0].effects.film = wet.bearings[0].lubricant;
     let speed = 10_000.0 * std::f64::consts::TAU / 60.0;
     // 1 kN of thrust and 300 N across.
     let mut rig = Rig::new(&scene, [0.0, -2e-6, 34e-6, 20e-6, 0.0], speed);
@@ -222,7 +226,7 @@ fn steady_state() {
     let first = rig.rings;
     rig.run(&mut state, 0.03);
     let motion = rig.bearing.motion(&state, &rig.rings);
-    let (mut load, mut angle) = (0.0_f64, 0.0_f64);
+    let (mut load, mut angle, mut film) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (j, ball) in motion.balls.iter().enumerate() {
         let azimuth = rig.bearing.params().azimuths[j];
         let cage = Phase::from_radians(ball.azimuth).wrapping_add(azimuth.reversed());
@@ -232,9 +236,14 @@ fn steady_state() {
             load = load.max((ball.load[race] / [still.inner_load, still.outer_load][race] - 1.0).abs());
             angle = angle.max((ball.contact_angle[race] / angles[race] - 1.0).abs());
         }
+        let wet = rig.equilibrium(&wet, cage)[j];
+        for (found, expected) in ball.film.iter().zip([wet.inner_film, wet.outer_film]) {
+            film = film.max((found / expected - 1.0).abs());
+        }
     }
     row("steady state: load of a ball against quasi-static", load, 1e-2);
     row("steady state: contact angle against quasi-static", angle, 1e-2);
+    row("steady state: film against quasi-static", film, 2e-2);
     let mean = motion.balls.iter().map(|ball| ball.orbital_speed).sum::<f64>() / 9.0;
     row("steady state: orbital speed against pure rolling", (mean / motion.rolling_speed - 1.0).abs(), 5e-3);
     let balance = rig.bearing.balance((&start, &first), (&state, &rig.rings));

@@ -2,6 +2,7 @@
 
 use crate::traction::TractionCurve;
 use ballrace::bearing::geometry::BallBearingGeometry;
+use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::surface::{BearingComponent, Feature, SurfaceDeviation};
 use ballrace::{Exact, Phase};
 use ballrace_models::build::{self, BuildError};
@@ -53,6 +54,8 @@ pub struct Params {
     pub contact_damping: f64,
     /// Traction on the races.
     pub traction: TractionCurve,
+    /// Oil of the film between balls and races, whose thickness is reported.
+    pub oil: Option<Lubricant>,
     /// Drag of the oil on a ball over the square of its speed, kg/m.
     pub drag: f64,
     /// Error of a ball's position in one integration step, m.
@@ -95,6 +98,7 @@ impl Params {
                 own("traction_limit", 0.75 * peak),
             ),
             step_error: own("step_error", 1e-10),
+            oil: of.lubricant.map(|oil| oil.for_film()),
             drag: 0.125 * SPHERE_DRAG * own("mixture_density", 0.0) * PI * diameter * diameter,
             gravity: scene.rotor.as_ref().map_or([0.0; 3], |rotor| rotor.gravity),
             cage: CageParams::of(of, &geometry),

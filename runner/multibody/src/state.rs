@@ -72,6 +72,8 @@ pub struct BallMotion {
     pub slip: [f64; 2],
     /// Speed of rotation about the contact's normal of the ball against the inner and outer race, rad/s; 0 without contact.
     pub contact_spin: [f64; 2],
+    /// Central thickness of the oil film at the inner and outer race, m; 0 without load or `lubricant`.
+    pub film: [f64; 2],
     /// Force of the cage along the orbit, N; negative against it.
     pub pocket_force: f64,
 }
@@ -103,7 +105,7 @@ pub struct ElementMotion {
 }
 
 /// Name and unit of a number of a ball.
-const OF_BALL: [(&str, &str); 15] = [
+const OF_BALL: [(&str, &str); 17] = [
     ("azimuth", "rad"),
     ("orbital_speed", "rad/s"),
     ("spin_outward", "rad/s"),
@@ -117,6 +119,8 @@ const OF_BALL: [(&str, &str); 15] = [
     ("outer_slip", "m/s"),
     ("inner_spin", "rad/s"),
     ("outer_spin", "rad/s"),
+    ("inner_film", "m"),
+    ("outer_film", "m"),
     ("pocket_force", "N"),
     ("slip_ratio", "1"),
 ];
@@ -151,7 +155,8 @@ impl ElementMotion {
         let of_ball = |ball: &BallMotion| {
             let ([a, b, c], [load_i, load_o]) = (ball.spin, ball.load);
             let ([angle_i, angle_o], [slip_i, slip_o]) = (ball.contact_angle, ball.slip);
-            let ([spin_i, spin_o], slip_ratio) = (ball.contact_spin, self.slip_ratio(ball));
+            let ([spin_i, spin_o], [film_i, film_o]) = (ball.contact_spin, ball.film);
+            let slip_ratio = self.slip_ratio(ball);
             [
                 ball.azimuth,
                 ball.orbital_speed,
@@ -166,6 +171,8 @@ impl ElementMotion {
                 slip_o,
                 spin_i,
                 spin_o,
+                film_i,
+                film_o,
                 ball.pocket_force,
                 slip_ratio,
             ]

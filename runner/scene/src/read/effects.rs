@@ -34,17 +34,15 @@ pub(super) fn read(table: &Table<'_>, model: Model) -> Read<Effects> {
         return of_rollers(table);
     }
     if !model.properties().effects {
+        // Bodies have their inertia, and a film that is reported.
+        let bodies = model.properties().bodies;
         let keys = ["effects", "race_control", "friction_sharing", "lubricant"];
-        return match keys.iter().find_map(|key| table.optional(key)) {
+        return match keys.iter().filter(|key| !bodies || **key != "lubricant").find_map(|key| table.optional(key)) {
             Some(node) => {
                 let models = choice_of(models_with(|of| of.effects));
                 Err(node.misplaced(format!("only with model = {models}; remove it")))
             }
-            // Bodies have their inertia.
-            None => {
-                let inertia = model.properties().bodies;
-                Ok(Effects { centrifugal: inertia, gyroscopic: inertia, ..Effects::default() })
-            }
+            None => Ok(Effects { centrifugal: bodies, gyroscopic: bodies, ..Effects::default() }),
         };
     }
     let named = table.read("effects", effects)?.unwrap_or_default();
