@@ -3,6 +3,7 @@
 mod multibody;
 
 use self::multibody::Bodies;
+use super::progress::ProgressLines;
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Context, Result, bail};
@@ -204,6 +205,7 @@ fn simulate(
     writeln!(file, "{}", header(plant)).with_context(cannot_write)?;
     let total = span.settle + span.samples;
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(total) } else { ProgressBar::hidden() };
+    let (has_bodies, lines) = (bodies.is_some(), ProgressLines::new());
     let (mut low, mut high, mut sum) = ([f64::MAX; 3], [f64::MIN; 3], [0.0; 3]);
     let mut position = span.settle;
     let start = Instant::now();
@@ -219,8 +221,9 @@ fn simulate(
                     (low[i], high[i], sum[i]) = (low[i].min(x), high[i].max(x), sum[i] + x);
                 }
                 position += 1;
-                if position.is_multiple_of(4096) {
+                if position.is_multiple_of(if has_bodies { 1 } else { 4096 }) {
                     bar.set_position(position);
+                    lines.now_and_then(|| format!("simulated {:.3} of {:.3} s", now.time, total as f64 / span.rate));
                 }
                 if let Some(measured) = &mut measured {
                     measured.add(now)?;
