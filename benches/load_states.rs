@@ -102,5 +102,5 @@ fn in_state<T: Scalar, B: Bearing<T> + 'static>(
             black_box(black_box(&bearing).reaction(black_box(u), black_box(at)));
         }
     });
-    LoadState { model, load, subject: Subject { row: format!("{model}: {load:?}"), column, calls: INPUTS, run } }
+    LoadState { model, load, subject: Subject::new(format!("{model}: {load:?}"), column, INPUTS, run) }
 }

@@ -1,7 +1,10 @@
-//! Timing in rounds: in each round every subject has its turn, so all of them meet the same disturbances.
+//! Timing in rounds: in each round every subject has its turn, so all of them meet the same disturbances. Processor time is measured, so that
+//! waiting beside other work does not count.
 
 use crate::subjects::Subject;
-use std::time::{Duration, Instant};
+#[cfg(unix)]
+use rustix::time::{ClockId, clock_gettime};
+use std::time::Duration;
 
 /// Rounds; odd, so that the median is one of them.
 pub const ROUNDS: usize = 301;
@@ -41,12 +44,27 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
+/// Returns the processor time of some runs: that of this thread, or what another process reports.
 fn turn(subject: &mut Subject, runs: u32) -> Duration {
-    let start = Instant::now();
+    let start = processor_time();
+    let mut reported = Duration::ZERO;
     for _ in 0..runs {
-        (subject.run)();
+        reported += (subject.run)().unwrap_or_default();
     }
-    start.elapsed()
+    if reported.is_zero() { processor_time().saturating_sub(start) } else { reported }
+}
+
+/// Returns the processor time of this thread.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    Duration::try_from(clock_gettime(ClockId::ThreadCPUTime)).unwrap_or_default()
+}
+
+/// Returns the time since the first call, where the system has no clock of the processor time.
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    static START: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
+    START.elapsed()
 }
 
 /// Runs that fill a turn, found by doubling, which warms up as well.

@@ -22,7 +22,7 @@ pub fn batches_and_limit<T: Scalar>(
 where
     Exact: Math<T>,
 {
-    let subject = |row: &str, run| Subject { row: row.into(), column, calls: SAMPLES, run };
+    let subject = |row: &str, run| Subject::new(row, column, SAMPLES, run);
     Ok([
         subject(BATCH, batch::<T>(RADIAL_PLAY)?),
         subject(BATCH_PRELOADED, batch::<T>(-RADIAL_PLAY)?),

@@ -91,7 +91,7 @@ fn each(row: &str, evaluate: impl Fn(&Displacement<f64>, &BearingKinematicState<
             evaluate(black_box(u), black_box(&at));
         }
     });
-    Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
+    Subject::new(row, super::COLUMNS[0], INPUTS, run)
 }
 
 /// All of them; without a C compiler the last one is left out.
@@ -137,7 +137,7 @@ fn warm<M: Math<f64>>(row: &str, bearing: Massive<M>) -> Subject {
             black_box(bearing.warm_started_reaction(black_box(u), black_box(&at), &mut balls));
         }
     });
-    Subject { row: row.to_owned(), column: super::COLUMNS[0], calls: INPUTS, run }
+    Subject::new(row, super::COLUMNS[0], INPUTS, run)
 }
 
 fn plain_c() -> Option<Subject> {

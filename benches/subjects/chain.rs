@@ -62,5 +62,5 @@ fn chain(row: &str, bearing: impl Bearing<f64> + 'static) -> Subject {
         }
         black_box((fx, fy));
     });
-    Subject { row: row.to_owned(), column: COLUMNS[0], calls: INPUTS, run }
+    Subject::new(row, COLUMNS[0], INPUTS, run)
 }

@@ -9,6 +9,7 @@ mod yardstick;
 
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry, InvalidParameter};
 use ballrace::{Displacement, Exact, Fast, Phase, Scalar};
+use std::time::Duration;
 
 /// One thing to measure, in one precision and with one math backend.
 pub struct Subject {
@@ -18,8 +19,20 @@ pub struct Subject {
     pub column: &'static str,
     /// Calls that one run makes.
     pub calls: u32,
-    /// Makes them. Inputs differ from call to call, so nothing can be taken out of the loop.
-    pub run: Box<dyn FnMut()>,
+    /// Makes them. Inputs differ from call to call, so nothing can be taken out of the loop. Returns the processor time of another process
+    /// that made them.
+    pub run: Box<dyn FnMut() -> Option<Duration>>,
+}
+
+impl Subject {
+    /// Creates a subject that runs in this process.
+    pub fn new(row: impl Into<String>, column: &'static str, calls: u32, mut run: impl FnMut() + 'static) -> Self {
+        let run = Box::new(move || {
+            run();
+            None
+        });
+        Self { row: row.into(), column, calls, run }
+    }
 }
 
 /// Precision and math backend.

@@ -74,8 +74,8 @@ where
         black_box(black_box(&bearing).reaction_and_stiffness(u, &cage.into()));
     });
     [
-        Subject { row: format!("{name}: force"), column, calls: INPUTS, run: force },
-        Subject { row: format!("{name}: force and tangent"), column, calls: INPUTS, run: tangent },
+        Subject::new(format!("{name}: force"), column, INPUTS, force),
+        Subject::new(format!("{name}: force and tangent"), column, INPUTS, tangent),
     ]
 }
 

@@ -37,7 +37,7 @@ pub fn lines(column: &'static str) -> Result<Vec<Subject>, InvalidParameter> {
 fn verlet<const N: usize, const B: usize>(column: &'static str) -> Result<Subject, InvalidParameter> {
     let run = stepping(machine::<f64, N, B>()?, Verlet { step: STEP });
     let row = format!("rotor step, Verlet: {B} angular bearing{}, N = {N}", if B == 1 { "" } else { "s" });
-    Ok(Subject { row, column, calls: INPUTS, run })
+    Ok(Subject::new(row, column, INPUTS, run))
 }
 
 /// Two of the integrators.
@@ -48,7 +48,7 @@ where
     let step = T::from_f64(STEP);
     let explicit = stepping(machine::<T, BALLS, 2>()?, RungeKuttaNystrom { step });
     let implicit = stepping(machine::<T, BALLS, 2>()?, Newmark { step, newton_steps: 3 });
-    let subject = |row: &str, run| Subject { row: row.into(), column, calls: INPUTS, run };
+    let subject = |row: &str, run| Subject::new(row, column, INPUTS, run);
     Ok([
         subject("rotor step, two angular bearings, N = 9: RungeKuttaNystrom", explicit),
         subject("rotor step, two angular bearings, N = 9: Newmark, 3 Newton steps", implicit),
