@@ -274,7 +274,7 @@ impl Bearing {
                 orbital_speed: orbital_speed(body),
                 spin: [body.spin.dot(&outward), body.spin.dot(&orbit), body.spin.z],
                 load: [inner.load, outer.load],
-                contact_angle: [inner.angle, outer.angle],
+                contact_angle: [inner.angle(), outer.angle()],
                 slip: [inner.slip, outer.slip],
                 contact_spin: [inner.spin, outer.spin],
                 film: self.film(&ball.races, orbital_speed(body), [rings[0].speed, rings[1].speed]),
@@ -301,11 +301,11 @@ impl Bearing {
         let ratio = geometry.ball_diameter / geometry.pitch_diameter;
         [(Race::Inner, -1.0), (Race::Outer, 1.0)].map(|(race, side)| {
             let i = usize::from(side > 0.0);
-            let Contact { load, angle, .. } = contacts[i];
+            let Contact { load, direction: [cos, _], .. } = contacts[i];
             if load <= 0.0 {
                 return 0.0;
             }
-            let arm = 0.5 * geometry.pitch_diameter * (1.0 + side * ratio * angle.cos());
+            let arm = 0.5 * geometry.pitch_diameter * (1.0 + side * ratio * cos);
             let contact = geometry.contact(race);
             let along = 0.5 * geometry.ball_diameter * (1.0 + side * geometry.gamma());
             central_film(

@@ -78,8 +78,8 @@ pub(crate) struct Contact {
     pub force: Vector3<f64>,
     /// Moment of the force about the ball's centre, N m.
     pub moment: Vector3<f64>,
-    /// Contact angle, rad: positive where the inner ring pushes the ball towards +Z.
-    pub angle: f64,
+    /// Cosine and sine of the contact angle, which is positive where the inner ring pushes the ball towards +Z.
+    pub direction: [f64; 2],
     /// Slip along the orbit at the centre of the contact, m/s.
     pub slip: f64,
     /// Relative rotation about the normal, rad/s.
@@ -142,17 +142,17 @@ impl RaceContact {
     pub(crate) fn evaluate(&self, ball: &Body, ring: &Ring, deviation: &Deviation) -> Contact {
         let from_centre = ball.position - ring.centre;
         let local = ring.to_ring(&from_centre);
-        let rho = local.x.hypot(local.y);
+        let rho = length(local.x, local.y);
         let [cos, sin] = [local.x / rho, local.y / rho];
         let outward = self.radius + deviation.radial - rho;
         let axial = self.axial + deviation.axial - local.z;
-        let distance = outward.hypot(axial);
+        let distance = length(outward, axial);
         let approach = distance - self.distance + deviation.approach;
         // Normal, from the contact through the ball's centre to the groove's centre.
         let normal = [outward / distance, axial / distance];
-        let angle = (self.side * normal[1]).atan2(self.side * normal[0]);
+        let direction = [self.side * normal[0], self.side * normal[1]];
         if approach <= 0.0 {
-            return Contact { approach, angle, ..Contact::default() };
+            return Contact { approach, direction, ..Contact::default() };
         }
         let cylindrical = |x: Vector3<f64>| Cylindrical {
             outward: x.x * cos + x.y * sin,
@@ -180,7 +180,7 @@ impl RaceContact {
             load,
             force: to_fixed(f_across, f_orbital, load),
             moment: to_fixed(m_across, m_orbital, m_normal),
-            angle,
+            direction,
             slip: velocity.orbital + height * about_across,
             spin: about_normal,
             energy: 0.4 * elastic * approach,
@@ -212,6 +212,19 @@ impl RaceContact {
             sum.loss -= ratio * squared;
         }
         sum
+    }
+}
+
+/// Returns the length of a vector whose size is far from the limits of numbers.
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+impl Contact {
+    /// Returns the contact angle, rad.
+    pub fn angle(&self) -> f64 {
+        let [cos, sin] = self.direction;
+        sin.atan2(cos)
     }
 }
 

@@ -360,8 +360,10 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;
             writeln!(
                 out,
-                "Computed in {:.2} s, {:.1} times real time.",
-                summary.computing_seconds, summary.times_real_time
+                "Computed in {:.2} s, {:.*} times real time.",
+                summary.computing_seconds,
+                if summary.times_real_time < 1.0 { 3 } else { 1 },
+                summary.times_real_time
             )?;
             if let Some(rotor) = &summary.rotor {
                 writeln!(out, "{}", report::reduced_rotor(rotor))?;
