@@ -6,6 +6,7 @@
 pub mod baseline;
 mod calibration;
 mod diagnosis;
+mod failure_mode;
 mod fault_figures;
 mod field;
 mod file;
@@ -25,6 +26,7 @@ pub use diagnosis::{
     UnexplainedLine, UnexplainedMotion, VibrationLine,
 };
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
+pub use failure_mode::FailureMode;
 pub use field::{NumericField, UNIT_OF_SENSOR};
 pub use file::RecordingFile;
 pub use implausibility::Implausibility;
