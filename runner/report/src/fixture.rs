@@ -611,6 +611,7 @@ pub(crate) fn usual() -> Outcome {
         learning: None,
         learned: baseline::Baseline::default(),
         pictures: pictures(),
+        samples: None,
     }
 }
 
@@ -644,6 +645,7 @@ pub(crate) fn bare() -> Outcome {
         learning: None,
         learned: baseline::Baseline::default(),
         pictures: Pictures::default(),
+        samples: None,
     }
 }
 
