@@ -91,13 +91,18 @@ impl Sandbox {
         broker
     }
 
-    /// Starts a monitor of standard input.
+    /// Starts a monitor of standard input that publishes JSON.
     fn monitor(&self, password: &str) -> Monitor {
-        let url = format!("mqtts://rig@127.0.0.1:{}/works/pump", self.port);
+        self.monitor_with("--mqtt", "works/pump", password)
+    }
+
+    /// Starts a monitor of standard input with an output to the broker.
+    fn monitor_with(&self, option: &str, path: &str, password: &str) -> Monitor {
+        let url = format!("mqtts://rig@127.0.0.1:{}/{path}", self.port);
         let args = ["replay", "scene.toml", "--paced", "--source", "-", "--format", "json", "--no-report"];
         let mut command = Command::new(env!("CARGO_BIN_EXE_ballrace"));
         command.args(args).args(["--events", "events.jsonl", "--indicators", "trend"]);
-        command.args(["--mqtt", &url, "--mqtt-ca", "ca.pem"]);
+        command.args([option, &url, "--mqtt-ca", "ca.pem"]);
         command.args(["--mqtt-password-file", password]).current_dir(self.folder.path());
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit());
         let mut child = command.spawn().unwrap();
@@ -120,14 +125,19 @@ impl Sandbox {
         fs::read_to_string(self.path("events.jsonl")).unwrap_or_default()
     }
 
-    /// Subscribes to everything, with a session that the broker keeps.
-    fn subscribe(&self) -> Arc<Mutex<Vec<(String, String)>>> {
-        let received = Arc::<Mutex<Vec<(String, String)>>>::default();
-        let of_thread = received.clone();
+    /// Returns a client with a session that the broker keeps.
+    fn client(&self) -> (Client, rumqttc::Connection) {
         let mut options = MqttOptions::new("subscriber", "localhost", self.port);
         options.set_credentials("rig", PASSWORD).set_clean_session(false).set_max_packet_size(1 << 20, 1 << 20);
         options.set_transport(Transport::tls(fs::read(self.path("ca.pem")).unwrap(), None, None));
-        let (client, mut connection) = Client::new(options, 10);
+        Client::new(options, 10)
+    }
+
+    /// Subscribes to everything.
+    fn subscribe(&self) -> Arc<Mutex<Vec<(String, String)>>> {
+        let received = Arc::<Mutex<Vec<(String, String)>>>::default();
+        let of_thread = received.clone();
+        let (client, mut connection) = self.client();
         client.subscribe("works/#", QoS::AtLeastOnce).unwrap();
         std::thread::spawn(move || {
             // The subscription ends with this thread.
@@ -286,4 +296,167 @@ fn options_of_the_broker_are_checked_before_the_start() {
     refused(&["--mqtt", "mqtt://h:1/a", "--mqtt-ca", "ca.pem"], "the URL has no TLS");
     refused(&["--mqtt", "mqtt://h:1/a", "--mqtt-password-file", "password"], "--mqtt-password-file: no user");
     refused(&["--mqtt", "h:1/a"], "expected mqtt://HOST:PORT/TOPIC");
+    #[cfg(feature = "sparkplug")]
+    for path in ["works/hall", "works/hall/pump/x", "works//pump", "works/+/pump"] {
+        refused(&["--sparkplug", &format!("mqtt://h:1/{path}")], "expected mqtt://HOST:PORT/GROUP/NODE/DEVICE");
+    }
+}
+
+#[cfg(feature = "sparkplug")]
+mod sparkplug {
+    use super::*;
+    use srad_client::{
+        DeviceMessage, Event as Received, Message, MessageKind, NodeMessage, topic_and_payload_to_event,
+    };
+    use srad_types::payload::metric::Value as Number;
+    use srad_types::payload::{DataType, Metric, Payload};
+
+    /// A message of the node (`true`) or of the device.
+    type Sent = (bool, MessageKind, Payload);
+
+    fn is(sent: &Sent, of_node: bool, kind: MessageKind) -> bool {
+        (sent.0, &sent.1) == (of_node, &kind)
+    }
+
+    fn named<'a>(payload: &'a Payload, name: &str) -> &'a Metric {
+        let found = payload.metrics.iter().find(|metric| metric.name.as_deref() == Some(name));
+        found.unwrap_or_else(|| panic!("no metric {name}"))
+    }
+
+    /// Number of the life of the node, in its birth and its death.
+    fn life(payload: &Payload) -> &Number {
+        named(payload, "bdSeq").value.as_ref().unwrap()
+    }
+
+    /// Subscribes to all messages of Sparkplug as a host does; returns them with a client for commands.
+    fn host(sandbox: &Sandbox) -> (Arc<Mutex<Vec<Sent>>>, Client) {
+        let received = Arc::<Mutex<Vec<Sent>>>::default();
+        let of_thread = received.clone();
+        let (client, mut connection) = sandbox.client();
+        client.subscribe("spBv1.0/#", QoS::AtLeastOnce).unwrap();
+        // A host that comes later has missed the birth.
+        let (subscribed, is_subscribed) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            for event in connection.iter() {
+                match event {
+                    Ok(Event::Incoming(Packet::SubAck(_))) => drop(subscribed.send(())),
+                    Ok(Event::Incoming(Packet::Publish(message))) => {
+                        let event = topic_and_payload_to_event(message.topic.into_bytes(), message.payload.to_vec());
+                        let (of_node, Message { payload, kind }) = match event {
+                            Received::Node(NodeMessage { group_id, node_id, message }) => {
+                                assert_eq!((&*group_id, &*node_id), ("works", "hall"));
+                                (true, message)
+                            }
+                            Received::Device(DeviceMessage { device_id, message, .. }) => {
+                                assert_eq!(device_id, "pump");
+                                (false, message)
+                            }
+                            other => panic!("{other:?}"),
+                        };
+                        of_thread.lock().unwrap().push((of_node, kind, payload));
+                    }
+                    Ok(_) => {}
+                    Err(_) => std::thread::sleep(Duration::from_millis(200)),
+                }
+            }
+        });
+        is_subscribed.recv_timeout(PATIENCE).unwrap();
+        (received, client)
+    }
+
+    fn count(received: &Mutex<Vec<Sent>>, of_node: bool, kind: &MessageKind) -> usize {
+        received.lock().unwrap().iter().filter(|sent| (sent.0, &sent.1) == (of_node, kind)).count()
+    }
+
+    #[test]
+    fn a_node_is_born_with_its_device_publishes_seconds_and_dies() {
+        let sandbox = Sandbox::new();
+        let mut broker = sandbox.broker();
+        let (received, client) = host(&sandbox);
+        let mut monitor = sandbox.monitor_with("--sparkplug", "works/hall/pump", "password");
+        monitor.feed(6);
+        wait_until("seconds at the broker", || count(&received, false, &MessageKind::Data) >= 3);
+        {
+            let received = received.lock().unwrap();
+            // The numbers of all messages of a life follow each other, from the birth of the node.
+            for (i, (_, _, payload)) in received.iter().enumerate() {
+                assert_eq!(payload.seq, Some(i as u64 % 256), "{:?}", received[i]);
+            }
+            assert!(is(&received[0], true, MessageKind::Birth), "{:?}", received[0]);
+            let node = &received[0].2;
+            assert_eq!(life(node), &Number::LongValue(0));
+            assert_eq!(named(node, "Node Control/Rebirth").value, Some(Number::BooleanValue(false)));
+            assert_eq!(named(node, "version").value, Some(Number::StringValue(env!("CARGO_PKG_VERSION").to_owned())));
+            let (_, _, device) = received.iter().find(|sent| is(sent, false, MessageKind::Birth)).unwrap();
+            let residual = named(device, "DE_X_um_residual_rms_um");
+            assert_eq!(residual.datatype, Some(DataType::Double as u32));
+            // Every metric of the data was born, and is that of the indicator file by its alias.
+            let aliases: Vec<u64> = device.metrics.iter().map(|metric| metric.alias.unwrap()).collect();
+            let data = received.iter().filter(|sent| is(sent, false, MessageKind::Data)).map(|sent| &sent.2);
+            let mut seconds = vec![];
+            for metric in data.flat_map(|payload| &payload.metrics) {
+                assert!(aliases.contains(&metric.alias.unwrap()) && metric.timestamp.is_some(), "{metric:?}");
+                assert!(metric.value.is_some() != metric.is_null.unwrap_or_default(), "{metric:?}");
+                if let Some(Number::DoubleValue(value)) = metric.value
+                    && metric.alias == named(device, "time_s").alias
+                {
+                    seconds.push(value);
+                }
+            }
+            assert!(seconds.len() >= 2 && seconds.windows(2).all(|pair| (pair[1] - pair[0] - 1.0).abs() < 0.01));
+        }
+        // A host that has missed the birth asks for it.
+        let mut rebirth = Metric::new();
+        rebirth.set_name("Node Control/Rebirth".to_owned()).set_datatype(DataType::Boolean);
+        rebirth.set_value(Number::BooleanValue(true));
+        let command = Payload { timestamp: Some(1), metrics: vec![rebirth], seq: None, uuid: None, body: None };
+        client.publish("spBv1.0/works/NCMD/hall", QoS::AtLeastOnce, false, Vec::<u8>::from(command)).unwrap();
+        wait_until("another birth", || count(&received, false, &MessageKind::Birth) >= 2);
+        assert_eq!(count(&received, true, &MessageKind::Death), 0);
+        // The next life after a restart of the broker has the next number.
+        run("kill", &["-TERM", &broker.0.id().to_string()], sandbox.folder.path());
+        assert!(broker.0.wait().unwrap().success());
+        wait_until("an event about the broker", || {
+            monitor.feed(1);
+            sandbox.log().contains("\"kind\":\"output-failing\"")
+        });
+        let _broker = sandbox.broker();
+        wait_until("the next life", || {
+            monitor.feed(1);
+            let received = received.lock().unwrap();
+            received.iter().any(|sent| is(sent, true, MessageKind::Birth) && life(&sent.2) == &Number::LongValue(1))
+        });
+        wait_until("its device", || count(&received, false, &MessageKind::Birth) >= 3);
+        monitor.end();
+        wait_until("the death", || {
+            let received = received.lock().unwrap();
+            received.iter().any(|sent| is(sent, true, MessageKind::Death) && life(&sent.2) == &Number::LongValue(1))
+        });
+        // Every event of the log was published, also those of the time without a broker.
+        let received = received.lock().unwrap();
+        let texts = received.iter().flat_map(|sent| &sent.2.metrics).filter_map(|metric| match &metric.value {
+            Some(Number::StringValue(text)) => Some(text.as_str()),
+            _ => None,
+        });
+        let published: Vec<&str> = texts.collect();
+        let log = sandbox.log();
+        assert!(log.lines().count() >= 2);
+        for line in log.lines() {
+            assert!(published.contains(&line), "{line}");
+        }
+    }
+
+    #[test]
+    fn the_last_will_is_the_death_of_the_node() {
+        let sandbox = Sandbox::new();
+        let _broker = sandbox.broker();
+        let (received, _client) = host(&sandbox);
+        let monitor = sandbox.monitor_with("--sparkplug", "works/hall/pump", "password");
+        wait_until("the birth", || count(&received, true, &MessageKind::Birth) == 1);
+        drop(monitor);
+        wait_until("the last will", || count(&received, true, &MessageKind::Death) == 1);
+        let received = received.lock().unwrap();
+        let death = &received.last().unwrap().2;
+        assert_eq!((life(death), death.metrics[0].datatype), (&Number::LongValue(0), Some(DataType::Int64 as u32)));
+    }
 }

@@ -12,6 +12,8 @@ mod machine;
 mod run;
 
 const FOLDER: &str = "docs/boards/monitor";
+/// Files of the scene.
+const FILES: [&str; 5] = ["scene.toml", "mass.mtx", "damping.mtx", "stiffness.mtx", "load.mtx"];
 
 #[test]
 fn the_constants_are_those_of_their_scene() {
@@ -20,16 +22,26 @@ fn the_constants_are_those_of_their_scene() {
     assert_eq!(answer.code, Some(0), "{answer:?}");
 }
 
-/// Files of the scene and the log of a machine, as it leaves the board.
-fn logged(is_damaged: bool) -> Sandbox {
-    let sandbox = Sandbox::empty();
-    for name in ["scene.toml", "mass.mtx", "damping.mtx", "stiffness.mtx", "load.mtx"] {
-        sandbox.put(name, read(format!("{FOLDER}/{name}")));
-    }
+/// Returns the path in the repository and the text of each file of the scene.
+pub fn scene_files() -> impl Iterator<Item = (String, String)> {
+    FILES.iter().map(|name| format!("{FOLDER}/{name}")).map(|path| (path.clone(), read(path)))
+}
+
+/// Returns the log of a machine, as it leaves the board.
+pub fn log(is_damaged: bool) -> Vec<u8> {
     let mut log = vec![];
     let detector = Box::leak(Box::new(DamageDetector::new()));
     run::run(is_damaged, detector, |_, frames, _| log.extend_from_slice(frames)).unwrap();
-    sandbox.put("board.frames", log);
+    log
+}
+
+/// Files of the scene and the log of a machine.
+fn logged(is_damaged: bool) -> Sandbox {
+    let sandbox = Sandbox::empty();
+    for (path, text) in scene_files() {
+        sandbox.put(path.strip_prefix("docs/boards/monitor/").unwrap(), text);
+    }
+    sandbox.put("board.frames", log(is_damaged));
     sandbox
 }
 

@@ -1,5 +1,6 @@
 //! The gallery: its commands in their order, on its scenes, the figures that it states, and its pictures, which are figures of the reports.
 
+use crate::board;
 use crate::documents::{labels, read, rewrites, root, standalone};
 use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program};
 use std::fs;
@@ -16,9 +17,13 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
 fn the_pictures_are_figures_of_the_reports_that_the_commands_write() {
     let text = read(CHAPTER);
     let sandbox = Sandbox::empty();
-    fs::create_dir_all(sandbox.path("runner/demo")).unwrap();
+    for folder in ["runner/demo", "docs/boards/monitor"] {
+        fs::create_dir_all(sandbox.path(folder)).unwrap();
+    }
     sandbox.put("runner/demo/healthy.toml", DEMO_SCENE);
     sandbox.put("runner/demo/healthy.csv", DEMO_RECORDING);
+    board::scene_files().for_each(|(path, text)| sandbox.put(&path, text));
+    sandbox.put("board.frames", board::log(true));
     for file in between(&text, "<!-- file: ", "```\n\n") {
         let (name, content) = file.split_once(" -->\n```toml\n").unwrap();
         sandbox.put(name, content);

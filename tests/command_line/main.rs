@@ -60,6 +60,7 @@ mod page;
 mod page_in_chromium;
 mod plausibility;
 mod prometheus;
+mod published_rotors;
 mod repeatability;
 mod replay;
 mod run_in;

@@ -56,6 +56,9 @@ fn demonstration_in_an_empty_folder() {
     // The truth of the recording: 270 deg, 3 um.
     assert!((number(&diagnoses[0], "/azimuth_deg/value") - 270.0).abs() < 3.0, "{outcome:#}");
     assert!((number(&diagnoses[0], "/depth_um/value") - 3.0).abs() < 0.75, "{outcome:#}");
+    assert_eq!(list(&diagnoses[0], "failure_modes")[0], "5.1 rolling contact fatigue", "{outcome:#}");
+    assert!(unbroken(&text).contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"), "{text}");
+    assert!(report.contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"));
     assert_eq!(list(&outcome, "flaws").len(), 0, "{outcome:#}");
 }
 

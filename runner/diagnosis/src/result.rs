@@ -13,8 +13,8 @@ use super::site::SiteRecording;
 use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
 use ballrace_outcome::{
-    CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FaultFigures, FaultForm, FaultKind,
-    FaultParameters, ProbeReadings, UnexplainedLine,
+    CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FailureMode, FaultFigures, FaultForm,
+    FaultKind, FaultParameters, ProbeReadings, UnexplainedLine,
 };
 use std::f64::consts::TAU;
 
@@ -227,6 +227,7 @@ fn possible(first: Diagnosis, alone: bool, e: &Evidence, healthy: &Fitted) -> Di
     Diagnosis {
         kind: FaultKind::Other,
         bearing: None,
+        failure_modes: vec![],
         lines: unexplained_lines(e, healthy),
         parameters: FaultParameters { log_likelihood_gain, odds_to_next, explained, ..FaultParameters::default() },
         figures: FaultFigures::default(),
@@ -241,6 +242,7 @@ fn undecided(first: Diagnosis, fault: AnyFault, other: AnyFault, e: &Evidence, h
     Diagnosis {
         kind: FaultKind::Other,
         bearing: first.bearing.filter(|_| fault.bearing() == other.bearing()),
+        failure_modes: vec![],
         sentence: format!(
             "Not decided: {} or {}, odds {:.1}. Either explains {:.0} % of the unexplained motion; a recording at another speed or load may decide.",
             fault.name(e.plant),
@@ -321,6 +323,7 @@ impl Estimates<'_, '_> {
         Diagnosis {
             kind: fault.kind(),
             bearing,
+            failure_modes: FailureMode::of(fault.kind(), parameters.form).to_vec(),
             line_hz: order * self.e.motion.mean_speed().abs() / TAU,
             order,
             level_db: 10.0 * (gain / MIN_GAIN).log10(),
@@ -342,6 +345,7 @@ impl Estimates<'_, '_> {
         Diagnosis {
             kind: FaultKind::Other,
             bearing: None,
+            failure_modes: vec![],
             line_hz,
             order,
             level_db: 10.0 * after.max(1.0).log10(),

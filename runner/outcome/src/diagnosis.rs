@@ -1,6 +1,6 @@
 //! A diagnosis: fault, component, place, size and evidence.
 
-use super::{FaultFigures, NumericField, ReferenceFrame};
+use super::{FailureMode, FaultFigures, NumericField, ReferenceFrame};
 use ballrace_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -384,6 +384,9 @@ pub struct Diagnosis {
     /// Bearing, where the fault has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearing: Option<String>,
+    /// Failures of ISO 15243:2017 that leave this fault, that of a spall or of fluting first; empty where it is no failure of a bearing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failure_modes: Vec<FailureMode>,
     /// Frequency of the first line of the fault at the mean speed; 0 where the fault changes the mean position.
     pub line_hz: f64,
     /// Per turn of the shaft.

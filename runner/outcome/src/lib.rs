@@ -6,6 +6,7 @@
 pub mod baseline;
 mod calibration;
 mod diagnosis;
+mod failure_mode;
 mod fault_figures;
 mod field;
 mod file;
@@ -14,6 +15,7 @@ pub mod options;
 mod pictures;
 mod rotor;
 mod rotor_drawing;
+mod samples;
 mod sensor;
 mod snapshots;
 mod timing;
@@ -24,6 +26,7 @@ pub use diagnosis::{
     Diagnosis, Estimate, EstimateKind, EvidenceSource, FaultField, FaultForm, FaultKind, FaultParameters, Precession,
     UnexplainedLine, UnexplainedMotion, VibrationLine,
 };
+pub use failure_mode::FailureMode;
 pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, ReferenceFrame};
 pub use field::{NumericField, UNIT_OF_SENSOR};
 pub use file::RecordingFile;
@@ -34,6 +37,7 @@ pub use pictures::{
 };
 pub use rotor::{ALLOWED_REDUCTION_ERRORS, RotorOutcome};
 pub use rotor_drawing::{DrawnDisk, DrawnProbe, DrawnSection, DrawnUnbalance, RotorDrawing};
+pub use samples::Samples;
 pub use sensor::{SensorOutcome, VelocityZone};
 pub use snapshots::{LineLevel, SnapshotFigures, SnapshotOutcome, SnapshotTrend};
 pub use timing::{OutputFigures, Pacing, Quantiles, SourceFigures, StageTimes, Timing};
@@ -110,6 +114,9 @@ pub struct Outcome {
     /// Data of the pictures, not part of the JSON.
     #[serde(skip)]
     pub pictures: Pictures,
+    /// Every sample, not part of the JSON; none without [`options::Options::samples`].
+    #[serde(skip)]
+    pub samples: Option<Samples>,
 }
 
 impl Outcome {

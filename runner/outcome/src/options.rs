@@ -8,7 +8,9 @@ use std::time::Duration;
 pub struct Options<'a> {
     /// File for the forces of every sample.
     pub forces: Option<&'a Path>,
-    /// Source of these forces.
+    /// Every sample is kept for the outcome; not for live operation, which has no end.
+    pub samples: bool,
+    /// Source of these forces, and of positions and forces of the samples.
     pub source: Source,
     /// Tolerated error of the force: the effect significance reports neglected effects beyond it.
     pub error: Option<f64>,

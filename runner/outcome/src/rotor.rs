@@ -71,6 +71,7 @@ mod tests {
         let unbalance = Diagnosis {
             kind: FaultKind::Unbalance,
             bearing: None,
+            failure_modes: vec![],
             line_hz: 0.0,
             order: 1.0,
             level_db: 0.0,

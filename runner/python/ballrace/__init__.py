@@ -18,8 +18,10 @@ import enum
 from ._errors import Error, InputError, RecordingError, SceneError
 from ._native import VERSION as __version__
 from ._native import Bearing
-from ._results import Balance, Campbell, Equilibrium, Fit, Motion, Outcome, Record, Sweep, Trade
+from ._results import Balance, Campbell, Equilibrium, Fit, Outcome, Sweep, Trade
 from ._scene import Scene, demonstration_recording
+from ._series import Motion, Samples, Spectra, Waterfall
+from ._tables import Record
 
 
 class Status(enum.IntFlag):
@@ -46,11 +48,14 @@ __all__ = [
     "Outcome",
     "Record",
     "RecordingError",
+    "Samples",
     "Scene",
     "SceneError",
+    "Spectra",
     "Status",
     "Sweep",
     "Trade",
+    "Waterfall",
     "__version__",
     "demonstration_recording",
 ]

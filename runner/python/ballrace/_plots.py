@@ -11,12 +11,18 @@ from ._errors import InputError
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from ._results import Balance, Campbell, Equilibrium, Motion, Outcome, Sweep, Trade
+    from ._results import Balance, Campbell, Equilibrium, Outcome, Sweep, Trade
+    from ._series import Motion, Series, Waterfall
+    from .typing import Along
 
 #: Symbol of the modes of each whirl.
 _WHIRLS = {"forward": "triangle-up", "backward": "triangle-down", "straight": "circle"}
 #: Most points along one line; a longer one is thinned to its extremes.
 _MOST_POINTS = 20_000
+#: Share of the highest amplitude down to which the frequencies of a waterfall are shown.
+_SEEN = 0.1
+#: Relative change of the speed beyond which spectra are drawn over it.
+_CHANGES = 0.05
 #: Harmonics of the shaft in a Campbell diagram.
 _HARMONICS = (1, 2)
 
@@ -77,20 +83,53 @@ def equilibrium(of: Equilibrium) -> go.Figure:
     return figure
 
 
-def motion(of: Motion, names: Sequence[str] | None) -> go.Figure:
-    """Return columns over time."""
-    chosen = list(names) if names is not None else [name for name in ("u", "v", "w") if name in of.names]
-    figure = _figure("Motion", "time, s", "; ".join(_with_unit(name) for name in chosen))
-    for name in chosen:
+def series(of: Series, names: Sequence[str], title: str) -> go.Figure:
+    """Return columns over the first one."""
+    along = of.names[0]
+    units = dict.fromkeys(of.unit(name) for name in names)
+    figure = _figure(title, _with_unit(of, along), _with_unit(of, names[0]) if len(names) == 1 else "; ".join(units))
+    for name in names:
         kept = _extremes([float(value) for value in of[name]])
-        times = of["t"]
-        figure.add_scatter(x=[times[i] for i in kept], y=[of[name][i] for i in kept], name=name, mode="lines")
+        figure.add_scatter(x=of[along][kept], y=of[name][kept], name=name, mode="lines")
+    return figure
+
+
+def waterfall(of: Waterfall, over: Along | None) -> go.Figure:
+    """Return spectra one behind the other, over time or speed."""
+    import numpy as np
+
+    speeds = np.abs(of.speed_rpm)
+    if over is None:
+        over = "speed" if speeds.size and np.ptp(speeds) > _CHANGES * speeds.mean() else "time"
+    kind, along, title = ("Cascade", speeds, "speed, rpm") if over == "speed" else ("Waterfall", of.time_s, "time, s")
+    figure = _figure(f"{kind} of {of.name}", "", "")
+    for i in np.argsort(along, kind="stable"):
+        figure.add_scatter3d(
+            x=of.frequency_hz,
+            y=np.full(len(of.frequency_hz), along[i]),
+            z=of.amplitude_um[i],
+            mode="lines",
+            line={"color": "#1f4e79"},
+            name=f"{along[i]:.4g}",
+            hovertemplate="%{x:.1f} Hz, %{y:.4g}: %{z:.3g} um",
+            showlegend=False,
+        )
+    highest = of.amplitude_um.max(axis=0, initial=0.0)
+    seen = np.abs(of.frequency_hz[highest > _SEEN * highest.max(initial=0.0)]).max(initial=0.0)
+    figure.update_scenes(
+        xaxis={"title": {"text": "frequency, Hz"}, "range": [max(of.frequency_hz.min(initial=0.0), -1.2 * seen), 1.2 * seen]},
+        yaxis={"title": {"text": title}},
+        zaxis={"title": {"text": "um peak"}},
+        aspectratio={"x": 2.0, "y": 1.2, "z": 0.7},
+        camera={"eye": {"x": 0.3, "y": -2.0, "z": 1.0}},
+    )
+    figure.update_layout(margin={"l": 0, "r": 0, "b": 0})
     return figure
 
 
 def orbit(of: Motion, x: str, y: str) -> go.Figure:
     """Return one column over another, both axes to one scale."""
-    figure = _figure("Orbit", _with_unit(x), _with_unit(y))
+    figure = _figure("Orbit", _with_unit(of, x), _with_unit(of, y))
     figure.add_scatter(x=of[x], y=of[y], name=f"{y} over {x}", mode="lines")
     figure.update_yaxes(scaleanchor="x", scaleratio=1)
     return figure
@@ -170,16 +209,11 @@ def balance(of: Balance) -> go.Figure:
     return figure
 
 
-def unit(name: str) -> str:
-    """Return the unit of a column of a motion."""
-    kind = name.removesuffix("_dot").rsplit("_", 1)[-1]
-    base = {"F": "N", "M": "N m", "t": "rad" if len(kind) > 1 else "s"}.get(kind[:1], "m")
-    return f"{base}{'/s' if name.endswith('_dot') else ''}"
-
-
-def _with_unit(name: str) -> str:
-    """Return the name of a column of a motion with its unit."""
-    return f"{name}, {unit(name)}"
+def _with_unit(of: Series, name: str) -> str:
+    """Return the name of a column with its unit."""
+    unit = of.unit(name)
+    plain = name.removesuffix("_" + unit.replace(" ", "")).removesuffix("_" + unit.lower())
+    return f"{plain}, {unit}" if unit else name
 
 
 def _extremes(values: Sequence[float]) -> list[int]:
@@ -189,6 +223,7 @@ def _extremes(values: Sequence[float]) -> list[int]:
     part = math.ceil(2 * len(values) / _MOST_POINTS)
     kept: set[int] = {0, len(values) - 1}
     for first in range(0, len(values), part):
-        own = range(first, min(first + part, len(values)))
-        kept |= {min(own, key=values.__getitem__), max(own, key=values.__getitem__)}
+        own = [i for i in range(first, min(first + part, len(values))) if not math.isnan(values[i])]
+        if own:
+            kept |= {min(own, key=values.__getitem__), max(own, key=values.__getitem__)}
     return sorted(kept)

@@ -2,157 +2,35 @@
 
 from __future__ import annotations
 
-import base64
-import html as _html
-import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import numpy.typing as npt
-
 from . import _plots
 from ._errors import InputError
+from ._series import Samples, Spectra, Waterfall
+from ._tables import Floats, Page, Record, Table, columns_of
+from .typing import Along
 
 if TYPE_CHECKING:
-    import pandas
     import plotly.graph_objects as go
-    import pyarrow
-    import xarray
 
     from . import _native
 
-Floats = npt.NDArray[np.float64]
 
+class _KeptOutcome:
+    """Texts and arrays of a native outcome, which a copy in another process has instead of it."""
 
-class Record(Mapping[str, Any]):
-    """A result whose entries are attributes and keys.
-
-    Examples
-    --------
-    >>> point = Record({"speed_rpm": 3000.0, "modes": [{"frequency_hz": 97.5}]})
-    >>> point.modes[0].frequency_hz
-    97.5
-    >>> point["speed_rpm"]
-    3000.0
-    """
-
-    def __init__(self, entries: Mapping[str, Any]) -> None:
-        self._entries = dict(entries)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        entries = self.__dict__.get("_entries", {})
-        if name not in entries:
-            raise AttributeError(f"no entry {name!r}, expected one of {', '.join(entries)}")
-        return _wrapped(entries[name])
-
-    def __getitem__(self, name: str) -> Any:
-        return _wrapped(self._entries[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._entries)
-
-    def __len__(self) -> int:
-        return len(self._entries)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._entries]
-
-    def __repr__(self) -> str:
-        shown = []
-        for name, value in self._entries.items():
-            text = f"[{len(value)}]" if isinstance(value, (list, dict)) and len(value) > 6 else repr(value)
-            shown.append(f"{name}={text if len(text) <= 80 else text[:77] + '...'}")
-        return f"{type(self).__name__}({', '.join(shown)})"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entries as plain dictionaries, lists, texts and numbers."""
-        return self._entries
-
-
-def _wrapped(value: Any) -> Any:
-    if isinstance(value, dict):
-        return Record(value)
-    if isinstance(value, list):
-        return [_wrapped(entry) for entry in value]
-    return value
-
-
-class Table:
-    """Base class of results that are tables: one entry per column, all of one length."""
-
-    def columns(self) -> dict[str, Sequence[Any] | Floats]:
-        """Return the columns of the table."""
-        raise NotImplementedError
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain dictionaries, lists, texts and numbers."""
-        raise NotImplementedError
-
-    def to_json(self) -> str:
-        """Return the result as JSON.
-
-        Examples
-        --------
-        >>> import ballrace, json
-        >>> diagram = ballrace.Scene.demonstration().campbell("0rpm..3000rpm:2")
-        >>> len(json.loads(diagram.to_json())["speeds"])
-        2
-        """
-        return json.dumps(self.to_dict())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Table) and type(self) is type(other) and self.to_dict() == other.to_dict()
-
-    def to_arrow(self) -> pyarrow.Table:
-        """Return the table as a ``pyarrow.Table``; needs the package pyarrow."""
-        import pyarrow
-
-        return pyarrow.table(dict(self.columns()))
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """Return the table as a ``pandas.DataFrame``; needs the package pandas."""
-        import pandas
-
-        return pandas.DataFrame(dict(self.columns()))
-
-
-def _columns_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Sequence[Any] | Floats]:
-    """Return the columns of rows; rows may lack entries."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    return {name: [row.get(name) for row in rows] for name in names}
-
-
-class Page:
-    """Base class of results with an HTML report."""
-
-    def to_html(self) -> str:
-        """Return the report as one self-contained page."""
-        raise NotImplementedError
-
-    def save_html(self, path: str | os.PathLike[str]) -> Path:
-        """Write the report to a file and return its path."""
-        target = Path(path)
-        target.write_text(self.to_html(), encoding="utf-8")
-        return target
-
-    def _repr_html_(self) -> str:
-        page = base64.b64encode(self.to_html().encode()).decode()
-        source = _html.escape(f"data:text/html;charset=utf-8;base64,{page}", quote=True)
-        return f'<iframe src="{source}" style="width:100%;height:720px;border:1px solid #ccc"></iframe>'
-
-
-class _Kept:
-    """Texts of a native result, which a copy in another process has instead of it."""
-
-    def __init__(self, html: str, text: str, baseline: str | InputError, chosen: str | None) -> None:
-        self._html, self._text, self._baseline = html, text, baseline
-        self.chosen = chosen
+    def __init__(self, native: _native.Outcome | _KeptOutcome) -> None:
+        self._html, self._text = native.html(), native.text()
+        self._samples, self._spectra, self._cascades = native.samples(), native.spectra(), native.cascades()
+        self._baseline, self._no_baseline = "", ""
+        try:
+            self._baseline = native.baseline()
+        except InputError as error:
+            self._no_baseline = str(error)
 
     def html(self) -> str:
         return self._html
@@ -161,19 +39,28 @@ class _Kept:
         return self._text
 
     def baseline(self) -> str:
-        if isinstance(self._baseline, InputError):
-            raise self._baseline
+        if self._no_baseline:
+            raise InputError(self._no_baseline)
         return self._baseline
 
+    def samples(self) -> tuple[list[str], Floats] | None:
+        return self._samples
 
-def _kept_outcome(entries: Mapping[str, Any], html: str, text: str, baseline: str | None, why: str) -> Outcome:
-    """Return the copy of an outcome; pickle calls it."""
-    return Outcome(_Kept(html, text, InputError(why) if baseline is None else baseline, None), entries)
+    def spectra(self) -> tuple[list[str], Floats]:
+        return self._spectra
+
+    def cascades(self) -> list[tuple[str, Floats, Floats, Floats, Floats]]:
+        return self._cascades
 
 
-def _kept_trade(entries: Mapping[str, Any], html: str, chosen: str | None) -> Trade:
-    """Return the copy of a trade study; pickle calls it."""
-    return Trade(_Kept(html, "", "", chosen), entries)
+class _KeptTrade:
+    """Texts of a native trade study, which a copy in another process has instead of it."""
+
+    def __init__(self, html: str, chosen: str | None) -> None:
+        self._html, self.chosen = html, chosen
+
+    def html(self) -> str:
+        return self._html
 
 
 class Outcome(Record, Table, Page):
@@ -189,17 +76,12 @@ class Outcome(Record, Table, Page):
         Measured and computed motion at each probe, um.
     """
 
-    def __init__(self, native: _native.Outcome | _Kept, entries: Mapping[str, Any]) -> None:
+    def __init__(self, native: _native.Outcome | _KeptOutcome, entries: Mapping[str, Any]) -> None:
         super().__init__(entries)
         self._native = native
 
     def __reduce__(self) -> tuple[Any, ...]:
-        baseline, why = None, ""
-        try:
-            baseline = self._native.baseline()
-        except InputError as error:
-            why = str(error)
-        return _kept_outcome, (self._entries, self.to_html(), self.to_text(), baseline, why)
+        return Outcome, (_KeptOutcome(self._native), self._entries)
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of probes."""
@@ -211,7 +93,7 @@ class Outcome(Record, Table, Page):
                     if not isinstance(value, (dict, list)):
                         row[f"{part}_{name}"] = value
             rows.append(row)
-        return _columns_of(rows)
+        return columns_of(rows)
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -274,9 +156,62 @@ class Outcome(Record, Table, Page):
         target.write_text(self._native.baseline(), encoding="utf-8")
         return target
 
+    def samples(self) -> Samples:
+        """Return every sample of a replay with ``samples=True`` as a table.
+
+        Raises
+        ------
+        InputError
+            A replay without ``samples=True``, or without displacement probes.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> outcome = ballrace.Scene.demonstration().replay(ballrace.demonstration_recording(), samples=True)
+        >>> frame = outcome.samples().to_pandas()
+        >>> list(frame.columns[frame.columns.str.startswith("DE_F")])
+        ['DE_FX_N', 'DE_FY_N', 'DE_FZ_N']
+        """
+        kept = self._native.samples()
+        if kept is None:
+            raise InputError("samples: none are kept, expected replay(..., samples=True) of a recording of displacement probes")
+        return Samples(*kept)
+
+    def spectra(self) -> Spectra:
+        """Return the amplitude spectra of the probes; without lines where no probe was compared."""
+        return Spectra(*self._native.spectra())
+
+    def waterfalls(self) -> list[Waterfall]:
+        """Return the spectra in the order of time of each plane of probes, or of each radial probe where there is no plane."""
+        return [Waterfall(*one) for one in self._native.cascades()]
+
     def plot(self) -> go.Figure:
         """Return a Plotly figure of the motion of each probe, measured and of the twin; needs the package plotly."""
         return _plots.outcome(self)
+
+    def plot_waterfall(self, name: str | None = None, over: Along | None = None) -> go.Figure:
+        """Return a Plotly figure of one of :meth:`waterfalls`; needs the package plotly.
+
+        Parameters
+        ----------
+        name : str, optional
+            Name of a waterfall, such as ``"DE_X_um / DE_Y_um"``; by default the first.
+        over : {"time", "speed"}, optional
+            As for :meth:`Waterfall.plot`.
+
+        Examples
+        --------
+        >>> import ballrace
+        >>> outcome = ballrace.Scene.demonstration().replay(ballrace.demonstration_recording())
+        >>> outcome.plot_waterfall().layout.title.text
+        'Waterfall of DE_X_um / DE_Y_um'
+        """
+        all_of_them = self.waterfalls()
+        chosen = [one for one in all_of_them if name is None or one.name == name]
+        if not chosen:
+            known = ", ".join(f"{one.name!r}" for one in all_of_them) or "a recording of displacement probes"
+            raise InputError(f"waterfall: none{'' if name is None else f' named {name!r}'}, expected {known}")
+        return chosen[0].plot(over)
 
 
 class Equilibrium(Record, Table, Page):
@@ -288,7 +223,7 @@ class Equilibrium(Record, Table, Page):
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of rolling elements."""
-        return _columns_of(self._entries["elements"])
+        return columns_of(self._entries["elements"])
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -355,7 +290,7 @@ class Balance(Record, Table, Page):
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of correction planes."""
-        return _columns_of(self._entries["correction"]["planes"])
+        return columns_of(self._entries["correction"]["planes"])
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -383,7 +318,7 @@ class Campbell(Table):
             for speed in self.speeds
             for number, mode in enumerate(speed["modes"], start=1)
         ]
-        return _columns_of(rows)
+        return columns_of(rows)
 
     def __repr__(self) -> str:
         return f"Campbell({len(self.speeds)} speeds)"
@@ -391,65 +326,6 @@ class Campbell(Table):
     def plot(self) -> go.Figure:
         """Return a Plotly figure of the natural frequencies over the shaft speed; needs the package plotly."""
         return _plots.campbell(self)
-
-
-class Motion(Table):
-    """Simulated motion.
-
-    Attributes
-    ----------
-    names : list of str
-        Names of the columns: ``t`` (s), coordinates (m, rad), their rates, forces of each bearing (N, N m).
-    values : numpy.ndarray
-        Array of shape (samples, columns).
-    """
-
-    def __init__(self, names: list[str], values: Floats) -> None:
-        self.names = names
-        self.values = values
-
-    def __getitem__(self, name: str) -> Floats:
-        if name not in self.names:
-            raise KeyError(f"no column {name!r}, expected one of {', '.join(self.names)}")
-        column: Floats = self.values[:, self.names.index(name)]
-        return column
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the columns as lists."""
-        return {name: self[name].tolist() for name in self.names}
-
-    def columns(self) -> dict[str, Sequence[Any] | Floats]:
-        """Return the columns."""
-        return {name: self[name] for name in self.names}
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return the columns over the time ``t`` in s as an ``xarray.Dataset``, with their units; needs the package xarray.
-
-        Examples
-        --------
-        >>> import ballrace
-        >>> motion = ballrace.Scene.demonstration().simulate("0.02 s", "12.8 kHz").to_xarray()
-        >>> motion["v"].sel(t=0.01, method="nearest").attrs["units"]
-        'm'
-        """
-        import xarray
-
-        values = {name: ("t", self[name], {"units": _plots.unit(name)}) for name in self.names if name != "t"}
-        return xarray.Dataset(values, coords={"t": ("t", self["t"], {"units": "s"})})
-
-    def __repr__(self) -> str:
-        return f"Motion({len(self)} samples of {', '.join(self.names)})"
-
-    def plot(self, names: Sequence[str] | None = None) -> go.Figure:
-        """Return a Plotly figure of columns over time, by default of the translations; needs the package plotly."""
-        return _plots.motion(self, names)
-
-    def plot_orbit(self, x: str = "u", y: str = "v") -> go.Figure:
-        """Return a Plotly figure of one column over another, both to one scale; needs the package plotly."""
-        return _plots.orbit(self, x, y)
 
 
 class Sweep(Table, Page):
@@ -480,7 +356,7 @@ class Sweep(Table, Page):
             }
             scalars = {name: figures[name] for name in ("speed_rpm", "overflow", "period", "lyapunov")}
             rows.append({"direction": row["direction"], **values, **scalars, **vectors})
-        return _columns_of(rows)
+        return columns_of(rows)
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -503,13 +379,13 @@ class Trade(Record, Table, Page):
         Text of the scene with the chosen model, where a goal was given.
     """
 
-    def __init__(self, native: _native.Trade | _Kept, entries: Mapping[str, Any]) -> None:
+    def __init__(self, native: _native.Trade | _KeptTrade, entries: Mapping[str, Any]) -> None:
         super().__init__(entries)
         self._native = native
         self.chosen_scene = native.chosen
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _kept_trade, (self._entries, self.to_html(), self.chosen_scene)
+        return Trade, (_KeptTrade(self.to_html(), self.chosen_scene), self._entries)
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of candidates."""
@@ -522,7 +398,7 @@ class Trade(Record, Table, Page):
                 else:
                     row[name] = value
             rows.append(row)
-        return _columns_of(rows)
+        return columns_of(rows)
 
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
@@ -548,4 +424,4 @@ class Fit(Record, Table):
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the table of parameters."""
-        return _columns_of(self._entries["parameters"])
+        return columns_of(self._entries["parameters"])

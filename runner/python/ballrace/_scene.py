@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from . import _native
 from ._recording import RecordingLike, columns
-from ._results import Balance, Campbell, Equilibrium, Fit, Motion, Outcome, Sweep, Trade
+from ._results import Balance, Campbell, Equilibrium, Fit, Outcome, Sweep, Trade
+from ._series import Motion
 from .typing import FitGroup, Follow, ForceSource, Quantity, Section, Target
 from .typing import Path as Path_
 
@@ -299,6 +300,7 @@ class Scene:
         forces: Path_ | None = None,
         force_source: ForceSource = "observer",
         force: bool = False,
+        samples: bool = False,
     ) -> Outcome:
         """Compare a recording with the digital twin and diagnose the machine.
 
@@ -316,9 +318,11 @@ class Scene:
         forces : path, optional
             CSV file for the force of every bearing at every sample.
         force_source : {"observer", "displacement"}
-            Displacement at which these forces are evaluated.
+            Displacement at which these forces, and those of ``samples``, are evaluated.
         force : bool
             Diagnose a recording that is not plausible for the scene all the same.
+        samples : bool
+            Keep every sample for :meth:`Outcome.samples`, in memory.
 
         Examples
         --------
@@ -335,6 +339,7 @@ class Scene:
             None if forces is None else os.fspath(forces),
             force_source,
             force,
+            samples,
         )
         return Outcome(native, json.loads(native.json()))
 

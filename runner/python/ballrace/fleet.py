@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _native
 from ._errors import InputError
-from ._results import Floats, Page, Record, Table, _columns_of
+from ._tables import Floats, Page, Record, Table, columns_of
 
 if TYPE_CHECKING:
     import pyarrow
@@ -76,7 +76,7 @@ class Result(Table, Page):
 
     def columns(self) -> dict[str, Sequence[Any] | Floats]:
         """Return the columns of the rows."""
-        return _columns_of([row.to_dict() for row in self.rows])
+        return columns_of([row.to_dict() for row in self.rows])
 
     def to_arrow(self) -> pyarrow.Table:
         """Return the rows as a ``pyarrow.Table`` with the columns of the Parquet files."""

@@ -26,6 +26,8 @@ Follow = Literal["none", "up", "down", "both"]
 #: Processor whose cost a trade study minimises.
 Target = Literal["cortex-m4f", "desktop"]
 ForceSource = Literal["observer", "displacement"]
+#: What a waterfall is drawn over.
+Along = Literal["time", "speed"]
 #: Parameters that a fit estimates.
 FitGroup = Literal["unbalance", "clearance", "damping", "stiffness", "offset"]
 #: A number in SI, or text with a unit such as ``"12 um"``.

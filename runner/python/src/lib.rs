@@ -8,8 +8,10 @@ mod bearing;
 mod error;
 mod fleet;
 mod interrupt;
+mod outcome;
 mod recording;
 mod scene;
+mod text;
 
 use pyo3::prelude::*;
 
@@ -21,7 +23,9 @@ mod _native {
     #[pymodule_export]
     use super::fleet::{Fleet, evaluate, failed, machines, read_machines, rows_as_parquet, trends};
     #[pymodule_export]
-    use super::scene::{Outcome, Scene, Trade};
+    use super::outcome::Outcome;
+    #[pymodule_export]
+    use super::scene::{Scene, Trade};
     use super::*;
 
     #[pymodule_init]

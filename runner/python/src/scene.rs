@@ -3,7 +3,9 @@
 use crate::bearing::Bearing;
 use crate::error::{exception, wrong_argument};
 use crate::interrupt::interruptible;
+use crate::outcome::Outcome;
 use crate::recording::Source;
+use crate::text::{json_of, page};
 use ballrace_report as report;
 use ballrace_twin::balance::{self, Placement, Requirement, TolerancePlane, TwinCoefficients};
 use ballrace_twin::campbell::campbell;
@@ -14,6 +16,7 @@ use ballrace_twin::fit::{FitPlan, fit_recording, written};
 use ballrace_twin::motion::{self, Span};
 use ballrace_twin::plant::Plant;
 use ballrace_twin::replay::{Options, Source as ForceSource, replay};
+use ballrace_twin::scene;
 use ballrace_twin::scene::build::pick;
 use ballrace_twin::scene::edit::{put, value_of_json};
 use ballrace_twin::scene::read::{load, read_str};
@@ -23,7 +26,6 @@ use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
 use ballrace_twin::thermal::thermal_equilibrium;
 use ballrace_twin::trade::{self, Goal, Target};
 use ballrace_twin::vectors::{RecordedRuns, vector_table};
-use ballrace_twin::{outcome, scene};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
@@ -38,10 +40,6 @@ pub struct Scene {
     text: String,
     content: Arc<scene::Scene>,
 }
-
-/// Outcome of a replay.
-#[pyclass(frozen, module = "ballrace._native")]
-pub struct Outcome(outcome::Outcome);
 
 /// Result of a trade study.
 #[pyclass(frozen, module = "ballrace._native")]
@@ -69,14 +67,6 @@ impl Quantity {
         }
         Err(wrong_argument(py, &format!("{name}: not finite, expected {}", dimension.expected("in SI or with a unit"))))
     }
-}
-
-fn json_of(py: Python<'_>, value: &impl serde::Serialize) -> PyResult<String> {
-    serde_json::to_string(value).map_err(|e| wrong_argument(py, &e.to_string()))
-}
-
-fn page(py: Python<'_>, html: Result<String, impl std::fmt::Display>) -> PyResult<String> {
-    html.map_err(|e| wrong_argument(py, &format!("{e:#}")))
 }
 
 #[pymethods]
@@ -384,7 +374,8 @@ impl Scene {
     }
 
     /// Replays a recording.
-    #[pyo3(signature = (recording, baseline=None, learn=false, error=None, forces=None, force_source="observer", force=false))]
+    #[pyo3(signature = (recording, baseline=None, learn=false, error=None, forces=None, force_source="observer", force=false,
+                        samples=false))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn replay<'py>(
         &self,
@@ -396,6 +387,7 @@ impl Scene {
         forces: Option<PathBuf>,
         force_source: &str,
         force: bool,
+        samples: bool,
     ) -> PyResult<Outcome> {
         let force_source = match force_source {
             "observer" => ForceSource::Observer,
@@ -412,6 +404,7 @@ impl Scene {
             let progress = |_| interrupt.check();
             let options = Options {
                 forces: forces.as_deref(),
+                samples,
                 source: force_source,
                 error,
                 baseline: baseline.as_deref(),
@@ -422,7 +415,7 @@ impl Scene {
             };
             replay(&self.content, reader, &name, &options)
         })?;
-        run.map(Outcome).map_err(|e| exception(py, e))
+        Outcome::new(py, run.map_err(|e| exception(py, e))?)
     }
 }
 
@@ -434,29 +427,6 @@ fn groups(py: Python<'_>, names: &[String]) -> PyResult<Vec<Group>> {
         found.ok_or_else(|| wrong_argument(py, &format!("only: no such parameters: {name:?}, expected {}", all())))
     };
     names.iter().map(group).collect()
-}
-
-#[pymethods]
-impl Outcome {
-    fn json(&self, py: Python<'_>) -> PyResult<String> {
-        page(py, report::json(&self.0))
-    }
-
-    fn html(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| report::html(&self.0)).map_err(|e| wrong_argument(py, &format!("{e:#}")))
-    }
-
-    fn text(&self) -> String {
-        report::text(&self.0)
-    }
-
-    /// Returns the learned baseline as JSON.
-    fn baseline(&self, py: Python<'_>) -> PyResult<String> {
-        if let Some(reason) = self.0.no_baseline() {
-            return Err(wrong_argument(py, &format!("no baseline: {reason}")));
-        }
-        json_of(py, &self.0.learned)
-    }
 }
 
 #[pymethods]

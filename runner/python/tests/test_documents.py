@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import nbformat
 import pytest
@@ -29,6 +30,34 @@ def test_python_of_a_document(name: str, program: Path, tmp_path: Path) -> None:
         assert blocks
     # The workers of a cluster import the main program, which a text has not.
     exec(compile("\n".join(blocks), name, "exec"), {"__name__": "document"})
+
+
+def test_the_picture_of_the_fleet_in_the_gallery(tmp_path: Path) -> None:
+    """The overview page that the gallery's Python writes, as a picture."""
+    text = (ROOT / "docs/src/gallery.md").read_text()
+    (code,) = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    (page, name) = re.findall(r"<!-- page: (\S+) -->\n!\[.*\]\((\S+)\)", text)[0]
+    exec(compile(code, "gallery", "exec"), {"__name__": "document"})
+    fresh = _drawn((tmp_path / page).read_text())
+    path = ROOT / "docs/src" / name
+    if os.environ.get("BALLRACE_WRITE"):
+        path.write_text(fresh)
+    texts = ["".join(ElementTree.fromstring(picture).itertext()).split() for picture in (path.read_text(), fresh)]
+    assert texts[0] == texts[1], "BALLRACE_WRITE=1 draws it anew"
+
+
+def _drawn(page: str) -> str:
+    """Return a page as an SVG picture, which browsers lay out as the page itself."""
+    (style,) = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
+    (body,) = re.findall(r"<body>(.*?)</body>", page, re.DOTALL)
+    width, height = 1100, 570
+    style = style.replace("body {", ".page {").replace(" svg", " .page svg")
+    content = f'<div xmlns="http://www.w3.org/1999/xhtml" class="page"><style>{style}</style>{body}</div>'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}">\n'
+        f'<rect width="{width}" height="{height}" fill="#FFFFFF"/>\n'
+        f'<foreignObject width="{width}" height="{height}">{content}</foreignObject>\n</svg>\n'
+    )
 
 
 def test_notebook(tmp_path: Path) -> None:

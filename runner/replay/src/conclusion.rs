@@ -4,6 +4,7 @@ use super::evaluate::Evaluator;
 use super::pipeline::Pipeline;
 use super::running_diagnosis::RunningDiagnosis;
 use super::running_vibration::RunningVibration;
+use super::samples::SampleCollector;
 use super::standstill::Measured;
 use super::totals::Totals;
 use super::{list, observe, plausibility, verdict};
@@ -251,6 +252,7 @@ impl Pipeline<'_> {
             learning,
             learned,
             pictures,
+            samples: evaluator.samples.map(SampleCollector::finish),
         }
         .with_stations_as_drawn(scene))
     }

@@ -12,6 +12,7 @@ use super::notices::Notices;
 use super::pictures::{FigureCollector, passes_keyphasor};
 use super::plausibility::Counts;
 use super::readings::{Reading, ReadingsStage};
+use super::samples::SampleCollector;
 use super::second::{Second, SecondIndicators};
 use super::snapshot::RecentSamples;
 use super::timing::{Ledger, Stage, WorkClock};
@@ -57,6 +58,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) seconds: Option<SecondIndicators>,
     pub(super) recent: Option<RecentSamples>,
     pub(super) forces_file: Option<ForcesFile>,
+    pub(super) samples: Option<SampleCollector>,
     pub(super) counts: Counts,
     pub(super) totals: Totals,
     pub(super) timing: Ledger,
@@ -103,6 +105,7 @@ impl<'a> Evaluator<'a> {
                 .then(|| SecondIndicators::new(names(), bearings.iter().map(|b| b.name.clone()).collect())),
             recent: options.viewed.then(RecentSamples::default),
             forces_file,
+            samples: options.samples.then(|| SampleCollector::new(probes, bearings, options.source)),
             counts: Counts::default(),
             totals: Totals::default(),
             timing: Ledger::try_new(1.0 / rate)?,
@@ -256,6 +259,10 @@ impl<'a> Evaluator<'a> {
             && let Err(error) = file.add(time, self.force.evaluated(), status)
         {
             self.drop_forces_file(error, time)?;
+        }
+        if let Some(samples) = &mut self.samples {
+            let bearings = (self.plant.bearings.as_slice(), self.displacements.as_slice(), self.force.evaluated());
+            samples.add(followed, &self.sample_readings, bearings, status);
         }
         self.totals.add(time, sample.speed, followed.interval.revolutions);
         Ok(())

@@ -4,6 +4,7 @@ use super::statistics::{LoadSums, Running, RunningTogether};
 use ballrace::bearing::{Bearing, LastValidWrench};
 use ballrace::rotor::{ComponentAngles, ShaftMotion};
 use ballrace::{BearingKinematicState, Displacement, Phase, Status};
+use ballrace_outcome::options::Source;
 use ballrace_outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use ballrace_plant::MountedBearing;
 use ballrace_recording::status::SampleStatus;
@@ -34,6 +35,16 @@ pub(crate) struct EvaluatedForce {
     pub status: Status,
 }
 
+impl EvaluatedForce {
+    /// Returns the force of a source.
+    pub(super) const fn of(&self, source: Source) -> [f64; 5] {
+        match source {
+            Source::Observer => self.estimated,
+            Source::Displacement => self.measured,
+        }
+    }
+}
+
 /// Displacements of one bearing at one sample, inner ring against outer ring.
 #[derive(Clone, Copy)]
 pub(super) struct Displacements {
@@ -45,6 +56,16 @@ pub(super) struct Displacements {
     pub(super) observer: Option<Displacement<f64>>,
     /// In the twin on the straight line between its own readings; only where its error is due.
     pub(super) straightened: Option<Displacement<f64>>,
+}
+
+impl Displacements {
+    /// Returns the displacement of a source; the measured one where the observer is not trusted.
+    pub(super) fn of(&self, source: Source) -> Displacement<f64> {
+        match source {
+            Source::Observer => self.observer.unwrap_or(self.measured),
+            Source::Displacement => self.measured,
+        }
+    }
 }
 
 /// Evaluates the forces of a replay and accumulates them.

@@ -8,6 +8,11 @@ use ballrace_recording::status::SampleStatus;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Returns the flags of a sample whose forces are those of `source`.
+pub(super) fn status_of(status: SampleStatus, source: Source) -> SampleStatus {
+    if source == Source::Observer { status } else { status.without(SampleStatus::FROM_DISPLACEMENT) }
+}
+
 /// File with the forces of every sample; it appears complete at the end or not at all.
 pub(super) struct ForcesFile {
     file: AtomicFile,
@@ -42,13 +47,11 @@ impl ForcesFile {
         status: SampleStatus,
     ) -> Result<(), OutputError> {
         self.write(format_args!("{time:.9}"))?;
-        let is_observed = self.source == Source::Observer;
-        let status = if is_observed { status } else { status.without(SampleStatus::FROM_DISPLACEMENT) };
-        let force = |f: &EvaluatedForce| if is_observed { f.estimated } else { f.measured };
-        for component in forces.iter().flat_map(force) {
+        let source = self.source;
+        for component in forces.iter().flat_map(|force| force.of(source)) {
             self.write(format_args!(",{component:.9e}"))?;
         }
-        self.write(format_args!(",{}\n", status.bits()))
+        self.write(format_args!(",{}\n", status_of(status, source).bits()))
     }
 
     /// Completes the file.

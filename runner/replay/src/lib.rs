@@ -50,6 +50,7 @@ pub mod notices;
 
 // Sinks.
 mod forces_file;
+mod samples;
 pub mod snapshot;
 pub mod timing;
 

@@ -363,6 +363,7 @@ mod tests {
         Diagnosis {
             kind,
             bearing: Some(bearing.to_owned()),
+            failure_modes: vec![],
             line_hz: 1.0,
             order: 1.0,
             level_db: 1.0,

@@ -535,6 +535,7 @@ pub(crate) fn usual() -> Outcome {
         parameters: spall(),
         figures: fault_figures(&[0.0, 2.0, -1.0, 0.5, 3.0]),
         bearing: Some("DE".to_owned()),
+        failure_modes: FailureMode::of(FaultKind::OuterRace, Some(FaultForm::Spall)).to_vec(),
         line_hz: 179.2,
         order: OUTER,
         level_db: 17.4,
@@ -610,6 +611,7 @@ pub(crate) fn usual() -> Outcome {
         learning: None,
         learned: baseline::Baseline::default(),
         pictures: pictures(),
+        samples: None,
     }
 }
 
@@ -643,6 +645,7 @@ pub(crate) fn bare() -> Outcome {
         learning: None,
         learned: baseline::Baseline::default(),
         pictures: Pictures::default(),
+        samples: None,
     }
 }
 

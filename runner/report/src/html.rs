@@ -172,6 +172,7 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             Column::number("Level", "dB"),
             Column::number("Confidence", "%"),
             Column::words("Evidence"),
+            Column::words("Standards"),
             Column::words("Action"),
         ],
         note: if outcome.diagnoses.is_empty() { String::new() } else { note.to_owned() },
@@ -181,6 +182,8 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
         let line = |value: f64, decimals: usize| {
             if diagnosis.order == 0.0 { DASH.to_owned() } else { typeset(&fixed(value, decimals)) }
         };
+        let sentences = [words::failure_modes(diagnosis), words::vibration_severity(outcome, diagnosis)];
+        let standards: Vec<String> = sentences.into_iter().flatten().collect();
         let cells = [
             diagnosis.kind.name().to_owned(),
             diagnosis.bearing.clone().unwrap_or_else(|| DASH.to_owned()),
@@ -190,12 +193,13 @@ fn diagnosis(outcome: &Outcome) -> Option<PageSection> {
             typeset(&fixed(diagnosis.level_db, 1)),
             typeset(&fixed(100.0 * diagnosis.confidence, 0)),
             diagnosis.sentence.clone(),
+            standards.join(" "),
             diagnosis.action().to_owned(),
         ];
         table.push(Row { diagnosis: Some(i), ..Row::new(cells) });
     }
     for event in &outcome.events {
-        let cells = ["limit", DASH, DASH, DASH, DASH, DASH, DASH, &event.sentence, words::EVENT_ACTION];
+        let cells = ["limit", DASH, DASH, DASH, DASH, DASH, DASH, &event.sentence, DASH, words::EVENT_ACTION];
         table.push(Row::new(cells));
     }
     Some(PageSection::table("Diagnosis", table))

@@ -317,6 +317,8 @@ fn diagnoses(page: &mut Page, outcome: &Outcome) {
         if let Some(unexplained) = &diagnosis.parameters.unexplained_motion {
             page.sentence("    ", &words::unexplained_motion(unexplained));
         }
+        let sentences = [words::failure_modes(diagnosis), words::vibration_severity(outcome, diagnosis)];
+        sentences.iter().flatten().for_each(|sentence| page.sentence("    ", sentence));
         page.sentence("    Action: ", diagnosis.action());
     }
 }
@@ -380,6 +382,7 @@ fn quantiles(what: &str, times: &Quantiles) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::fixture;
+    use ballrace_twin::replay::outcome::{SensorOutcome, VelocityZone, VibrationLine};
 
     #[test]
     fn summary_is_complete_within_the_width() {
@@ -412,6 +415,38 @@ mod tests {
             outcome.diagnoses[0].confidence = confidence;
             assert_eq!(text(&outcome).contains("Order a spare bearing"), orders, "{confidence}");
         }
+    }
+
+    #[test]
+    fn a_diagnosis_names_failure_modes_and_the_zone_of_its_sensor() {
+        let mut outcome = fixture::usual();
+        outcome.diagnoses.truncate(1);
+        let printed = |outcome: &Outcome| text(outcome).split_whitespace().collect::<Vec<_>>().join(" ");
+        let spall = "Failure mode of ISO 15243: 5.1 rolling contact fatigue or 5.3 corrosion,";
+        assert!(printed(&outcome).contains(spall), "{}", printed(&outcome));
+        let diagnosis = &mut outcome.diagnoses[0];
+        diagnosis.vibration = Some(VibrationLine {
+            sensor: "housing".to_owned(),
+            band_hz: [2000.0, 4000.0],
+            line_hz: 179.2,
+            order: 3.58,
+            modulation: 0.6,
+            level_db: 22.0,
+            not_excluded: vec![],
+        });
+        diagnosis.failure_modes = vec![];
+        let zone = "Vibration velocity at housing: 3.10 mm/s rms, zone C of ISO 20816, unsatisfactory for long-term operation.";
+        let sensor = |name: &str| SensorOutcome {
+            name: name.to_owned(),
+            velocity_rms_mm_s: 3.1,
+            band_hz: [10.0, 1000.0],
+            zone: Some(VelocityZone::C),
+        };
+        outcome.sensors = vec![sensor("another")];
+        let text = printed(&outcome);
+        assert!(!text.contains("ISO 20816") && !text.contains("ISO 15243"), "{text}");
+        outcome.sensors.push(sensor("housing"));
+        assert!(printed(&outcome).contains(zone), "{}", printed(&outcome));
     }
 
     #[test]

@@ -118,6 +118,35 @@ pub(super) fn severity(diagnosis: &Diagnosis) -> &'static str {
     }
 }
 
+/// Returns the failure modes of a diagnosis as a sentence; none where it is no failure of a bearing.
+pub(super) fn failure_modes(diagnosis: &Diagnosis) -> Option<String> {
+    let (first, others) = diagnosis.failure_modes.split_first()?;
+    let of = match diagnosis.parameters.form {
+        Some(FaultForm::Waviness) => "of a wave that has grown in service, ",
+        _ => "",
+    };
+    let others: Vec<&str> = others.iter().map(|mode| mode.name()).collect();
+    let others = match others.as_slice() {
+        [] => String::new(),
+        others => format!(" or {}", others.join(", ")),
+    };
+    Some(format!(
+        "Failure mode of ISO 15243: {of}{}{others}; the appearance of the opened bearing decides.",
+        first.name()
+    ))
+}
+
+/// Returns the vibration severity at the sensor of a diagnosis as a sentence; none without a class of machine.
+pub(super) fn vibration_severity(outcome: &Outcome, diagnosis: &Diagnosis) -> Option<String> {
+    let column = &diagnosis.vibration.as_ref()?.sensor;
+    let sensor = outcome.sensors.iter().find(|sensor| sensor.name == *column)?;
+    let (zone, velocity) = (sensor.zone?, fixed(sensor.velocity_rms_mm_s, 2));
+    Some(format!(
+        "Vibration velocity at {column}: {velocity} mm/s rms, zone {zone:?} of ISO 20816, {}.",
+        zone.meaning()
+    ))
+}
+
 /// Returns the facts that precede the figures: name and value.
 pub(super) fn facts(outcome: &Outcome) -> Vec<(&'static str, String)> {
     let record = &outcome.record;

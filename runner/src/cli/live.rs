@@ -63,7 +63,9 @@ impl LiveArgs {
             (self.outputs.indicators.is_some(), "--indicators"),
             (self.outputs.prometheus.is_some(), "--prometheus"),
             #[cfg(feature = "mqtt")]
-            (self.outputs.mqtt.url.is_some(), "--mqtt"),
+            (self.outputs.broker.mqtt.is_some(), "--mqtt"),
+            #[cfg(feature = "sparkplug")]
+            (self.outputs.broker.sparkplug.is_some(), "--sparkplug"),
             (self.http.address.is_some(), "--http"),
             (self.realtime, "--realtime"),
             (self.core.is_some(), "--core"),

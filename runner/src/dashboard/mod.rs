@@ -395,6 +395,7 @@ mod tests {
         let diagnosis = Diagnosis {
             kind: FaultKind::OuterRace,
             bearing: Some("DE".to_owned()),
+            failure_modes: vec![],
             line_hz: 179.2,
             order: 3.58,
             level_db: 30.0,

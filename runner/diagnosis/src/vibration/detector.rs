@@ -20,7 +20,8 @@ use super::speed::{Speeds, strongest_family};
 use super::suspect::Suspect;
 use ballrace_outcome::baseline::{Baseline, BaselineSensor};
 use ballrace_outcome::{
-    Diagnosis, EnvelopeSpectrum, EvidenceSource, FaultFigures, FaultKind, FaultParameters, LineLevel, VibrationLine,
+    Diagnosis, EnvelopeSpectrum, EvidenceSource, FailureMode, FaultFigures, FaultKind, FaultParameters, LineLevel,
+    VibrationLine,
 };
 use ballrace_scene::Sensor;
 
@@ -358,6 +359,7 @@ impl FaultDetector<'_> {
         Diagnosis {
             kind: best.pattern.kind,
             bearing: Some(bearing),
+            failure_modes: FailureMode::of(best.pattern.kind, None).to_vec(),
             line_hz: best.carrier_hz,
             order,
             level_db,

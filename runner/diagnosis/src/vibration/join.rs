@@ -78,6 +78,7 @@ mod tests {
         Diagnosis {
             kind,
             bearing: bearing.map(str::to_owned),
+            failure_modes: vec![],
             line_hz: 107.0,
             order: 3.58,
             level_db: 20.0,

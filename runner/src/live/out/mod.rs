@@ -1,5 +1,7 @@
 //! Outputs of a monitor; all are off by default.
 
+#[cfg(feature = "mqtt")]
+mod broker;
 mod events;
 mod health;
 pub mod history;
@@ -7,6 +9,8 @@ mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
 mod prometheus;
+#[cfg(feature = "sparkplug")]
+mod sparkplug;
 
 pub use events::EventLog;
 
@@ -43,7 +47,7 @@ pub struct RequestedOutputs {
     /// Connection to an MQTT broker.
     #[cfg(feature = "mqtt")]
     #[command(flatten)]
-    pub mqtt: mqtt::MqttArgs,
+    pub broker: broker::BrokerArgs,
 }
 
 /// Maximum length of an indicator file, s: one day.
@@ -65,6 +69,8 @@ pub struct Network {
     prometheus: Option<Prometheus>,
     #[cfg(feature = "mqtt")]
     mqtt: Option<mqtt::Publisher>,
+    #[cfg(feature = "sparkplug")]
+    sparkplug: Option<sparkplug::EdgeNode>,
 }
 
 impl Network {
@@ -73,11 +79,42 @@ impl Network {
     /// # Errors
     /// Returns an error if a port is in use or an address is invalid.
     pub fn bind(requested: &RequestedOutputs, hosts: &[String]) -> Result<Self> {
+        #[cfg(feature = "mqtt")]
+        let access = &requested.broker.access;
         Ok(Self {
             prometheus: requested.prometheus.map(|port| Prometheus::listen(port, hosts)).transpose()?,
             #[cfg(feature = "mqtt")]
-            mqtt: requested.mqtt.connect()?,
+            mqtt: requested.broker.mqtt.as_deref().map(|url| mqtt::Publisher::connect(url, access)).transpose()?,
+            #[cfg(feature = "sparkplug")]
+            sparkplug: {
+                let url = requested.broker.sparkplug.as_deref();
+                url.map(|url| sparkplug::EdgeNode::start(url, access)).transpose()?
+            },
         })
+    }
+}
+
+impl Network {
+    /// Returns the number of messages that are lost or wait.
+    fn not_delivered(&self) -> u64 {
+        let counts: &[u64] = &[
+            #[cfg(feature = "mqtt")]
+            self.mqtt.as_ref().map_or(0, mqtt::Publisher::not_delivered),
+            #[cfg(feature = "sparkplug")]
+            self.sparkplug.as_ref().map_or(0, sparkplug::EdgeNode::not_delivered),
+        ];
+        counts.iter().sum()
+    }
+
+    /// Ends the connections to brokers; returns the number of messages that were not delivered.
+    fn finish(&mut self) -> u64 {
+        let counts: &[u64] = &[
+            #[cfg(feature = "mqtt")]
+            self.mqtt.take().map_or(0, mqtt::Publisher::finish),
+            #[cfg(feature = "sparkplug")]
+            self.sparkplug.take().map_or(0, sparkplug::EdgeNode::finish),
+        ];
+        counts.iter().sum()
     }
 }
 
@@ -138,6 +175,10 @@ impl Outputs {
         if let Some(publisher) = &self.network.mqtt {
             publisher.publish("events", &serde_json::to_string(event)?);
         }
+        #[cfg(feature = "sparkplug")]
+        if let Some(node) = &self.network.sparkplug {
+            node.publish_event(serde_json::to_string(event)?);
+        }
         Ok(())
     }
 
@@ -154,6 +195,10 @@ impl Outputs {
         #[cfg(feature = "mqtt")]
         if let Some(publisher) = &self.network.mqtt {
             publisher.publish("indicators", &serde_json::to_string(&record)?);
+        }
+        #[cfg(feature = "sparkplug")]
+        if let Some(node) = &self.network.sparkplug {
+            node.publish_second(&record);
         }
         Ok(())
     }
@@ -216,6 +261,8 @@ impl Outputs {
     pub fn take_events(&mut self) -> Vec<EventMessage> {
         #[cfg(feature = "mqtt")]
         self.output_events.extend(self.network.mqtt.iter().flat_map(mqtt::Publisher::take_events));
+        #[cfg(feature = "sparkplug")]
+        self.output_events.extend(self.network.sparkplug.iter().flat_map(sparkplug::EdgeNode::take_events));
         std::mem::take(&mut self.output_events)
     }
 
@@ -227,18 +274,8 @@ impl Outputs {
         OutputFigures {
             events_not_written: events_lost + overdue(&self.events_health, events_pending),
             seconds_not_written: seconds_lost + overdue(&self.indicators_health, seconds_pending),
-            messages_not_delivered: self.messages_not_delivered(),
+            messages_not_delivered: self.network.not_delivered(),
         }
-    }
-
-    #[cfg(feature = "mqtt")]
-    fn messages_not_delivered(&self) -> u64 {
-        self.network.mqtt.as_ref().map_or(0, mqtt::Publisher::not_delivered)
-    }
-
-    #[cfg(not(feature = "mqtt"))]
-    const fn messages_not_delivered(&self) -> u64 {
-        0
     }
 
     /// Closes the outputs; returns the numbers of records that were not written or delivered.
@@ -246,10 +283,7 @@ impl Outputs {
         if let Some(indicators) = &mut self.indicators {
             self.indicators_health.attempt(&mut self.output_events, || indicators.finish());
         }
-        #[cfg(feature = "mqtt")]
-        let messages_not_delivered = self.network.mqtt.take().map_or(0, mqtt::Publisher::finish);
-        #[cfg(not(feature = "mqtt"))]
-        let messages_not_delivered = 0;
+        let messages_not_delivered = self.network.finish();
         OutputFigures { messages_not_delivered, ..self.figures() }
     }
 }

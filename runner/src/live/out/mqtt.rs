@@ -5,134 +5,25 @@
 //! not know its client any more.
 
 use super::super::feed::lock;
-use crate::error::UsageError;
-use anyhow::{Context, Result, bail};
+use super::broker::{Access, MAX_LENGTH, Url};
+use anyhow::Result;
 use ballrace_twin::record::EventMessage;
-use rumqttc::{Client, Event, LastWill, MqttOptions, Outgoing, Packet, QoS, Transport};
+use rumqttc::{Client, Event, LastWill, MqttOptions, Outgoing, Packet, QoS};
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// Messages that wait for an acknowledgement of the broker at the same time.
 const WINDOW: usize = 64;
 /// Maximum number of messages in the queue; further ones are counted as lost.
 const MAX_PENDING: usize = 10_000;
-/// Maximum length of a message, bytes.
-const MAX_LENGTH: usize = 1 << 20;
 /// Interval between two connection attempts.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
-/// Interval of keepalive messages, after one and a half of which the broker publishes the last will.
-const KEEP_ALIVE: Duration = Duration::from_secs(10);
 /// Time for sending queued messages at the end.
 const FLUSH_TIME: Duration = Duration::from_secs(2);
-/// Environment variable with the password.
-const PASSWORD: &str = "BALLRACE_MQTT_PASSWORD";
 /// Topic below the monitor's with the retained `online` or `offline`.
 const STATUS: &str = "status";
-
-/// Options of the connection to a broker.
-#[derive(Debug, Clone, Default, clap::Args)]
-pub struct MqttArgs {
-    /// Publish indicators and events to an MQTT broker: mqtt://HOST:PORT/TOPIC, or mqtts:// with TLS; mqtt://USER@HOST:PORT/TOPIC
-    /// with the password in the environment variable BALLRACE_MQTT_PASSWORD or in --mqtt-password-file.
-    #[arg(long = "mqtt", value_name = "URL")]
-    pub url: Option<String>,
-    /// Certificates (PEM) of the authorities that sign the broker's certificate; required for mqtts://.
-    #[arg(long = "mqtt-ca", value_name = "FILE.pem", requires = "url")]
-    pub ca: Option<PathBuf>,
-    /// File with the password of the MQTT user.
-    #[arg(long = "mqtt-password-file", value_name = "FILE", requires = "url")]
-    pub password_file: Option<PathBuf>,
-}
-
-/// Parts of the URL of a broker.
-#[derive(Debug, PartialEq, Eq)]
-struct Url<'a> {
-    has_tls: bool,
-    user: Option<&'a str>,
-    host: &'a str,
-    port: u16,
-    topic: &'a str,
-}
-
-impl<'a> Url<'a> {
-    fn parse(url: &'a str) -> Result<Self> {
-        let invalid = || UsageError(format!("--mqtt: invalid URL: {url:?}, expected mqtt://HOST:PORT/TOPIC"));
-        let (scheme, rest) = url.split_once("://").with_context(invalid)?;
-        let (address, topic) = rest.split_once('/').with_context(invalid)?;
-        let (user, address) = address.rsplit_once('@').map_or((None, address), |(user, host)| (Some(user), host));
-        let (host, port) = address.rsplit_once(':').with_context(invalid)?;
-        let port: u16 = port.parse().map_err(|_| invalid())?;
-        if user.is_some_and(|user| user.contains(':')) {
-            // The URL is not repeated: other users of the machine can read the messages of the service.
-            bail!(UsageError(format!(
-                "--mqtt: the URL has a password, expected it in {PASSWORD} or in --mqtt-password-file"
-            )));
-        }
-        let is_complete = !host.is_empty() && !topic.is_empty() && user != Some("");
-        if !matches!(scheme, "mqtt" | "mqtts") || !is_complete || topic.contains(['#', '+', '\0']) {
-            bail!(invalid());
-        }
-        Ok(Self { has_tls: scheme == "mqtts", user, host, port, topic })
-    }
-}
-
-impl MqttArgs {
-    /// Starts the connection to the broker; returns `None` without a URL.
-    ///
-    /// # Errors
-    /// Returns an error if the URL is invalid or a file cannot be read. A broker that cannot be reached is not an error.
-    pub fn connect(&self) -> Result<Option<Publisher>> {
-        let Some(url) = &self.url else { return Ok(None) };
-        let url = Url::parse(url)?;
-        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let name = format!("ballrace-{}-{:x}", std::process::id(), since_1970.as_nanos());
-        let mut options = MqttOptions::new(name, url.host, url.port);
-        options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(MAX_LENGTH, MAX_LENGTH);
-        let status = format!("{}/{STATUS}", url.topic);
-        options.set_last_will(LastWill::new(&status, "offline", QoS::AtLeastOnce, true));
-        match (url.user, self.password()?) {
-            (Some(user), Some(password)) => drop(options.set_credentials(user, password)),
-            (Some(user), None) => bail!(UsageError(format!(
-                "--mqtt: no password of the user {user:?}, expected it in {PASSWORD} or in --mqtt-password-file"
-            ))),
-            (None, _) if self.password_file.is_some() => {
-                bail!(UsageError("--mqtt-password-file: no user, expected mqtt://USER@HOST:PORT/TOPIC".to_owned()))
-            }
-            (None, _) => {}
-        }
-        match (&self.ca, url.has_tls) {
-            (Some(path), true) => drop(options.set_transport(Transport::tls(certificates(path)?, None, None))),
-            (None, false) => {}
-            (None, true) => bail!(UsageError(
-                "--mqtt: mqtts:// without --mqtt-ca, expected the certificates of the authorities, such as /etc/ssl/certs/ca-certificates.crt"
-                    .to_owned()
-            )),
-            (Some(_), false) => bail!(UsageError("--mqtt-ca: the URL has no TLS, expected mqtts://".to_owned())),
-        }
-        Ok(Some(Publisher::start(options, url.topic)?))
-    }
-
-    fn password(&self) -> Result<Option<String>> {
-        let Some(path) = &self.password_file else { return Ok(std::env::var(PASSWORD).ok()) };
-        let text = std::fs::read_to_string(path).with_context(|| unreadable("--mqtt-password-file", path))?;
-        Ok(Some(text.trim_end_matches(['\r', '\n']).to_owned()))
-    }
-}
-
-fn unreadable(option: &str, path: &Path) -> String {
-    format!("{option}: {}: this file cannot be read", path.display())
-}
-
-fn certificates(path: &Path) -> Result<Vec<u8>> {
-    let bytes = std::fs::read(path).with_context(|| unreadable("--mqtt-ca", path))?;
-    if !String::from_utf8_lossy(&bytes).contains("-----BEGIN CERTIFICATE-----") {
-        bail!(UsageError(format!("--mqtt-ca: {}: no certificate, expected certificates in PEM", path.display())));
-    }
-    Ok(bytes)
-}
 
 /// Message in the queue.
 #[derive(Clone)]
@@ -217,6 +108,17 @@ pub struct Publisher {
 }
 
 impl Publisher {
+    /// Starts the connection to the broker of `--mqtt`.
+    ///
+    /// # Errors
+    /// Returns an error if the URL is invalid or a file cannot be read. A broker that cannot be reached is not an error.
+    pub fn connect(url: &str, access: &Access) -> Result<Self> {
+        let url = Url::parse("--mqtt", "TOPIC", url)?;
+        let mut options = access.options(&url)?;
+        options.set_last_will(LastWill::new(format!("{}/{STATUS}", url.topic), "offline", QoS::AtLeastOnce, true));
+        Self::start(options, url.topic)
+    }
+
     fn start(options: MqttOptions, topic: &str) -> Result<Self> {
         let shared = Arc::<Shared>::default();
         let (of_thread, status) = (shared.clone(), format!("{topic}/{STATUS}"));
@@ -299,30 +201,5 @@ fn run(shared: &Shared, options: &MqttOptions, status: &str) {
         if waited.0.is_finishing {
             return;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn urls_are_parsed() {
-        let url = Url { has_tls: true, user: Some("rig"), host: "broker.works", port: 8883, topic: "plant/pump" };
-        assert_eq!(Url::parse("mqtts://rig@broker.works:8883/plant/pump").ok(), Some(url));
-        let urls = [
-            "localhost:1883/t",
-            "mqtt://localhost/t",
-            "mqtt://localhost:1883",
-            "mqtt://:1/t",
-            "mqtt://h:1/a/#",
-            "http://h:1/a",
-            "mqtt://@h:1/a",
-        ];
-        for url in urls {
-            assert!(Url::parse(url).is_err_and(|e| e.to_string().contains("expected mqtt://")), "{url}");
-        }
-        let error = Url::parse("mqtt://rig:secret@h:1/a").map_err(|e| e.to_string()).err().unwrap_or_default();
-        assert!(error.contains(PASSWORD) && !error.contains("secret"), "{error}");
     }
 }
