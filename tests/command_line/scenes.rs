@@ -350,7 +350,7 @@ fn preload_unbalance_and_waviness_of_the_angular_pair() {
 fn all_of_them_run() {
     let listed: Value = Sandbox::empty().done(&["scenes", "--format", "json"]).json();
     let listed = listed.as_array().unwrap();
-    assert_eq!(listed.len(), 16);
+    assert_eq!(listed.len(), 17);
     for one in listed {
         let name = one["name"].as_str().unwrap();
         assert!(one["shows"].as_str().unwrap().len() > 20, "{one}");

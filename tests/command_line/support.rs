@@ -114,7 +114,7 @@ pub struct Sandbox {
 
 /// Returns true where standard error has nothing but progress and the state of a monitor.
 pub fn is_progress(err: &str) -> bool {
-    let words = ["Fitting ", "Learning from ", "Diagnosing ", "Replaying ", "State at "];
+    let words = ["Fitting ", "Learning from ", "Diagnosing ", "Replaying ", "Simulated ", "State at "];
     err.lines().all(|line| words.iter().any(|word| line.starts_with(word)))
 }
 

@@ -223,7 +223,7 @@ fn simulate(
                 position += 1;
                 if position.is_multiple_of(if has_bodies { 1 } else { 4096 }) {
                     bar.set_position(position);
-                    lines.now_and_then(|| format!("simulated {:.3} of {:.3} s", now.time, total as f64 / span.rate));
+                    lines.now_and_then(|| format!("Simulated {:.3} of {:.3} s", now.time, total as f64 / span.rate));
                 }
                 if let Some(measured) = &mut measured {
                     measured.add(now)?;
