@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -39,9 +40,10 @@ STEP = '[integration]\nmethod = "verlet"\nstep = "10 us"\n'
 
 
 def processor_seconds(folder: Path, *arguments: str) -> float:
-    """Return the least processor time of a command in some rounds."""
+    """Return the least processor time of a command in some rounds; a folder `fleet` of the round before is removed."""
     times = []
     for _ in range(ROUNDS):
+        shutil.rmtree(folder / "fleet", ignore_errors=True)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([PROGRAM, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -141,7 +143,6 @@ def machines(folder: Path, count: int) -> float:
     """Return the time of a fleet of so many machines."""
     recorded(folder, 2.0, 4)
     (folder / "machines.csv").write_text("machine,scene,recording\n" + "".join(f"m{i},machine.toml,recording.npy\n" for i in range(count)))
-    subprocess.run(["rm", "-rf", "fleet"], cwd=folder, check=True)
     return processor_seconds(folder, "fleet", "machines.csv", "-o", "fleet")
 
 
