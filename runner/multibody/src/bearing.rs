@@ -17,9 +17,9 @@ const LEDGER: usize = 8;
 /// Contacts of a ball: inner race, outer race, pocket.
 const PER_BALL: usize = 3;
 
-/// A bearing with its balls and cage as bodies. Its state is a slice of [`Bearing::order`] numbers: the cage, the balls, the ledger.
+/// A bearing with its balls and cage as bodies. Its state is a slice of [`MultibodyBearing::order`] numbers: the cage, the balls, the ledger.
 #[derive(Debug, Clone)]
-pub struct Bearing {
+pub struct MultibodyBearing {
     params: Params,
     races: [RaceContact; 2],
     ball_mass: f64,
@@ -65,7 +65,7 @@ struct Content {
     angular_size: f64,
 }
 
-impl Bearing {
+impl MultibodyBearing {
     /// Creates the bearing.
     #[must_use]
     pub fn new(params: Params) -> Self {
@@ -99,7 +99,7 @@ impl Bearing {
         BODY * (1 + self.elements()) + LEDGER
     }
 
-    /// Returns the number of contacts, whose approaches [`Bearing::rates`] returns.
+    /// Returns the number of contacts, whose approaches [`MultibodyBearing::rates`] returns.
     #[must_use]
     pub fn contacts(&self) -> usize {
         PER_BALL * self.elements() + 4

@@ -1,7 +1,7 @@
 //! Checks of the model against closed forms, conservation laws and balls in equilibrium. `--nocapture` prints each as a row of a table.
 
 use crate::state::{BODY, Body};
-use crate::{Bearing, Integrator, Motion, Params, RingMotion, TractionCurve};
+use crate::{Integrator, Motion, MultibodyBearing, Params, RingMotion, TractionCurve};
 use ballrace::bearing::kinematics::orders;
 use ballrace::bearing::quasi_static::BallState;
 use ballrace::contact::hertz::Race;
@@ -20,7 +20,7 @@ fn row(check: &str, error: f64, limit: f64) {
 
 /// A bearing between two rings that do not vibrate.
 struct Rig {
-    bearing: Bearing,
+    bearing: MultibodyBearing,
     rings: [RingMotion; 2],
 }
 
@@ -37,7 +37,7 @@ impl Motion for Rig {
 impl Rig {
     fn new(scene: &Scene, inner: [f64; 5], speed: f64) -> Self {
         let ring = RingMotion { displacement: inner, speed, ..RingMotion::default() };
-        let bearing = Bearing::new(Params::of(scene, &scene.bearings[0]).unwrap());
+        let bearing = MultibodyBearing::new(Params::of(scene, &scene.bearings[0]).unwrap());
         Self { bearing, rings: [ring, RingMotion::default()] }
     }
 
@@ -114,7 +114,7 @@ fn free_flight() {
     let mut rig = Rig::new(&scene, [0.0; 5], 0.0);
     let mut params = rig.bearing.params().clone();
     params.gravity = [0.0, -9.81, 0.0];
-    rig.bearing = Bearing::new(params);
+    rig.bearing = MultibodyBearing::new(params);
     let mut state = rig.start(&scene);
     for j in 0..9 {
         let mut body = Body::read(ball(&mut state, j));

@@ -9,7 +9,7 @@ use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_models::bearing_model;
 pub use ballrace_models::build::Balls;
 use ballrace_models::build::{self, AnyBearing, Kinematics};
-use ballrace_multibody::{Bearing as Multibody, Params};
+use ballrace_multibody::{MultibodyBearing, Params};
 use ballrace_scene::{Bearing as BearingScene, Model, ModelProperties, Scene};
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ pub struct MountedBearing {
     /// Balls that are coordinates of the system.
     pub balls: Option<Balls>,
     /// Balls and cage that are bodies beside the coordinates.
-    pub multibody: Option<Arc<Multibody>>,
+    pub multibody: Option<Arc<MultibodyBearing>>,
     /// The quasi-static model for a cold start, and with the few solver steps of a warm start.
     solved: Option<ColdAndFew>,
 }
@@ -65,7 +65,10 @@ impl MountedBearing {
             description: describe(bearing),
             solved: solved(bearing)?,
             balls: (is_moving && !is_multibody).then(|| build::moving_balls(scene, bearing)).transpose()?,
-            multibody: is_multibody.then(|| Params::of(scene, bearing).map(Multibody::new)).transpose()?.map(Arc::new),
+            multibody: is_multibody
+                .then(|| Params::of(scene, bearing).map(MultibodyBearing::new))
+                .transpose()?
+                .map(Arc::new),
         })
     }
 

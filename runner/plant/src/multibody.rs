@@ -8,7 +8,7 @@ use ballrace::contact::hertz::Race;
 use ballrace::rotor::{RotorBearingSystem, SecondOrderSystem, ShaftMotion};
 use ballrace::{BearingKinematicState, Phase, Status, Wrench};
 use ballrace_models::build::{Kinematics, point_contact_approach};
-use ballrace_multibody::{Balance, Bearing, ElementMotion, Integrator, Motion, RingMotion, Steps};
+use ballrace_multibody::{Balance, ElementMotion, Integrator, Motion, MultibodyBearing, RingMotion, Steps};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub struct MultibodyChecks {
 struct Attached {
     /// Number of the bearing in the scene.
     index: usize,
-    bearing: Arc<Bearing>,
+    bearing: Arc<MultibodyBearing>,
     /// Displacement of the inner and the outer ring per unit of each coordinate.
     rows: Arc<[Rows; 2]>,
     /// Displacement of the inner ring by preload.
