@@ -68,7 +68,9 @@ struct Summary {
     scene: String,
     samples: u64,
     rate_hz: f64,
-    steps_per_sample: u32,
+    /// None where the integrator chooses its steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps_per_sample: Option<u32>,
     peak_to_peak_um: [f64; 3],
     mean_um: [f64; 3],
     computing_seconds: f64,
@@ -199,7 +201,8 @@ fn simulate(
     path: &Path,
     (mut measured, mut bodies): (Option<Measured>, Option<Bodies>),
 ) -> Result<Summary> {
-    let steps_per_sample = plant.for_simulation().substeps(1.0 / span.rate)?;
+    let own_steps = bodies.is_none().then(|| plant.for_simulation().substeps(1.0 / span.rate));
+    let steps_per_sample = own_steps.transpose()?;
     let mut file = AtomicFile::create(path)?;
     let cannot_write = || format!("{}: this file cannot be written", path.display());
     writeln!(file, "{}", header(plant)).with_context(cannot_write)?;
@@ -345,16 +348,19 @@ fn print(summary: &Summary, notes: &[String], format: Format, error: Option<f64>
         Format::Csv => {
             writeln!(out, "samples,rate_hz,steps_per_sample,u_um_pp,v_um_pp,w_um_pp,u_um_mean,v_um_mean,w_um_mean")?;
             let Summary { samples, rate_hz, steps_per_sample, .. } = summary;
+            let steps_per_sample = steps_per_sample.map_or_else(String::new, |steps| steps.to_string());
             writeln!(out, "{samples},{rate_hz},{steps_per_sample},{x},{y},{z},{mean_x},{mean_y},{mean_z}")?;
         }
         Format::Text => {
             writeln!(
                 out,
-                "{}: {} at {} Hz, {} per sample",
+                "{}: {} at {} Hz{}",
                 summary.scene,
                 counted(summary.samples, "sample"),
                 summary.rate_hz,
-                counted(u64::from(summary.steps_per_sample), "integration step")
+                summary.steps_per_sample.map_or_else(String::new, |steps| {
+                    format!(", {} per sample", counted(u64::from(steps), "integration step"))
+                })
             )?;
             writeln!(out, "Centre of mass, um peak to peak: X {x:.4}, Y {y:.4}, Z {z:.4}")?;
             writeln!(out, "                um mean:         X {mean_x:.4}, Y {mean_y:.4}, Z {mean_z:.4}")?;
