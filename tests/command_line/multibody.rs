@@ -113,6 +113,7 @@ fn what_does_not_fit_is_refused() {
     refused("cage_ratio = 0.4", &["cage_ratio", "the speed of the cage is a result"]);
     refused("effects = [\"film\"]", &["effects", "only with model"]);
     refused("race_control = \"inner\"", &["race_control", "only with model"]);
+    refused("[integration]\nmethod = \"verlet\"", &["integration", "chooses its steps by step_error"]);
     refused("cage_friction = 0.7", &["cage_friction", "0.7"]);
     sandbox.put(
         "plain.toml",

@@ -108,6 +108,10 @@ fn scene<'a>(root: &Table<'a>, path: &Path, catalogue: &'a [Option<Expansion>]) 
     let rotor = root.read("rotor", rotor::read)?;
     let system = root.read("system", |n| system(n, root, path))?;
     let bearings = bearings(root, catalogue)?;
+    if let (Some(node), true) = (root.optional("integration"), bearings.iter().any(|of| of.model.properties().bodies)) {
+        let why = "none with model = \"multibody\", whose integrator chooses its steps by step_error; remove it";
+        return Err(node.misplaced(why));
+    }
     let scene = Scene {
         name: name.map_or_else(|| stem(path), str::to_owned),
         path: path.to_owned(),
