@@ -62,6 +62,8 @@ impl LiveArgs {
             (self.outputs.events.is_some(), "--events"),
             (self.outputs.indicators.is_some(), "--indicators"),
             (self.outputs.prometheus.is_some(), "--prometheus"),
+            #[cfg(feature = "opcua")]
+            (self.outputs.opcua.is_some(), "--opcua"),
             #[cfg(feature = "mqtt")]
             (self.outputs.broker.mqtt.is_some(), "--mqtt"),
             #[cfg(feature = "sparkplug")]

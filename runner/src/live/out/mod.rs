@@ -8,6 +8,8 @@ pub mod history;
 mod indicators;
 #[cfg(feature = "mqtt")]
 mod mqtt;
+#[cfg(feature = "opcua")]
+mod opcua;
 mod prometheus;
 #[cfg(feature = "sparkplug")]
 mod sparkplug;
@@ -44,6 +46,10 @@ pub struct RequestedOutputs {
     /// Serve Prometheus metrics on this port of 127.0.0.1.
     #[arg(long, value_name = "PORT")]
     pub prometheus: Option<u16>,
+    /// Serve indicators and events by OPC UA at this address and port, e.g. 127.0.0.1:4840; read-only, without encryption and password.
+    #[cfg(feature = "opcua")]
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub opcua: Option<std::net::SocketAddr>,
     /// Connection to an MQTT broker.
     #[cfg(feature = "mqtt")]
     #[command(flatten)]
@@ -71,6 +77,8 @@ pub struct Network {
     mqtt: Option<mqtt::Publisher>,
     #[cfg(feature = "sparkplug")]
     sparkplug: Option<sparkplug::EdgeNode>,
+    #[cfg(feature = "opcua")]
+    opcua: Option<opcua::Server>,
 }
 
 impl Network {
@@ -85,6 +93,8 @@ impl Network {
             prometheus: requested.prometheus.map(|port| Prometheus::listen(port, hosts)).transpose()?,
             #[cfg(feature = "mqtt")]
             mqtt: requested.broker.mqtt.as_deref().map(|url| mqtt::Publisher::connect(url, access)).transpose()?,
+            #[cfg(feature = "opcua")]
+            opcua: requested.opcua.map(opcua::Server::listen).transpose()?,
             #[cfg(feature = "sparkplug")]
             sparkplug: {
                 let url = requested.broker.sparkplug.as_deref();
@@ -179,6 +189,10 @@ impl Outputs {
         if let Some(node) = &self.network.sparkplug {
             node.publish_event(serde_json::to_string(event)?);
         }
+        #[cfg(feature = "opcua")]
+        if let Some(server) = &self.network.opcua {
+            server.publish_event(serde_json::to_string(event)?);
+        }
         Ok(())
     }
 
@@ -199,6 +213,10 @@ impl Outputs {
         #[cfg(feature = "sparkplug")]
         if let Some(node) = &self.network.sparkplug {
             node.publish_second(&record);
+        }
+        #[cfg(feature = "opcua")]
+        if let Some(server) = &mut self.network.opcua {
+            server.publish_second(&record);
         }
         Ok(())
     }
