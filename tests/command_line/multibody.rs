@@ -86,7 +86,7 @@ fn trade_takes_bodies_as_its_reference() {
     assert!(number(of(solved), "/error/peak_to_peak") < number(of("linear"), "/error/peak_to_peak"), "{responses:?}");
 }
 
-/// The quasi-static model stands for bodies where no time passes.
+/// The static equilibrium of bodies is that of the quasi-static model.
 #[test]
 fn equilibrium_is_that_of_balls_with_inertia() {
     let sandbox = Sandbox::empty();
@@ -98,11 +98,13 @@ fn equilibrium_is_that_of_balls_with_inertia() {
     let own = "outer_land_clearance = \"0.4 mm\"\nmixture_density = \"100 kg/m^3\"\n";
     let solved =
         swap(&swap(&bodies, "\"multibody\"", "\"quasi-static\""), own, "effects = [\"centrifugal\", \"gyroscopic\"]\n");
-    assert_eq!(of(&bodies), of(&solved));
+    let elements = of(&bodies);
+    assert!(elements.as_array().unwrap().len() == 9 && number(&elements, "/0/inner_load") > 10.0, "{elements}");
+    assert_eq!(elements, of(&solved));
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn keys_that_do_not_fit_are_refused() {
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", SCENE);
     let refused = |line: &str, parts: &[&str]| {
@@ -110,6 +112,7 @@ fn what_does_not_fit_is_refused() {
         sandbox.refused(&["check", "wrong.toml"], 2, parts);
     };
     refused("traction_limit = 0.1", &["traction_limit: invalid value: 0.1", "expected at most traction_peak, 0.06"]);
+    refused("stiffness = 1e9", &["stiffness"]);
     refused("cage_ratio = 0.4", &["cage_ratio", "the speed of the cage is a result"]);
     refused("effects = [\"film\"]", &["effects", "only with model"]);
     refused("race_control = \"inner\"", &["race_control", "only with model"]);
@@ -128,6 +131,6 @@ fn what_does_not_fit_is_refused() {
         let parts = [option, "no bearing with model = \"multibody\"", "expected one"];
         sandbox.refused(&[&arguments[..], &[option, "out.csv"]].concat(), 2, &parts);
     }
-    sandbox.put("mute.toml", swap(SCENE, "mixture_density = \"100 kg/m^3\"", "pocket_clearance = \"-1 mm\""));
-    sandbox.refused(&["check", "mute.toml"], 2, &["pocket_clearance", "-1 mm"]);
+    sandbox.put("negative.toml", swap(SCENE, "mixture_density = \"100 kg/m^3\"", "pocket_clearance = \"-1 mm\""));
+    sandbox.refused(&["check", "negative.toml"], 2, &["pocket_clearance", "-1 mm"]);
 }

@@ -9,7 +9,7 @@ use ballrace::bearing::quasi_static::film::central_film;
 use ballrace::bearing::surface::Surface;
 use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Phase};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// Numbers of the ledger behind the bodies: work of rings, gravity and drag; losses; linear and angular impulse.
 const LEDGER: usize = 8;
@@ -32,8 +32,9 @@ pub struct MultibodyBearing {
 /// Errors of the balances of a bearing since its start, each over what went through it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Balance {
-    /// Energy of bodies and contacts, less work, plus losses, over the losses or the largest kinetic energy.
-    pub energy: f64,
+    /// Energy of bodies and contacts, less work, plus losses, over the losses or the largest kinetic energy; none with waviness or damage, whose
+    /// moving surfaces do work that is not counted.
+    pub energy: Option<f64>,
     /// Momentum less impulse over the momentum of the fastest ball.
     pub momentum: f64,
     /// Angular momentum about the centre less its impulse, over that of all balls and cage.
@@ -107,8 +108,9 @@ impl MultibodyBearing {
 
     /// Writes the errors that a step may have in each number of a state; infinite for the ledger.
     ///
-    /// `position` (m) is that of a ball; that of its velocity follows from the frequency of a ball between its races.
-    pub fn tolerances(&self, position: f64, tolerances: &mut [f64]) {
+    /// That of a position is `step_error`; that of a velocity follows from the frequency of a ball between its races.
+    pub fn tolerances(&self, tolerances: &mut [f64]) {
+        let position = self.params.step_error;
         let [inner, outer] = self.races.map(|race| race.stiffness());
         let velocity = position * (1.5 * (inner + outer) * REFERENCE_APPROACH.sqrt() / self.ball_mass).sqrt();
         let spin = velocity / self.params.geometry.ball_diameter;
@@ -188,7 +190,9 @@ impl MultibodyBearing {
         // The slip at the inner race is linear in the orbital speed.
         let (a, b) = (at(0.0).2, at(1.0).2);
         let (velocity, spin, _) = at(if a == b { 0.0 } else { a / (a - b) });
-        Body { position, velocity, orientation: about_z, spin }
+        // Axis 1 through the outer contact, axis 3 across it: the axis of rolling.
+        let orientation = about_z * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -angle);
+        Body { position, velocity, orientation, spin }
     }
 
     /// Writes the rates of a state, and the approach of each contact (m; negative with a gap). Returns force and moment on the inner and on
@@ -220,7 +224,6 @@ impl MultibodyBearing {
                 let arm = body.position - ring.centre;
                 force[i] -= contact.force;
                 moment[i] -= arm.cross(&contact.force) + contact.moment;
-                ledger.add_ring(&contact.force, &contact.moment, &body.position, ring);
                 ledger.loss += contact.traction_loss + contact.damping_loss;
             }
             let pocket = &ball.pocket;
@@ -237,12 +240,13 @@ impl MultibodyBearing {
             moment[which] += (land.point - ring.centre).cross(&land.force);
             on_cage -= land.force;
             about_cage -= (land.point - contacts.cage.position).cross(&land.force);
-            ledger.add_ring(&-land.force, &Vector3::zeros(), &land.point, ring);
             ledger.loss += land.loss;
         }
+        for (i, ring) in moved.iter().enumerate() {
+            ledger.add_reaction(&force[i], &moment[i], ring);
+        }
         let cage = &contacts.cage;
-        let angular = self.cage_inertia(cage).try_inverse().unwrap_or_default()
-            * (about_cage - cage.spin.cross(&(self.cage_inertia(cage) * cage.spin)));
+        let angular = self.cage_acceleration(cage, &about_cage);
         cage.write_rates(first, &(on_cage / self.params.cage.mass), &angular);
         if let Some(numbers) = rest.get_mut(BODY * self.elements()..) {
             numbers.iter_mut().zip(ledger.numbers()).for_each(|(rate, value)| *rate = value);
@@ -286,7 +290,7 @@ impl MultibodyBearing {
         let axis = contacts.cage.orientation * Vector3::z();
         let cage = CageMotion {
             speed: contacts.cage.spin.z,
-            centre: (contacts.cage.position - moved[1].centre).into(),
+            centre: (contacts.cage.position - moved[self.params.cage.guide().unwrap_or(1)].centre).into(),
             tilt: axis.x.hypot(axis.y).atan2(axis.z),
             land_force: contacts.lands.iter().map(|land| land.load).sum(),
         };
@@ -360,7 +364,7 @@ impl MultibodyBearing {
         let over = |error: f64, size: f64| if error == 0.0 { 0.0 } else { error.abs() / size };
         let (work, loss) = (grown(0), grown(1));
         Balance {
-            energy: over(b.energy - a.energy - work + loss, loss.max(a.kinetic).max(b.kinetic)),
+            energy: self.is_smooth.then(|| over(b.energy - a.energy - work + loss, loss.max(a.kinetic).max(b.kinetic))),
             momentum: over((b.momentum - a.momentum - impulse(2)).norm(), a.size.max(b.size)),
             angular_momentum: over((b.angular - a.angular - impulse(5)).norm(), a.angular_size.max(b.angular_size)),
         }
@@ -377,7 +381,7 @@ impl MultibodyBearing {
             angular_size: 0.0,
         };
         let cage = &contacts.cage;
-        content.add(cage, self.params.cage.mass, &(self.cage_inertia(cage) * cage.spin));
+        content.add(cage, self.params.cage.mass, &self.cage_momentum(cage));
         for ball in &contacts.balls {
             content.add(&ball.body, self.ball_mass, &(ball.body.spin * self.ball_inertia));
             content.energy += ball.races.iter().map(|contact| contact.energy).sum::<f64>() + ball.pocket.energy;
@@ -386,10 +390,19 @@ impl MultibodyBearing {
         content
     }
 
-    fn cage_inertia(&self, cage: &Body) -> Matrix3<f64> {
+    /// Returns the angular momentum of the cage, kg m^2/s.
+    fn cage_momentum(&self, cage: &Body) -> Vector3<f64> {
         let [across, along] = self.params.cage.inertia;
-        let turn = cage.orientation.to_rotation_matrix();
-        turn * Matrix3::from_diagonal(&Vector3::new(across, across, along)) * turn.transpose()
+        let own = cage.orientation.inverse_transform_vector(&cage.spin);
+        cage.orientation * Vector3::new(across * own.x, across * own.y, along * own.z)
+    }
+
+    /// Returns the angular acceleration of the cage by Euler's equation, rad/s^2.
+    fn cage_acceleration(&self, cage: &Body, moment: &Vector3<f64>) -> Vector3<f64> {
+        let [across, along] = self.params.cage.inertia;
+        let left = moment - cage.spin.cross(&self.cage_momentum(cage));
+        let own = cage.orientation.inverse_transform_vector(&left);
+        cage.orientation * Vector3::new(own.x / across, own.y / across, own.z / along)
     }
 
     fn evaluate(&self, state: &[f64], rings: &[RingMotion; 2], moved: &[Ring; 2]) -> Contacts {
@@ -399,7 +412,8 @@ impl MultibodyBearing {
         let params = &self.params.cage;
         let radius = 0.5 * self.params.geometry.ball_diameter;
         let balls = self.pockets.iter().zip(bodies).enumerate().map(|(j, (pocket, body))| {
-            let deviation = if self.is_smooth { <[Deviation; 2]>::default() } else { self.deviation(j, &body, rings) };
+            let deviation =
+                if self.is_smooth { <[Deviation; 2]>::default() } else { self.deviation(j, &body, rings, moved) };
             let races = std::array::from_fn(|i| self.races[i].evaluate(&body, &moved[i], &deviation[i]));
             let pocket = params.pocket(&cage, &body, &(cage.orientation * pocket), radius);
             BallContacts { body, races, pocket }
@@ -409,22 +423,22 @@ impl MultibodyBearing {
     }
 
     /// Returns the deviations of the surfaces at both contacts of ball `j`.
-    fn deviation(&self, j: usize, ball: &Body, rings: &[RingMotion; 2]) -> [Deviation; 2] {
+    fn deviation(&self, j: usize, ball: &Body, rings: &[RingMotion; 2], moved: &[Ring; 2]) -> [Deviation; 2] {
         let azimuth = Phase::from_radians(ball.position.y.atan2(ball.position.x));
         let [inner, outer, balls] = &self.params.surfaces;
         let at = BearingKinematicState::<f64> { inner: rings[0].angle, outer: rings[1].angle, ..Default::default() };
         let (on_inner, on_outer) = (inner.deviation(azimuth, &at), outer.deviation(azimuth, &at));
-        // Surfaces of a ball turn about its axis 3; its direction 1 was towards the inner race at the start.
-        let height = |direction: Vector3<f64>| {
+        // Surfaces of a ball turn about its axis 3; the inner race was on the negative side of its axis 1 at the start.
+        let height = |race: usize| {
+            let direction = self.races[race].direction(ball, &moved[race]);
             let local = ball.orientation.inverse_transform_vector(&direction);
             let place = self.params.azimuths.get(j).copied().unwrap_or_default();
             let angle = Phase::from_radians(local.y.atan2(-local.x));
             balls.deviation(place, &BearingKinematicState { ball: angle, ..Default::default() }).inner
         };
-        let outward = Vector3::new(ball.position.x, ball.position.y, 0.0).normalize();
         [
-            Deviation { radial: on_inner.radial, axial: on_inner.axial, approach: on_inner.inner + height(-outward) },
-            Deviation { radial: -on_outer.radial, axial: -on_outer.axial, approach: on_outer.outer + height(outward) },
+            Deviation { radial: on_inner.radial, axial: on_inner.axial, approach: on_inner.inner + height(0) },
+            Deviation { radial: -on_outer.radial, axial: -on_outer.axial, approach: on_outer.outer + height(1) },
         ]
     }
 }
@@ -487,11 +501,11 @@ impl Ledger {
         self.moment += at.cross(force);
     }
 
-    /// Adds force and moment of a ring about the point `at`.
-    fn add_ring(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>, at: &Vector3<f64>, ring: &Ring) {
-        self.add(force, at, &ring.velocity_at(&(at - ring.centre)));
-        self.power += moment.dot(&ring.spin);
-        self.moment += moment;
+    /// Adds the reaction to force and moment on a ring about its centre.
+    fn add_reaction(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>, ring: &Ring) {
+        self.add(&-force, &ring.centre, &ring.velocity);
+        self.power -= moment.dot(&ring.spin);
+        self.moment -= moment;
     }
 
     fn numbers(&self) -> [f64; LEDGER] {

@@ -5,7 +5,7 @@ pub trait Motion {
     /// Writes the rates of the state at a time (s), and the approach of each contact, negative with a gap.
     fn rates(&mut self, time: f64, state: &[f64], rates: &mut [f64], approaches: &mut [f64]);
 
-    /// Restores what a step must keep, such as the length of an orientation.
+    /// Restores properties of the state that a step changes by its error, such as the length of an orientation.
     fn normalise(&self, state: &mut [f64]);
 }
 
@@ -22,7 +22,8 @@ pub struct Steps {
 
 /// Integrator of an adaptive step.
 ///
-/// A step in which a contact opens or closes is repeated so that it ends there, because the error estimate of a step holds for smooth rates.
+/// A step in which a contact opens or closes is repeated once with the interpolated length to the first of these times, unless that is near one
+/// of its ends, because the error estimate of a step holds for smooth rates.
 /// Source: Dormand and Prince 1980; control of the step by the last two errors after Gustafsson 1991.
 #[derive(Debug, Clone)]
 pub struct Integrator {
@@ -34,7 +35,7 @@ pub struct Integrator {
     last_error: f64,
     /// Rates at the points of a step; the first are those at its start, the last those at its end.
     rates: [Vec<f64>; STAGES],
-    /// Approaches at the start and at the end of a step, and those that no one reads.
+    /// Approaches at the start, at the end and within a step; the last are not used.
     approaches: [Vec<f64>; 3],
     trial: Vec<f64>,
     steps: Steps,
@@ -95,7 +96,7 @@ impl Integrator {
         while time < duration {
             let left = duration - time;
             let (step, is_last) = if self.step >= left { (left, true) } else { (self.step, false) };
-            if step < SHORTEST_STEP * duration.max(1.0) && !is_last {
+            if step < SHORTEST_STEP && !is_last {
                 return false;
             }
             let error = self.attempt(motion, state, time, step);
@@ -137,12 +138,14 @@ impl Integrator {
             motion.rates(time + node * step, trial, &mut next[0], approaches);
         }
         let mut most = 0.0_f64;
+        let mut is_finite = true;
         for (i, tolerance) in tolerances.iter().enumerate() {
             let error: f64 = ERROR_WEIGHTS.iter().zip(rates.iter()).map(|(weight, rates)| weight * rates[i]).sum();
             let share = step * error.abs() / tolerance;
-            most = if share.is_nan() { f64::NAN } else { most.max(share) };
+            is_finite &= !share.is_nan();
+            most = most.max(share);
         }
-        most
+        if is_finite { most } else { f64::NAN }
     }
 
     fn accept(&mut self, motion: &impl Motion, state: &mut [f64]) {

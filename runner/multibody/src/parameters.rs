@@ -132,6 +132,15 @@ fn component(feature: &Feature<f64>) -> BearingComponent {
 }
 
 impl CageParams {
+    /// Returns the ring that guides the cage, 0 the inner and 1 the outer: that with the smaller clearance; none where the balls do.
+    #[must_use]
+    pub fn guide(&self) -> Option<usize> {
+        match self.land_clearance {
+            [Some(inner), Some(outer)] => Some(usize::from(outer <= inner)),
+            [inner, outer] => outer.map(|_| 1).or(inner.map(|_| 0)),
+        }
+    }
+
     fn of(of: &BearingScene, geometry: &BallBearingGeometry) -> Self {
         let own = |key: &str, default: f64| of.own(key).unwrap_or(default);
         let (diameter, radius) = (geometry.ball_diameter, 0.5 * geometry.pitch_diameter);

@@ -138,6 +138,15 @@ impl RaceContact {
         self.stiffness
     }
 
+    /// Returns the direction from the ball's centre to the contact on smooth surfaces.
+    pub(crate) fn direction(&self, ball: &Body, ring: &Ring) -> Vector3<f64> {
+        let local = ring.to_ring(&(ball.position - ring.centre));
+        let rho = length(local.x, local.y);
+        let outward = (self.radius - rho) / rho;
+        let to_groove = Vector3::new(local.x * outward, local.y * outward, self.axial - local.z);
+        -ring.to_fixed(&to_groove).normalize()
+    }
+
     /// Evaluates the contact.
     pub(crate) fn evaluate(&self, ball: &Body, ring: &Ring, deviation: &Deviation) -> Contact {
         let from_centre = ball.position - ring.centre;

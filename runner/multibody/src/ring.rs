@@ -15,7 +15,7 @@ pub struct RingMotion {
     pub speed: f64,
 }
 
-/// A ring with what follows from its pose.
+/// Position, velocity and tilt of a ring.
 #[derive(Debug, Clone, Copy)]
 pub struct Ring {
     /// Centre, m.

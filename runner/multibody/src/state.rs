@@ -1,4 +1,4 @@
-//! State of balls and cage as numbers, and what is read from it.
+//! State of balls and cage as numbers, and their motion.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -83,9 +83,9 @@ pub struct BallMotion {
 pub struct CageMotion {
     /// Angular velocity about the axis of the bearing, rad/s.
     pub speed: f64,
-    /// Centre, m.
+    /// Centre against that of the ring that guides it, else of the outer ring, m.
     pub centre: [f64; 3],
-    /// Angle between its axis and that of the bearing, rad.
+    /// Angle between its axis and Z, rad.
     pub tilt: f64,
     /// Force of the lands of both rings, N.
     pub land_force: f64,
@@ -124,7 +124,7 @@ const OF_BALL: [(&str, &str); 17] = [
     ("pocket_force", "N"),
     ("slip_ratio", "1"),
 ];
-/// The same of the cage.
+/// Name and unit of a number of the cage.
 const OF_CAGE: [(&str, &str); 11] = [
     ("cage_speed", "rad/s"),
     ("cage_slip", "1"),

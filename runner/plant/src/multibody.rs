@@ -24,7 +24,7 @@ pub struct MultibodyChecks {
 
 /// Bearing with bodies in a plant.
 #[derive(Clone)]
-struct Attached {
+struct BearingWithBodies {
     /// Number of the bearing in the scene.
     index: usize,
     bearing: Arc<MultibodyBearing>,
@@ -85,7 +85,7 @@ impl SystemTask<Box<dyn Twin>> for StartMultibody<'_> {
         state.resize(2 * coordinates, 0.0);
         let mut tolerances = vec![f64::INFINITY; state.len()];
         let (mut bodies, mut contacts) = (vec![], 0);
-        let mut system = System {
+        let mut system = RotorWithBodies {
             machine,
             kinematics: plant.bearings.iter().map(|mounted| mounted.kinematics).collect(),
             bodies: vec![],
@@ -100,7 +100,7 @@ impl SystemTask<Box<dyn Twin>> for StartMultibody<'_> {
             let start = state.len();
             state.resize(start + bearing.order(), 0.0);
             let range = start..state.len();
-            let mut attached = Attached {
+            let mut attached = BearingWithBodies {
                 index,
                 bearing: bearing.clone(),
                 rows: Arc::new(plant.rows_of_rings(index)),
@@ -121,7 +121,7 @@ impl SystemTask<Box<dyn Twin>> for StartMultibody<'_> {
             bearing.start(&rings, at.cage.since(Phase::ZERO).radians(), place, &mut state[range.clone()]);
             tolerances.resize(state.len(), 0.0);
             position = position.min(bearing.params().step_error);
-            bearing.tolerances(bearing.params().step_error, &mut tolerances[range.clone()]);
+            bearing.tolerances(&mut tolerances[range.clone()]);
             attached.first = Arc::new((state[range].to_vec(), rings));
             bodies.push(attached);
         }
@@ -144,10 +144,10 @@ impl SystemTask<Box<dyn Twin>> for StartMultibody<'_> {
 
 /// Rotor and bearings during one sample period.
 #[derive(Clone)]
-struct System<S, C, const D: usize, const N: usize> {
+struct RotorWithBodies<S, C, const D: usize, const N: usize> {
     machine: RotorBearingSystem<S, C, N>,
     kinematics: Vec<Kinematics>,
-    bodies: Vec<Attached>,
+    bodies: Vec<BearingWithBodies>,
     /// Load on the coordinates besides that of the scene.
     load: [f64; D],
     coordinates: usize,
@@ -156,7 +156,7 @@ struct System<S, C, const D: usize, const N: usize> {
     shaft: ShaftMotion<f64>,
 }
 
-impl<S, C, const D: usize, const N: usize> System<S, C, D, N>
+impl<S, C, const D: usize, const N: usize> RotorWithBodies<S, C, D, N>
 where
     S: SecondOrderSystem<f64, D>,
     C: ReactingElement<D>,
@@ -172,7 +172,7 @@ where
         })
     }
 
-    fn rings(&self, attached: &Attached, state: &[f64], time: f64) -> [RingMotion; 2] {
+    fn rings(&self, attached: &BearingWithBodies, state: &[f64], time: f64) -> [RingMotion; 2] {
         let (q, v) = state.split_at(self.coordinates);
         let product = |rows: &Rows, x: &[f64]| rows.each_ref().map(|row| row.iter().zip(x).map(|(t, x)| t * x).sum());
         let at = self.kinematic_state(attached.index, time);
@@ -187,7 +187,7 @@ where
     }
 }
 
-impl<S, C, const D: usize, const N: usize> Motion for System<S, C, D, N>
+impl<S, C, const D: usize, const N: usize> Motion for RotorWithBodies<S, C, D, N>
 where
     S: SecondOrderSystem<f64, D>,
     C: ReactingElement<D>,
@@ -230,7 +230,7 @@ where
 
 #[derive(Clone)]
 struct MultibodyTwin<S, C, const D: usize, const N: usize> {
-    system: System<S, C, D, N>,
+    system: RotorWithBodies<S, C, D, N>,
     integrator: Integrator,
     state: Vec<f64>,
     /// Force of each bearing with bodies on its inner ring.
@@ -243,10 +243,19 @@ where
     S: SecondOrderSystem<f64, D>,
     C: ReactingElement<D>,
 {
+    /// Begins the balances with the present state.
+    fn begin_balances(&mut self) {
+        for i in 0..self.system.bodies.len() {
+            let attached = &self.system.bodies[i];
+            let first = (self.state[attached.state.clone()].to_vec(), self.system.rings(attached, &self.state, 0.0));
+            self.system.bodies[i].first = Arc::new(first);
+        }
+    }
+
     fn update_wrenches(&mut self) {
         let (mut rates, mut approaches) = (vec![0.0; self.state.len()], vec![]);
         let system = &self.system;
-        let wrench = |attached: &Attached| {
+        let wrench = |attached: &BearingWithBodies| {
             let (range, rings) = (attached.state.clone(), system.rings(attached, &self.state, 0.0));
             let [inner, _] =
                 attached.bearing.rates(&self.state[range.clone()], &rings, &mut rates[range], &mut approaches);
@@ -263,11 +272,13 @@ where
 {
     fn step(&mut self, drive: &ShaftMotion<f64>) -> Status {
         self.system.shaft = *drive;
-        let is_complete = self.integrator.advance(&mut self.system, &mut self.state, self.sample_period);
+        if !self.integrator.advance(&mut self.system, &mut self.state, self.sample_period) {
+            return Status::RESULT_NOT_FINITE;
+        }
         self.system.turned = self.system.turned_at(self.sample_period);
         self.system.shaft = drive.after(self.sample_period);
         self.update_wrenches();
-        if is_complete { Status::OK } else { Status::RESULT_NOT_FINITE }
+        Status::OK
     }
     fn coordinates(&self) -> &[f64] {
         &self.state[..self.system.coordinates]
@@ -287,12 +298,14 @@ where
         for (to, from) in [(q, coordinates), (&mut rest[..self.system.coordinates], rates)] {
             to.iter_mut().zip(from).for_each(|(entry, x)| *entry = *x);
         }
+        self.begin_balances();
         self.update_wrenches();
     }
     fn turn_cage(&mut self, i: usize, by: Phase) {
         for attached in self.system.bodies.iter().filter(|attached| attached.index == i) {
             attached.bearing.turn(&mut self.state[attached.state.clone()], by.since(Phase::ZERO).radians());
         }
+        self.begin_balances();
     }
     fn set_load(&mut self, load: &[f64]) {
         self.system.load = array(load);
@@ -306,7 +319,7 @@ where
         Some(attached.bearing.motion(&self.state[attached.state.clone()], &rings))
     }
     fn multibody_checks(&self) -> Option<MultibodyChecks> {
-        let balance = |attached: &Attached| {
+        let balance = |attached: &BearingWithBodies| {
             let rings = self.system.rings(attached, &self.state, 0.0);
             let (first, last) = (&attached.first, &self.state[attached.state.clone()]);
             (attached.index, attached.bearing.balance((&first.0, &first.1), (last, &rings)))

@@ -62,24 +62,24 @@ fn largest_slip(motion: &ElementMotion, race: usize) -> f64 {
     motion.balls.iter().map(|ball| ball.slip[race].abs()).fold(0.0, f64::max)
 }
 
-/// Returns the distance of the cage's centre from that of the outer ring, m.
+/// Returns the distance of the cage's centre from that of the ring that guides it, m.
 fn eccentricity(motion: &ElementMotion) -> f64 {
     motion.cage.centre[0].hypot(motion.cage.centre[1])
 }
 
 /// Returns what guides the cage, and how far its centre can move to it, mm.
 fn guidance(cage: &CageParams) -> (&'static str, f64) {
-    let (word, clearance) = match cage.land_clearance {
-        [_, Some(outer)] => ("outer ring", outer),
-        [Some(inner), None] => ("inner ring", inner),
-        [None, None] => ("balls", cage.pocket_clearance),
+    let (word, clearance) = match cage.guide() {
+        Some(0) => ("inner ring", cage.land_clearance[0]),
+        Some(_) => ("outer ring", cage.land_clearance[1]),
+        None => ("balls", Some(cage.pocket_clearance)),
     };
-    (word, 500.0 * clearance)
+    (word, 500.0 * clearance.unwrap_or(0.0))
 }
 
-/// Returns the lines for the terminal.
+/// Returns the lines for the terminal; the bearings have one sample in `every`.
 #[must_use]
-pub fn text(bearings: &[RecordedBearing], steps: Steps) -> String {
+pub fn text(bearings: &[RecordedBearing], steps: Steps, every: u64) -> String {
     let mut out = String::new();
     for bearing in bearings {
         let slip = bearing.range(|motion| 100.0 * motion.cage_slip());
@@ -88,13 +88,14 @@ pub fn text(bearings: &[RecordedBearing], steps: Steps) -> String {
         let loss = |i: usize| alone(bearing.range(|motion| motion.loss[i]).mean);
         let largest = |race| alone(bearing.range(|motion| largest_slip(motion, race)).high);
         let Balance { energy, momentum, angular_momentum } = bearing.balance;
+        let energy = energy.map_or_else(|| "not counted on moving surfaces".to_owned(), |error| format!("{error:.1e}"));
         let _ = writeln!(
             out,
             "Bearing {}, balls and cage as bodies\n  \
              cage slip     {} %, from {} to {} %; its centre up to {} of {} mm, guided by the {guided_by}\n  \
              loss          traction {} W, cage {} W, drag {} W, damping {} W\n  \
              ball slip     up to {} m/s on the inner race, {} m/s on the outer race\n  \
-             balances      energy {energy:.1e}, momentum {momentum:.1e}, angular momentum {angular_momentum:.1e}",
+             balances      energy {energy}, momentum {momentum:.1e}, angular momentum {angular_momentum:.1e}",
             bearing.name,
             fixed(slip.mean, 3),
             fixed(slip.low, 3),
@@ -108,6 +109,9 @@ pub fn text(bearings: &[RecordedBearing], steps: Steps) -> String {
             largest(0),
             largest(1),
         );
+    }
+    if every > 1 {
+        let _ = writeln!(out, "Means and extremes of one in {every} samples.");
     }
     let Steps { taken, rejected, events } = steps;
     let [taken, rejected, events] = [taken, rejected, events].map(count);

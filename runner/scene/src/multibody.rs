@@ -13,7 +13,7 @@ pub(crate) static KEYS: [Key; 13] = [
         "largest traction coefficient of the oil on the races", "0.06", ONLY, "0.05"),
     key("traction_peak_slip", Kind::Quantity(Dimension::Velocity, POSITIVE),
         "slip speed at which it is reached", "0.2 m/s", ONLY, "\"0.3 m/s\""),
-    key("traction_limit", Kind::Number((Excluded(0.0), Included(0.5))),
+    key("traction_limit", Kind::Number((Included(1e-4), Included(0.5))),
         "traction coefficient far beyond that slip, at most `traction_peak`", "three quarters of `traction_peak`", ONLY, "0.04"),
     key("contact_damping", Kind::NumberIn("s/m", (Included(0.0), Included(10.0))),
         "`alpha` of Hunt and Crossley: loss of the coefficient of restitution per m/s; 0.08 to 0.32 s/m for steel", "0.2 s/m",

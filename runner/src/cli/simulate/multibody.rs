@@ -4,7 +4,7 @@ use crate::error::UsageError;
 use anyhow::Result;
 use ballrace_report::element_motion::{self, RecordedBearing};
 use ballrace_twin::motion::{ResponseSample, Span};
-use ballrace_twin::multibody::{ElementMotion, Params};
+use ballrace_twin::multibody::{Balance, ElementMotion};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::plant::{Plant, Twin};
 use ballrace_twin::recording::write::{Writer, WrittenColumn};
@@ -42,7 +42,8 @@ struct BearingSummary {
     name: String,
     mean_cage_slip: f64,
     mean_loss_w: f64,
-    energy_error: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy_error: Option<f64>,
     momentum_error: f64,
     angular_momentum_error: f64,
 }
@@ -58,13 +59,14 @@ impl Bodies {
         span: Span,
         (elements, report): (Option<&Path>, Option<&Path>),
     ) -> Result<Option<Self>> {
-        let all = plant.bearings.iter().zip(&scene.bearings).enumerate();
-        let recorded = all.filter(|(_, (mounted, _))| mounted.multibody.is_some()).map(|(i, (mounted, of))| {
-            let cage = Params::of(scene, of).map(|params| params.cage).map_err(UsageError::new)?;
-            let (name, samples, balance) = (mounted.name.clone(), vec![], Default::default());
-            Ok((i, RecordedBearing { name, cage, samples, balance }))
+        let recorded = plant.bearings.iter().enumerate().filter_map(|(i, mounted)| {
+            let cage = mounted.multibody.as_ref()?.params().cage;
+            Some((
+                i,
+                RecordedBearing { name: mounted.name.clone(), cage, samples: vec![], balance: Balance::default() },
+            ))
         });
-        let bearings = recorded.collect::<Result<Vec<_>>>()?;
+        let bearings: Vec<(usize, RecordedBearing)> = recorded.collect();
         if bearings.is_empty() {
             return match elements.map(|_| "--elements").or(report.map(|_| "--report")) {
                 Some(option) => Err(UsageError(format!(
@@ -142,7 +144,7 @@ impl Bodies {
             angular_momentum_error: bearing.balance.angular_momentum,
         };
         Ok(Summary {
-            text: element_motion::text(&bearings, checks.steps),
+            text: element_motion::text(&bearings, checks.steps, self.every),
             bearings: bearings.iter().map(summary).collect(),
             steps: checks.steps.taken,
             repeated_steps: checks.steps.rejected,
