@@ -184,7 +184,7 @@ fn conservation() {
 }
 
 #[test]
-#[ignore = "slow"]
+#[ignore = "slow: a million steps; tests/run --all runs it"]
 fn conservation_over_a_million_steps() {
     conserves("10^6", 1_000_000);
 }
@@ -261,7 +261,7 @@ fn steady_state() {
     };
     let shares: Vec<f64> = motion.balls.iter().map(share).collect();
     assert!(
-        shares.iter().all(|share| (0.1..0.9).contains(share)),
+        shares.iter().all(|share| (0.4..0.5).contains(share)),
         "spin on the outer race over that on both: {shares:?}"
     );
 }
