@@ -56,7 +56,7 @@ impl CageHarmonics {
 
     /// Returns the spectra of `start` with the mean force of this bearing.
     fn mean_alone(&self, e: &Evidence, start: &Fitted) -> Spectra {
-        start.spectra.replaced(self.bearing, e.about_centre(self.bearing, &|t| self.mean[t]))
+        start.spectra.replaced(self.bearing, e.at_bearing(self.bearing, self.mean.clone()))
     }
 
     /// Returns candidates for slip and phase of the cage with their falls of chi-squared, best first.

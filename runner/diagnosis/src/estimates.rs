@@ -160,7 +160,7 @@ pub(crate) fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Resul
     if changes.is_empty() || last.unknowns.is_empty() {
         return Ok(last);
     }
-    let slopes = last.unknowns.iter().map(|u| e.slope(&last.spectra, &last.machine, *u)).collect::<Result<Vec<_>>>()?;
+    let slopes = e.slopes(&last.spectra, &last.machine, &last.unknowns)?;
     let mut covariance = last.covariance.clone();
     for change in &changes {
         let along = DVector::from_iterator(slopes.len(), slopes.iter().map(|slope| dot(slope, change)));

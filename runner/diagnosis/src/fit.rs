@@ -4,7 +4,6 @@ use super::Result;
 use super::machine::Machine;
 use super::parameter::{ForceSource, Unknown};
 use super::residual::{Evidence, Spectra, dot};
-use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
 use std::time::Instant;
 
@@ -149,7 +148,7 @@ impl Weights {
 
     fn slopes(self, e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
         match self {
-            Self::Given => parallel::map(unknowns, |u| e.slope(&now.spectra, &now.machine, *u)).into_iter().collect(),
+            Self::Given => e.slopes(&now.spectra, &now.machine, unknowns),
             Self::Own => e.own_slopes(&now.spectra, &now.machine, unknowns),
         }
     }

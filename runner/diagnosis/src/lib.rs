@@ -15,6 +15,7 @@
 pub mod block;
 mod cage;
 mod calibration;
+mod decimation;
 mod dynamics;
 mod estimates;
 mod fault_figures;

@@ -3,7 +3,8 @@
 use super::Result;
 use super::dynamics::{CouplingForce, Tangent};
 use super::measurement::{COEFFICIENTS, ReadingError};
-use super::motion::{D, Motion, PARTS};
+use super::decimation::Decimation;
+use super::motion::{D, Motion};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_base::parallel;
@@ -129,6 +130,9 @@ fn is_rigid(scene: &Scene) -> bool {
 /// force; below it, the axial force is used.
 const MIN_RADIAL: f64 = 0.01;
 
+/// Instants in a sample period at which a pulse of a spall is evaluated.
+const PARTS: usize = 4;
+
 /// A bearing ready to be evaluated along a motion.
 pub struct Evaluated {
     /// The bearing without its spalls.
@@ -244,33 +248,44 @@ impl Evaluated {
         Displacement { u: x, v: y, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
     }
 
-    /// Returns the force on the rotor of the bearing without its spalls, at its own station, at every sample.
+    /// Returns the force on the rotor of the bearing with its spalls, at its own station, at every sample.
+    pub fn all_forces(&self, motion: &Motion) -> Vec<[f64; D]> {
+        let mut forces = self.forces(motion);
+        for (force, pulse) in forces.iter_mut().zip(self.pulses(motion).into_iter().flatten()) {
+            force.iter_mut().zip(pulse).for_each(|(force, x)| *force += x);
+        }
+        forces
+    }
+
+    /// Returns the same without its spalls.
     pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
         parallel::of_indices(motion.len(), |t| self.force(motion, t))
     }
 
-    /// Returns the change of the force by the spalls, at [`PARTS`] instants in each sample period; `None` without a spall.
+    /// Returns the change of the force by the spalls at every sample; `None` without a spall.
     ///
-    /// A ball passes a spall within a few samples: at the sampling rate, the pulse would be aliased.
+    /// A ball passes a spall within a few samples, and the pulse would be aliased: it is evaluated at several instants of a sample period,
+    /// and lines beyond those in use are removed.
     pub fn pulses(&self, motion: &Motion) -> Option<Vec<[f64; D]>> {
         if self.passing.is_empty() {
             return None;
         }
-        let mut all = vec![[0.0; D]; motion.len() * PARTS];
-        for (t, pulse) in all.as_chunks_mut::<PARTS>().0.iter_mut().enumerate().take(motion.len() - 1) {
+        let low_pass = Decimation::new(PARTS);
+        let mut sums = vec![[0.0; D]; motion.len()];
+        for t in 0..motion.len() - 1 {
             let (from, to) = (motion.turns[t], motion.turns[t + 1]);
             let (q0, q1) = (self.displaced[t].to_array(), self.displaced[t + 1].to_array());
             for one in self.passing.iter().filter(|one| self.passes(&one.balls, motion, from, to)) {
-                for (part, change) in pulse.iter_mut().enumerate() {
+                for part in 0..PARTS {
                     let share = part as f64 / PARTS as f64;
                     let turns = from + share * (to - from);
                     let q = Displacement::from_array(std::array::from_fn(|i| q0[i] + share * (q1[i] - q0[i])));
                     let state = self.state_at(motion, turns, motion.speed[t]);
-                    change.iter_mut().zip(self.change(one, &q, &state)).for_each(|(sum, x)| *sum += x);
+                    low_pass.add(PARTS * t + part, &self.change(one, &q, &state), &mut sums);
                 }
             }
         }
-        Some(all)
+        Some(sums)
     }
 
     /// Returns the change of the force of some balls by the spalls.

@@ -8,8 +8,6 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Instants per sample period at which a pulse of a spall is evaluated.
-pub const PARTS: usize = 4;
 /// Number of coordinates of a rigid rotor.
 pub const D: usize = 5;
 /// Complex amplitude.
@@ -114,8 +112,6 @@ impl Motion {
 /// Windowed Fourier transforms of a record.
 pub struct Transform {
     fft: Arc<dyn Fft<f64>>,
-    /// For [`PARTS`] values per sample.
-    fine: Arc<dyn Fft<f64>>,
     /// Window and its first two derivatives by time.
     window: [Vec<f64>; 3],
     /// Angular frequency of each line in use, rad/s.
@@ -130,7 +126,6 @@ impl Transform {
     /// The window begins after the share `lead` of the record and rises over the share `taper`; it falls in the same way.
     pub fn new(n: usize, period: f64, highest: f64, [lead, taper]: [f64; 2]) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(n);
-        let fine = FftPlanner::new().plan_fft_forward(n * PARTS);
         let length = n as f64 * period;
         let rise = taper * length;
         // sin^4: value and first three derivatives vanish at the ends.
@@ -153,7 +148,7 @@ impl Transform {
         let bin = TAU / length;
         let lines = (0..n / 2).map(|k| k as f64 * bin).take_while(|w| *w <= highest).collect();
         let power = window[0].iter().map(|w| w * w).sum();
-        Self { fft, fine, window, lines, power }
+        Self { fft, window, lines, power }
     }
 
     /// Returns the window at a share of the record.
@@ -195,30 +190,6 @@ impl Transform {
         let [c, d] = self.pair(order, |i| of(i)[2], |i| of(i)[3]);
         let [e, _] = self.pair(order, |i| of(i)[4], |_| 0.0);
         [a, b, c, d, e]
-    }
-
-    /// Transforms five series of [`PARTS`] values per sample, as the mean over each sample period.
-    pub(crate) fn five_fine(&self, values: &[[f64; D]]) -> [Vec<C>; D] {
-        let n = values.len();
-        let m = self.lines.len();
-        let mut out: [Vec<C>; D] = Default::default();
-        for pair in [[0, 1], [2, 3], [4, 4]] {
-            let mut both: Vec<C> = values
-                .iter()
-                .enumerate()
-                .map(|(i, v)| C::new(v[pair[0]], v[pair[1]]) * (self.window[0][i / PARTS] / PARTS as f64))
-                .collect();
-            self.fine.process(&mut both);
-            for (half, i) in pair.into_iter().enumerate() {
-                out[i] = (0..m)
-                    .map(|k| {
-                        let (x, y) = (both[k], both[(n - k) % n].conj());
-                        if half == 0 { 0.5 * (x + y) } else { C::new(0.0, -0.5) * (x - y) }
-                    })
-                    .collect();
-            }
-        }
-        out
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parameters of a machine that a fit varies: steps, bounds and value. Those of a fault are in its file.
 
 use super::machine::{Machine, MachineBearing};
+use super::motion::Motion;
 
 /// A kind of parameter. Its unknowns are one of each bearing, of each spall, of each direction.
 pub struct Parameter {
@@ -73,9 +74,15 @@ impl Unknown {
         std::ptr::eq(self.parameter, parameter)
     }
 
-    /// Returns true for the angle and the speed of a cage.
-    pub(crate) fn is_of_cage(self) -> bool {
-        [&CAGE_PHASE, &CAGE_SLIP, &CAGE_DRIFT].into_iter().any(|parameter| self.is(parameter))
+    /// Returns the revolutions of a cage per unit of its angle, slip or drift, from its rolling speed over the shaft speed and the
+    /// revolutions of the shaft; `None` for another unknown.
+    pub(crate) fn turns_cage(self) -> Option<fn(f64, f64, &Motion) -> f64> {
+        let of: [(&Parameter, fn(f64, f64, &Motion) -> f64); 3] = [
+            (&CAGE_PHASE, |_, _, _| 1.0),
+            (&CAGE_SLIP, |rolling, turns, _| -rolling * turns),
+            (&CAGE_DRIFT, |_, turns, motion| 0.5 * (turns - motion.middle).powi(2)),
+        ];
+        of.into_iter().find(|(parameter, _)| self.is(parameter)).map(|(_, turns)| turns)
     }
 
     pub fn part(self) -> ForceSource {
@@ -123,7 +130,7 @@ pub(crate) static CAGE_PHASE: Parameter = Parameter {
     changes_stiffness: false,
     access: Access::Bearing {
         get: |bearing, _| bearing.cage.phase,
-        set: |bearing, _, x| bearing.cage.phase = x - x.round(),
+        set: |bearing, _, x| bearing.cage.phase = x,
     },
 };
 

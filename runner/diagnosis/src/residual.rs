@@ -10,7 +10,7 @@ use super::filter::LineFilter;
 use super::machine::{Evaluated, Machine, MachineBearing};
 use super::measurement::Site;
 use super::motion::{C, D, Motion, Transform};
-use super::parameter::{ForceSource, Unknown};
+use super::parameter::{CAGE_PHASE, ForceSource, Unknown};
 use ballrace::Displacement;
 use ballrace_base::parallel;
 use ballrace_plant::Plant;
@@ -167,10 +167,17 @@ struct MeanStiffness {
     damping: [f64; D],
 }
 
-/// Spectrum of the forces of each part of a machine, and their sum as a residual.
+/// Forces of a bearing on the rotor: sample by sample, and their spectra about the centre of mass.
+#[derive(Clone)]
+pub(crate) struct BearingForces {
+    samples: Arc<Vec<[f64; D]>>,
+    spectra: [Vec<C>; D],
+}
+
+/// Spectra of the forces of each part of a machine, and their sum as a residual.
 #[derive(Clone)]
 pub struct Spectra {
-    bearings: Vec<[Vec<C>; D]>,
+    bearings: Vec<BearingForces>,
     rotor: [Vec<C>; D],
     /// What errors of the readings that a machine has stand for; nothing without them.
     readings: [Vec<C>; D],
@@ -178,7 +185,7 @@ pub struct Spectra {
 
 impl Spectra {
     /// Returns the spectra with another force of one bearing.
-    pub fn replaced(&self, bearing: usize, force: [Vec<C>; D]) -> Self {
+    pub fn replaced(&self, bearing: usize, force: BearingForces) -> Self {
         let mut spectra = self.clone();
         spectra.bearings[bearing] = force;
         spectra
@@ -381,8 +388,10 @@ impl<'a> Evidence<'a> {
                 })
         };
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
-        let slope = |unknown: &Unknown| {
-            let mut slope = self.force_slope(spectra, machine, *unknown)?;
+        let force_slopes = self.force_slopes(spectra, machine, unknowns)?;
+        let with_force: Vec<(&Unknown, &[Vec<C>; D])> = unknowns.iter().zip(&force_slopes).collect();
+        let slope = |(unknown, force_slope): &(&Unknown, &[Vec<C>; D])| {
+            let mut slope = (*force_slope).clone();
             if unknown.parameter.changes_stiffness {
                 let mut other = machine.clone();
                 let h = unknown.parameter.step;
@@ -396,7 +405,7 @@ impl<'a> Evidence<'a> {
             }
             Ok(whitened(&whitening, &slope))
         };
-        parallel::map(unknowns, slope).into_iter().collect()
+        parallel::map(&with_force, slope).into_iter().collect()
     }
 
     /// Adds the force that another mean stiffness requires for the part of the displacement that the filter removed.
@@ -416,25 +425,24 @@ impl<'a> Evidence<'a> {
         Ok(Spectra { bearings, rotor: self.rotor(machine), readings: self.readings(&machine.readings) })
     }
 
+    /// Returns a force at bearing `b` with its spectra.
+    pub(crate) fn at_bearing(&self, b: usize, samples: Vec<[f64; D]>) -> BearingForces {
+        BearingForces { spectra: self.about_centre(b, |t| samples[t]), samples: Arc::new(samples) }
+    }
+
     /// Returns the spectra of a force at bearing `b`, sample by sample, as one about the centre of mass.
-    pub(crate) fn about_centre(&self, b: usize, of: &dyn Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
-        let mut sum: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
+    fn about_centre(&self, b: usize, of: impl Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
+        let mut sum = self.no_force();
         self.shaft.dynamics.add(b, &self.transform.five(0, of), &mut sum);
         sum
     }
 
-    fn bearing(&self, machine: &Machine, i: usize) -> Result<[Vec<C>; D]> {
-        let evaluated = self.evaluated(machine, i)?;
-        let forces = evaluated.forces(&self.motion);
-        let mut spectra = self.transform.five(0, |t| forces[t]);
-        if let Some(pulses) = evaluated.pulses(&self.motion) {
-            for (sum, part) in spectra.iter_mut().zip(self.transform.five_fine(&pulses)) {
-                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-            }
-        }
-        let mut about_centre: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); spectra[0].len()]);
-        self.shaft.dynamics.add(i, &spectra, &mut about_centre);
-        Ok(about_centre)
+    fn no_force(&self) -> [Vec<C>; D] {
+        std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()])
+    }
+
+    fn bearing(&self, machine: &Machine, i: usize) -> Result<BearingForces> {
+        Ok(self.at_bearing(i, self.evaluated(machine, i)?.all_forces(&self.motion)))
     }
 
     /// Returns load and unbalance, and the force that inertia and damping of the rotor's motion require with the opposite sign.
@@ -479,10 +487,8 @@ impl<'a> Evidence<'a> {
             }
         }
         for bearing in &spectra.bearings {
-            for (sum, part) in sum.iter_mut().zip(bearing) {
-                for (sum, part) in sum.iter_mut().zip(part) {
-                    *sum += part;
-                }
+            for (sum, part) in sum.iter_mut().zip(&bearing.spectra) {
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
             }
         }
         sum
@@ -524,8 +530,7 @@ impl<'a> Evidence<'a> {
     pub(crate) fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
         let left = self.left_by_baseline();
-        let slope = |u: &Unknown| self.slope(spectra, machine, *u);
-        let mut slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
+        let mut slopes = self.slopes(spectra, machine, unknowns)?;
         for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
             let reference = self.tolerated(reference.clone());
             slope.iter_mut().zip(reference).for_each(|(slope, x)| *slope -= x);
@@ -552,9 +557,43 @@ impl<'a> Evidence<'a> {
         (unknown.parameter.longest_step)(elements as f64, turns)
     }
 
-    /// Returns the change of the residual by one unknown.
-    pub fn slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<Vec<f64>> {
-        Ok(self.at_probes(&self.force_slope(spectra, machine, unknown)?))
+    /// Returns the change of the residual by each unknown.
+    pub fn slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
+        let slopes = self.force_slopes(spectra, machine, unknowns)?;
+        Ok(parallel::map(&slopes, |slope| self.at_probes(slope)))
+    }
+
+    /// Returns the change of the unexplained force by each unknown.
+    fn force_slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<[Vec<C>; D]>> {
+        let turned: Vec<usize> = (0..machine.bearings.len())
+            .filter(|b| unknowns.iter().any(|u| u.turns_cage().is_some() && u.bearing == *b))
+            .collect();
+        let by_angle = |b: &usize| Ok((*b, self.change_by_cage_angle(spectra, machine, *b)?));
+        let by_angle: Vec<(usize, Vec<[f64; D]>)> =
+            parallel::map(&turned, by_angle).into_iter().collect::<Result<_>>()?;
+        let slope = |u: &Unknown| {
+            let changes = by_angle.iter().find(|(b, _)| *b == u.bearing);
+            let (Some(turns), Some((b, changes))) = (u.turns_cage(), changes) else {
+                return self.force_slope(spectra, machine, *u);
+            };
+            let rolling = self.plant.bearings[*b].kinematics.cage_ratio;
+            let slope = |t: usize| {
+                let turned = turns(rolling, self.motion.turns[t], &self.motion);
+                changes[t].map(|x| x * turned)
+            };
+            Ok(self.about_centre(*b, slope))
+        };
+        parallel::map(unknowns, slope).into_iter().collect()
+    }
+
+    /// Returns the change of the force of a bearing per revolution of its cage at every sample: angle, slip and drift of the cage all turn it.
+    fn change_by_cage_angle(&self, spectra: &Spectra, machine: &Machine, b: usize) -> Result<Vec<[f64; D]>> {
+        let mut turned = machine.bearings[b].clone();
+        let step = CAGE_PHASE.step;
+        turned.cage.phase += step;
+        let after = self.evaluated_as(machine, b, &turned)?.all_forces(&self.motion);
+        let before = spectra.bearings[b].samples.iter();
+        Ok(after.iter().zip(before).map(|(a, b)| std::array::from_fn(|i| (a[i] - b[i]) / step)).collect())
     }
 
     fn force_slope(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<[Vec<C>; D]> {
@@ -562,18 +601,18 @@ impl<'a> Evidence<'a> {
         let h = unknown.parameter.step;
         unknown.set(&mut other, unknown.get(machine) + h);
         let changed = self.changed(spectra, &other, unknown.part())?;
-        let mut difference: [Vec<C>; D] = Default::default();
-        let pairs = changed.bearings.iter().zip(&spectra.bearings);
+        let pair = |i: usize| (&changed.bearings[i].spectra, &spectra.bearings[i].spectra);
+        let rotor = (&changed.rotor, &spectra.rotor);
         let all = match unknown.part() {
-            ForceSource::Bearing(i) => vec![(&changed.bearings[i], &spectra.bearings[i])],
+            ForceSource::Bearing(i) => vec![pair(i)],
             ForceSource::Rotor if self.shaft.dynamics.is_elastic() => {
-                pairs.chain(std::iter::once((&changed.rotor, &spectra.rotor))).collect()
+                (0..spectra.bearings.len()).map(pair).chain([rotor]).collect()
             }
-            ForceSource::Rotor => vec![(&changed.rotor, &spectra.rotor)],
+            ForceSource::Rotor => vec![rotor],
             ForceSource::Readings => vec![(&changed.readings, &spectra.readings)],
         };
+        let mut difference = self.no_force();
         for (i, difference) in difference.iter_mut().enumerate() {
-            *difference = vec![C::new(0.0, 0.0); self.transform.lines.len()];
             for (after, before) in &all {
                 let parts = after[i].iter().zip(&before[i]);
                 difference.iter_mut().zip(parts).for_each(|(d, (a, b))| *d += (a - b) / h);

@@ -32,7 +32,7 @@ pub const EXPECTED: f64 = 0.5;
 impl Candidate {
     /// Returns the unknowns without those of the cages.
     pub(crate) fn own_unknowns(&self) -> Vec<Unknown> {
-        self.unknowns.iter().copied().filter(|unknown| !unknown.is_of_cage()).collect()
+        self.unknowns.iter().copied().filter(|unknown| unknown.turns_cage().is_none()).collect()
     }
 
     /// Returns the best of the first starts; `None` if none is near enough to the recording (see [`FAR`]).
@@ -151,8 +151,7 @@ impl<'a, 'b> Search<'a, 'b> {
 
 /// Returns the machine after a step of linear least squares in `unknowns` from a machine with the residual of `now`, with its fall of chi-squared.
 fn linear_step((e, now, from): (&Evidence, &Fitted, &Machine), unknowns: &[Unknown]) -> Result<(f64, Machine)> {
-    let slope = |u: &Unknown| e.slope(&now.spectra, from, *u);
-    let slopes = parallel::map(unknowns, slope).into_iter().collect::<Result<Vec<_>>>()?;
+    let slopes = e.slopes(&now.spectra, from, unknowns)?;
     let n = slopes.len();
     let normal = DMatrix::from_fn(n, n, |i, j| dot(&slopes[i], &slopes[j]));
     let right = DVector::from_fn(n, |i, _| -dot(&slopes[i], &now.residual));

@@ -22,15 +22,7 @@ static AZIMUTH: Parameter = Parameter {
     changes_stiffness: false,
     access: Access::Bearing {
         get: |bearing, d| bearing.scene.defect[d].azimuth,
-        set: |bearing, d, x| {
-            let spall = &mut bearing.scene.defect[d];
-            let moved = x - spall.azimuth;
-            spall.azimuth = x;
-            // The cage turns with the only spall on a race, so that the balls pass the spall at the same times.
-            if bearing.scene.defect.len() == 1 && !matches!(bearing.scene.defect[0].surface, Surface::Ball(_)) {
-                bearing.cage.phase += moved / TAU;
-            }
-        },
+        set: |bearing, d, x| bearing.scene.defect[d].azimuth = x,
     },
 };
 

@@ -71,17 +71,12 @@ impl Evidence<'_> {
     }
 }
 
-/// Returns the axial force of the spalls of all bearings, the mean over the sample period about each sample; empty without spalls.
+/// Returns the axial force of the spalls of all bearings at every sample; empty without spalls.
 fn axial_pulses(bearings: &[Evaluated], motion: &Motion) -> Vec<f64> {
     let mut sums = vec![];
     for pulses in bearings.iter().filter_map(|bearing| bearing.pulses(motion)) {
-        let per_sample = pulses.len() / motion.len();
         sums.resize(motion.len(), 0.0);
-        for (t, sum) in sums.iter_mut().enumerate() {
-            let from = (t * per_sample).saturating_sub(per_sample / 2);
-            let about = &pulses[from..(from + per_sample).min(pulses.len())];
-            *sum += about.iter().map(|pulse| pulse[2]).sum::<f64>() / per_sample as f64;
-        }
+        sums.iter_mut().zip(pulses).for_each(|(sum, pulse)| *sum += pulse[2]);
     }
     sums
 }
