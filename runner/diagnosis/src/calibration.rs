@@ -2,7 +2,7 @@
 
 use super::cage::SLIPS;
 use super::faults::{CLEARANCE, COUPLE, LEAST_COUPLE, UNBALANCE};
-use super::fit::{Fitted, MODEL_ERROR, Prior, changed, evaluate, fit_whole};
+use super::fit::{Fitted, Limits, MODEL_ERROR, Prior, changed, evaluate, fit_whole};
 use super::machine::Machine;
 use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
@@ -299,7 +299,7 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
         unknown.set(&mut machine, prior.mean_of(*unknown));
     }
     let unknowns: Vec<Unknown> = fitted.unknowns.iter().filter(|unknown| !vague.contains(unknown)).copied().collect();
-    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, (2 * ITERATIONS, end))
+    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })
 }
 
 /// Adds the lines of an earlier recording of the sound machine: it may show either.
@@ -347,7 +347,7 @@ pub(super) fn calibrate(
         let before = now.chi_square;
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !unknown.is(&MODULUS));
-        now = fit_whole(&of.evidence, &now, &unknowns, &loose, (ITERATIONS, end))?;
+        now = fit_whole(&of.evidence, &now, &unknowns, &loose, Limits { end, ..Limits::iterations(ITERATIONS) })?;
         of.remeasure(&now.machine)?;
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
@@ -367,7 +367,7 @@ pub(super) fn calibrate(
         has_modulus |= fall < SETTLED * excess;
     }
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
-    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, (2 * ITERATIONS, end))?;
+    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })?;
     let now = with_known_damping(&of.evidence, fitted, &prior, end)?;
     let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
         (Some(limit), _) => Some(format!(

@@ -78,6 +78,9 @@ pub(crate) const MODEL_ERROR: f64 = 0.03;
 pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
 const MIN_SHARE: f64 = 1e-3;
+/// Falls as large as the last one within which a fit comes close to its minimum, after its first steps.
+const AHEAD: f64 = 10.0;
+const SETTLING: usize = 2;
 /// Dampings tried in a step.
 const DAMPINGS: usize = 6;
 
@@ -163,20 +166,40 @@ impl Weights {
     }
 }
 
-/// Fits `unknowns` from `start`.
-pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), (iterations, None))
+/// End of a fit before its minimum.
+#[derive(Clone, Copy)]
+pub(crate) struct Limits {
+    pub iterations: usize,
+    pub end: Option<Instant>,
+    /// A fit that would need more than [`AHEAD`] further falls as large as the last one to come below it ends.
+    pub target: f64,
 }
 
-/// Fits `unknowns` with a prior of some of them, in the weights of each machine tried, in at most `iterations` and until `end`.
+impl Limits {
+    pub const fn iterations(iterations: usize) -> Self {
+        Self { iterations, end: None, target: f64::INFINITY }
+    }
+}
+
+/// Fits `unknowns` from `start`.
+pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize) -> Result<Fitted> {
+    fit_within(e, start, unknowns, Limits::iterations(iterations))
+}
+
+/// Fits `unknowns` from `start` within limits.
+pub(crate) fn fit_within(e: &Evidence, start: &Fitted, unknowns: &[Unknown], limits: Limits) -> Result<Fitted> {
+    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), limits)
+}
+
+/// Fits `unknowns` with a prior of some of them, in the weights of each machine tried.
 pub(crate) fn fit_whole(
     e: &Evidence,
     start: &Fitted,
     unknowns: &[Unknown],
     prior: &Prior,
-    (iterations, end): (usize, Option<Instant>),
+    limits: Limits,
 ) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), (iterations, end))
+    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), limits)
 }
 
 fn levenberg_marquardt(
@@ -184,7 +207,7 @@ fn levenberg_marquardt(
     start: &Fitted,
     unknowns: &[Unknown],
     (weights, prior): (Weights, Option<&Prior>),
-    (iterations, end): (usize, Option<Instant>),
+    Limits { iterations, end, target }: Limits,
 ) -> Result<Fitted> {
     let n = unknowns.len();
     if n == 0 {
@@ -201,7 +224,7 @@ fn levenberg_marquardt(
     let mut inverse = DMatrix::zeros(n, n);
     let mut slopes = weights.slopes(e, &now, unknowns)?;
     let mut is_exact = true;
-    for _ in 0..iterations {
+    for i in 0..iterations {
         if end.is_some_and(|end| Instant::now() > end) {
             break;
         }
@@ -228,6 +251,9 @@ fn levenberg_marquardt(
             update(&mut slopes, &system.scale, &now, &next, unknowns);
             now = Fitted { unknowns: unknowns.to_vec(), ..next };
         } else if is_exact {
+            break;
+        }
+        if i >= SETTLING && fall > 0.0 && objective(&now) - AHEAD * fall > target {
             break;
         }
         // While the excess of chi-squared is large, a fall by a small share of it is not significant.

@@ -2,7 +2,7 @@
 
 use super::cage::SLIPS;
 use super::faults::AnyFault;
-use super::faults::candidates::{Candidate, EXPECTED, FAR, Search};
+use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
@@ -101,6 +101,8 @@ pub(crate) const MIN_GAIN: f64 = 100.0;
 /// Relative error of the force of a fault in the model, twice that of the stiffness of the bearings. A candidate that is off by so
 /// much leaves its square of the gain, so that smaller differences of chi-squared do not decide between candidates.
 const FORCE_ERROR: f64 = 0.01;
+/// Standard deviations of the chi-squared of noise below its mean that a fit of the true machine does not leave.
+const FEWER_THAN_NOISE: f64 = 5.0;
 /// Share of the largest gain from which an error of a reading is taken before a fault.
 const MEASURED: f64 = 0.7;
 /// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
@@ -130,6 +132,10 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             break;
         }
         let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(&faults));
+        // A further fault of this gain would leave less than noise does.
+        if now.chi_square - least < values - FEWER_THAN_NOISE * (2.0 * values).sqrt() {
+            break;
+        }
         let cages = cage::unknowns(&of.observable, &now.machine);
         let moved = of.shifted.as_ref().map(|e| evaluate(e, &now.machine)).transpose()?;
         let shifted = match (&of.shifted, &moved) {
@@ -142,7 +148,6 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let Some(top) = list.iter().find(is_new).map(|c| c.gain) else { break };
         let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
         let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(is_new).partition(is_likely);
-        let mut tried = scored_all(of, (&now, shifted), likely.into_iter().take(FITTED.0), SEARCHED)?;
         // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise. The lines of a sound
         // surface change from one recording to the next, those of one error of the model together.
         let spread = if of.site.is_some() { (2.0 * values).sqrt() } else { 0.0 };
@@ -156,13 +161,24 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
                 && identified.explains_motion
                 && identified.fault.exceeds_tolerance(&of.evidence, &now, &identified.fitted)
         };
+        // Where the likeliest candidate explains the recording, the others are fitted as far as they compete with it.
+        let mut likely = likely.into_iter().take(FITTED.0);
+        let alone = Competition { searched: 1, top, explained: None };
+        let mut tried = scored_all(of, (&now, shifted), likely.next().into_iter(), alone)?;
+        let explains = |scored: &&Scored| scored.identified.fitted.chi_square < (1.0 + MODEL_ERROR) * values;
+        let explained = tried.iter().filter(is_fault).find(explains);
+        let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
+        let beside = Competition { searched: SEARCHED - 1, explained, ..alone };
+        tried.extend(scored_all(of, (&now, shifted), likely, beside)?);
         let best = tried.iter().filter(is_fault).map(|scored| scored.identified.gain).fold(0.0, f64::max);
         if best < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * first_excess) {
             // The gain before the fit shows little of a candidate that changes the stiffness or starts far from its best.
             let (nonlinear, others): (Vec<&Candidate>, Vec<&Candidate>) =
                 others.into_iter().partition(|c| c.fault.is_nonlinear());
             let further = nonlinear.into_iter().chain(others.into_iter().take(FURTHER));
-            tried.extend(scored_all(of, (&now, shifted), further, 1)?);
+            let further_top = further.clone().map(|candidate| candidate.gain).fold(0.0, f64::max);
+            let alone = Competition { top: further_top, ..alone };
+            tried.extend(scored_all(of, (&now, shifted), further, alone)?);
         }
         tried.retain(|scored| is_fault(&scored));
         // What a probe may have measured accuses no bearing.
@@ -223,26 +239,47 @@ fn left_by_model(faults: &[IdentifiedFault]) -> f64 {
     faults.iter().map(|one| one.fault.force_error() * one.fault.force_error() * one.gain).sum()
 }
 
-/// Fits candidates and scores them; the cages are searched again for those that fit best.
+/// Candidates that are fitted together, and what they compete with.
+#[derive(Clone, Copy)]
+struct Competition {
+    /// Candidates for which the cages are searched again: those that fit best.
+    searched: usize,
+    /// Largest fall of chi-squared expected of a candidate.
+    top: f64,
+    /// Chi-squared and gain of a candidate that explains the recording.
+    explained: Option<[f64; 2]>,
+}
+
+impl Competition {
+    fn extent(&self, of: &Prepared, candidate: &Candidate) -> Extent {
+        let is_likely = self.explained.is_none() && candidate.gain > EXPECTED * self.top;
+        let Some([chi_square, gain]) = self.explained.filter(|_| !candidate.fault.is_of_measurement()) else {
+            return Extent { is_likely, target: f64::INFINITY };
+        };
+        let near = (force_error(of) * force_error(of) + candidate.fault.nearly()) * gain;
+        Extent { is_likely, target: chi_square + near + MIN_GAIN }
+    }
+}
+
+/// Fits candidates and scores them.
 fn scored_all<'a, 'b>(
     of: &Prepared<'a>,
     (now, shifted): (&Fitted, (&Evidence<'a>, &Fitted)),
     candidates: impl Iterator<Item = &'b Candidate>,
-    searched: usize,
+    competition: Competition,
 ) -> Result<Vec<Scored<'a>>> {
     let candidates: Vec<&Candidate> = candidates.collect();
-    let top = candidates.iter().map(|candidate| candidate.gain).fold(0.0, f64::max);
     let fit = |candidate: &&'b Candidate| -> Result<Option<(&'b Candidate, Fitted)>> {
-        let is_likely = candidate.gain > EXPECTED * top;
         let (e, now) = if candidate.fault.moves_shaft() { shifted } else { (&of.evidence, now) };
-        Ok(candidate.fault.fit(e, candidate, now, is_likely)?.map(|fitted| (*candidate, fitted)))
+        let fitted = candidate.fault.fit(e, candidate, now, competition.extent(of, candidate))?;
+        Ok(fitted.map(|fitted| (*candidate, fitted)))
     };
     let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
     let mut fits: Vec<(&Candidate, Fitted)> = fits.into_iter().flatten().collect();
     fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
     let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
     let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-        scored(of, now, candidate, fitted, *rank < searched)
+        scored(of, now, candidate, fitted, *rank < competition.searched)
     };
     parallel::map(&ranked, score).into_iter().collect()
 }

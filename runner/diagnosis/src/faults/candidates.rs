@@ -2,7 +2,7 @@
 
 use super::super::Result;
 use super::super::cage::SLIPS;
-use super::super::fit::{Fitted, changed, square};
+use super::super::fit::{Fitted, Limits, changed, square};
 use super::super::machine::Machine;
 use super::super::parameter::{ForceSource, Unknown, union};
 use super::super::residual::{Evidence, dot};
@@ -19,6 +19,21 @@ pub struct Candidate {
     /// Machines to start a fit from; further ones than [`STARTS`] are tried if these lead nowhere.
     pub starts: Vec<Machine>,
     pub unknowns: Vec<Unknown>,
+}
+
+/// How far a candidate is fitted.
+#[derive(Clone, Copy)]
+pub struct Extent {
+    /// Much is expected of the candidate, so that further starts are worth their time.
+    pub is_likely: bool,
+    /// Chi-squared from which on it competes with others.
+    pub target: f64,
+}
+
+impl Extent {
+    pub(crate) fn limits(self, iterations: usize) -> Limits {
+        Limits { target: self.target, ..Limits::iterations(iterations) }
+    }
 }
 
 /// Largest ratio of the chi-squared of a start to the chi-squared before, for which a fit is started.

@@ -20,13 +20,13 @@ pub use unbalance::{COUPLE, LEAST_COUPLE, UNBALANCE};
 use super::Result;
 use super::estimates::Estimates;
 use super::fault_figures::Contrast;
-use super::fit::{Fitted, fit};
+use super::fit::{Fitted, fit_within};
 use super::machine::Machine;
 use super::residual::Evidence;
 use super::surface::Component;
 use ballrace_outcome::{FaultFigures, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
-use candidates::{Candidate, Search};
+use candidates::{Candidate, Extent, Search};
 use std::ops::Deref;
 
 /// A fault that a machine may have: departure from the healthy machine with unknowns that are fitted to a recording.
@@ -39,10 +39,10 @@ pub trait Fault {
     /// Returns the fault with its unknowns and the machines from which its fit starts; `None` if the recording shows none.
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>>;
 
-    /// Fits a candidate of this fault to the recording; `None` if no start is near enough. `now` is the machine without it; `is_likely` is
-    /// true for a candidate of which much is expected.
-    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, _is_likely: bool) -> Result<Option<Fitted>> {
-        candidate.near_start(e, now)?.map(|start| fit(e, &start, &candidate.own_unknowns(), 8)).transpose()
+    /// Fits a candidate of this fault to the recording; `None` if no start is near enough. `now` is the machine without it.
+    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, extent: Extent) -> Result<Option<Fitted>> {
+        let fitted = |start| fit_within(e, &start, &candidate.own_unknowns(), extent.limits(8));
+        candidate.near_start(e, now)?.map(fitted).transpose()
     }
 
     /// Removes the fault from a machine, which becomes as it was `before` in that respect.

@@ -3,12 +3,12 @@
 use super::super::Result;
 use super::super::estimates::{Estimates, described, not_negative};
 use super::super::fault_figures::Contrast;
-use super::super::fit::{Fitted, fit};
+use super::super::fit::{Fitted, fit_within};
 use super::super::machine::Machine;
 use super::super::parameter::{Access, CAGE_PHASE, CAGE_SLIP, Parameter, SPIN_SLIP};
 use super::super::residual::Evidence;
 use super::super::surface::{Component, Family, SpallGuess, spall};
-use super::candidates::{Candidate, EXPECTED, STARTS, Search, closest, evaluated};
+use super::candidates::{Candidate, EXPECTED, Extent, STARTS, Search, closest, evaluated};
 use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultFigures, FaultForm, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
@@ -104,11 +104,11 @@ impl Fault for Spall {
     }
 
     /// A likely spall is fitted from further starts, however far, if the first ones lead nowhere.
-    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, is_likely: bool) -> Result<Option<Fitted>> {
-        let fitted_from = |start: &Fitted| fit(e, start, &candidate.unknowns, 30);
+    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, extent: Extent) -> Result<Option<Fitted>> {
+        let fitted_from = |start: &Fitted| fit_within(e, start, &candidate.unknowns, extent.limits(30));
         let first = candidate.near_start(e, now)?.as_ref().map(fitted_from).transpose()?;
         let gain = first.as_ref().map_or(0.0, |fitted| now.chi_square - fitted.chi_square);
-        if !is_likely || gain > EXPECTED * candidate.gain {
+        if !extent.is_likely || gain > EXPECTED * candidate.gain {
             return Ok(first);
         }
         // The fit ended in another minimum than that of the linear search.

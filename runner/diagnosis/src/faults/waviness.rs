@@ -2,13 +2,13 @@
 
 use super::super::Result;
 use super::super::estimates::{Estimates, described_size};
-use super::super::fit::{Fitted, fit};
+use super::super::fit::{Fitted, fit_within};
 use super::super::machine::Machine;
 use super::super::parameter::{Access, CAGE_SLIP, LINEAR, Parameter, SPIN_SLIP, Unknown};
 use super::super::residual::Evidence;
 use super::super::residual::site::sound_wave;
 use super::super::surface::Component;
-use super::candidates::{Candidate, Search};
+use super::candidates::{Candidate, Extent, Search};
 use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultForm, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
@@ -93,10 +93,10 @@ impl Fault for Waviness {
     }
 
     /// The amplitudes are fitted before the angles of the cages.
-    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, _: bool) -> Result<Option<Fitted>> {
+    fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, extent: Extent) -> Result<Option<Fitted>> {
         let Some(start) = candidate.near_start(e, now)? else { return Ok(None) };
-        let first = fit(e, &start, &candidate.own_unknowns(), 8)?;
-        fit(e, &first, &candidate.unknowns, 10).map(Some)
+        let first = fit_within(e, &start, &candidate.own_unknowns(), extent.limits(8))?;
+        fit_within(e, &first, &candidate.unknowns, extent.limits(10)).map(Some)
     }
 
     fn remove(&self, machine: &mut Machine, _: &Machine) {
