@@ -299,7 +299,13 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
         unknown.set(&mut machine, prior.mean_of(*unknown));
     }
     let unknowns: Vec<Unknown> = fitted.unknowns.iter().filter(|unknown| !vague.contains(unknown)).copied().collect();
-    fit_whole(e, &changed(e, &fitted, &machine)?, &unknowns, prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })
+    fit_whole(
+        e,
+        &changed(e, &fitted, &machine)?,
+        &unknowns,
+        prior,
+        Limits { end, ..Limits::iterations(2 * ITERATIONS) },
+    )
 }
 
 /// Adds the lines of an earlier recording of the sound machine: it may show either.
@@ -367,7 +373,8 @@ pub(super) fn calibrate(
         has_modulus |= fall < SETTLED * excess;
     }
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
-    let fitted = fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })?;
+    let fitted =
+        fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })?;
     let now = with_known_damping(&of.evidence, fitted, &prior, end)?;
     let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
         (Some(limit), _) => Some(format!(

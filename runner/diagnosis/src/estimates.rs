@@ -3,9 +3,10 @@
 use super::Result;
 use super::fit::{Fitted, changed, fit};
 use super::parameter::Unknown;
+use super::residual::Evidence;
 use super::residual::site::GAIN_ERROR;
-use super::residual::{Evidence, dot};
 use super::surface::Component;
+use ballrace_base::least_squares::dot;
 use ballrace_outcome::Estimate;
 use ballrace_scene::RotationSource;
 use nalgebra::DVector;

@@ -1,9 +1,10 @@
-//! Maximum-likelihood fit of a few unknowns of a machine: Levenberg-Marquardt on the residual at the probes.
+//! Maximum-likelihood fit of a few unknowns of a machine to the residual at the probes.
 
-use super::Result;
 use super::machine::Machine;
 use super::parameter::{ForceSource, Unknown};
-use super::residual::{Evidence, Spectra, dot};
+use super::residual::{Evidence, Spectra};
+use super::{BuildError, Result};
+use ballrace_base::least_squares::{Problem, Progress, dot, minimise};
 use nalgebra::{DMatrix, DVector};
 use std::time::Instant;
 
@@ -81,8 +82,6 @@ const MIN_SHARE: f64 = 1e-3;
 /// Falls as large as the last one within which a fit comes close to its minimum, after its first steps.
 const AHEAD: f64 = 10.0;
 const SETTLING: usize = 2;
-/// Dampings tried in a step.
-const DAMPINGS: usize = 6;
 
 /// A normal distribution of some unknowns, known before the recording.
 pub struct Prior {
@@ -141,31 +140,6 @@ enum Weights {
     Own,
 }
 
-impl Weights {
-    fn residual(self, e: &Evidence, machine: &Machine, spectra: &Spectra) -> Result<Vec<f64>> {
-        match self {
-            Self::Given => Ok(e.residual(spectra)),
-            Self::Own => e.own_residual(machine, spectra),
-        }
-    }
-
-    fn slopes(self, e: &Evidence, now: &Fitted, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
-        match self {
-            Self::Given => e.slopes(&now.spectra, &now.machine, unknowns),
-            Self::Own => e.own_slopes(&now.spectra, &now.machine, unknowns),
-        }
-    }
-
-    fn changed(self, e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitted> {
-        let mut next = changed(e, before, machine)?;
-        if self == Self::Own {
-            next.residual = e.own_residual(machine, &next.spectra)?;
-            next.chi_square = square(&next.residual);
-        }
-        Ok(next)
-    }
-}
-
 /// End of a fit before its minimum.
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
@@ -188,7 +162,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
 
 /// Fits `unknowns` from `start` within limits.
 pub(crate) fn fit_within(e: &Evidence, start: &Fitted, unknowns: &[Unknown], limits: Limits) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Given, None), limits)
+    Fit { e, unknowns, weights: Weights::Given, prior: None, limits }.from(start)
 }
 
 /// Fits `unknowns` with a prior of some of them, in the weights of each machine tried.
@@ -199,150 +173,93 @@ pub(crate) fn fit_whole(
     prior: &Prior,
     limits: Limits,
 ) -> Result<Fitted> {
-    levenberg_marquardt(e, start, unknowns, (Weights::Own, Some(prior)), limits)
-}
-
-fn levenberg_marquardt(
-    e: &Evidence,
-    start: &Fitted,
-    unknowns: &[Unknown],
-    (weights, prior): (Weights, Option<&Prior>),
-    Limits { iterations, end, target }: Limits,
-) -> Result<Fitted> {
-    let n = unknowns.len();
-    if n == 0 {
-        return evaluate(e, &start.machine);
-    }
-    let mut now = Fitted { unknowns: unknowns.to_vec(), ..start.clone() };
-    now.residual = weights.residual(e, &now.machine, &now.spectra)?;
-    now.chi_square = square(&now.residual);
+    let chi_square = square(&e.own_residual(&start.machine, &start.spectra)?);
     // A model that leaves more than noise is as far from the machine as if its noise were higher by that factor.
-    let inflation = (now.chi_square / now.residual.len().max(1) as f64).max(1.0);
-    let prior = prior.map(|prior| prior.times(inflation));
-    let objective = |of: &Fitted| of.chi_square + prior.as_ref().map_or(0.0, |prior| prior.chi_square(&of.machine));
-    let mut damping = 1e-4;
-    let mut inverse = DMatrix::zeros(n, n);
-    let mut slopes = weights.slopes(e, &now, unknowns)?;
-    let mut is_exact = true;
-    for i in 0..iterations {
-        if end.is_some_and(|end| Instant::now() > end) {
-            break;
-        }
-        let system = NormalEquations::new(e, &now, unknowns, &slopes, prior.as_ref());
-        inverse = system.inverse();
-        let mut improved = None;
-        for _ in 0..DAMPINGS {
-            let Some(machine) = system.step(e, &now.machine, unknowns, damping) else { break };
-            // A machine that cannot be built is rejected like one with a larger residual.
-            let next = weights.changed(e, &now, &machine).ok();
-            if let Some(next) = next.filter(|next| objective(next) < objective(&now)) {
-                improved = Some(next);
-                damping = (damping * 0.1).max(1e-9);
-                break;
-            }
-            if !is_exact {
-                break;
-            }
-            damping = (damping * 10.0).max(1e-6);
-        }
-        let mut fall = 0.0;
-        if let Some(next) = improved {
-            fall = objective(&now) - objective(&next);
-            update(&mut slopes, &system.scale, &now, &next, unknowns);
-            now = Fitted { unknowns: unknowns.to_vec(), ..next };
-        } else if is_exact {
-            break;
-        }
-        if i >= SETTLING && fall > 0.0 && objective(&now) - AHEAD * fall > target {
-            break;
-        }
-        // While the excess of chi-squared is large, a fall by a small share of it is not significant.
-        let least = MIN_FALL + MIN_SHARE * (now.chi_square - now.residual.len() as f64).max(0.0);
-        if fall >= least {
-            is_exact = false;
-            continue;
-        }
-        if is_exact {
-            break;
-        }
-        // A step with updated slopes may be short far from the minimum.
-        slopes = weights.slopes(e, &now, unknowns)?;
-        is_exact = true;
-    }
-    now.covariance = inverse;
-    Ok(now)
+    let inflation = (chi_square / start.residual.len().max(1) as f64).max(1.0);
+    Fit { e, unknowns, weights: Weights::Own, prior: Some(prior.times(inflation)), limits }.from(start)
 }
 
-/// Corrects the slopes from the last step by Broyden's update, in unknowns scaled to equal slopes. It replaces an evaluation of the
-/// machine for each unknown.
-fn update(slopes: &mut [Vec<f64>], scale: &[f64], before: &Fitted, after: &Fitted, unknowns: &[Unknown]) {
-    let step: Vec<f64> = unknowns.iter().map(|u| u.get(&after.machine) - u.get(&before.machine)).collect();
-    let square: f64 = step.iter().zip(scale).map(|(x, scale)| (scale * x).powi(2)).sum();
-    if square <= 0.0 {
-        return;
+/// Fit of some unknowns of a machine to a recording.
+struct Fit<'a, 'b> {
+    e: &'a Evidence<'b>,
+    unknowns: &'a [Unknown],
+    weights: Weights,
+    prior: Option<Prior>,
+    limits: Limits,
+}
+
+impl Fit<'_, '_> {
+    fn from(&self, start: &Fitted) -> Result<Fitted> {
+        if self.unknowns.is_empty() {
+            return evaluate(self.e, &start.machine);
+        }
+        let start = self.weighted(Fitted { unknowns: self.unknowns.to_vec(), ..start.clone() })?;
+        let found = minimise(self, start, self.limits.iterations)?;
+        Ok(Fitted { covariance: found.covariance, ..found.point })
     }
-    let mut error: Vec<f64> =
-        after.residual.iter().zip(&before.residual).map(|(after, before)| after - before).collect();
-    for (slope, x) in slopes.iter().zip(&step) {
-        error.iter_mut().zip(slope).for_each(|(error, slope)| *error -= slope * x);
-    }
-    for ((slope, x), scale) in slopes.iter_mut().zip(&step).zip(scale) {
-        let share = scale * scale * x / square;
-        slope.iter_mut().zip(&error).for_each(|(slope, error)| *slope += share * error);
+
+    /// Returns a machine with its residual in the weights of this fit.
+    fn weighted(&self, of: Fitted) -> Result<Fitted> {
+        let residual = match self.weights {
+            Weights::Given => self.e.residual(&of.spectra),
+            Weights::Own => self.e.own_residual(&of.machine, &of.spectra)?,
+        };
+        Ok(Fitted { chi_square: square(&residual), residual, ..of })
     }
 }
 
-/// Normal equations of a step, scaled to a unit diagonal.
-struct NormalEquations {
-    matrix: DMatrix<f64>,
-    gradient: DVector<f64>,
-    scale: Vec<f64>,
-}
+impl Problem for Fit<'_, '_> {
+    type Point = Fitted;
+    type Error = BuildError;
 
-impl NormalEquations {
-    fn new(e: &Evidence, now: &Fitted, unknowns: &[Unknown], slopes: &[Vec<f64>], prior: Option<&Prior>) -> Self {
-        let n = unknowns.len();
-        let mut normal = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
-        for i in 0..n {
-            for j in 0..i {
-                normal[(i, j)] = normal[(j, i)];
-            }
+    fn unknowns(&self, at: &Fitted) -> Vec<f64> {
+        self.unknowns.iter().map(|unknown| unknown.get(&at.machine)).collect()
+    }
+
+    fn residuals<'p>(&self, at: &'p Fitted) -> &'p [f64] {
+        &at.residual
+    }
+
+    fn slopes(&self, at: &Fitted, _: Progress) -> Result<Vec<Vec<f64>>> {
+        match self.weights {
+            Weights::Given => self.e.slopes(&at.spectra, &at.machine, self.unknowns),
+            Weights::Own => self.e.own_slopes(&at.spectra, &at.machine, self.unknowns),
         }
+    }
+
+    /// The parameters are set to the nearest values within their bounds.
+    fn moved(&self, from: &Fitted, unknowns: &[f64]) -> Result<Fitted> {
+        let mut machine = from.machine.clone();
+        self.unknowns.iter().zip(unknowns).for_each(|(unknown, x)| unknown.set(&mut machine, *x));
+        let next = changed(self.e, from, &machine)?;
+        if self.weights == Weights::Own { self.weighted(next) } else { Ok(next) }
+    }
+
+    fn longest_step(&self, unknown: usize) -> f64 {
+        self.e.longest_step(self.unknowns[unknown])
+    }
+
+    fn prior_square(&self, at: &Fitted) -> f64 {
+        self.prior.as_ref().map_or(0.0, |prior| prior.chi_square(&at.machine))
+    }
+
+    fn add_prior(&self, at: &Fitted, normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>) {
         // An unknown that the recording does not determine keeps its value.
-        for (i, u) in unknowns.iter().enumerate() {
-            normal[(i, i)] += e.longest_step(*u).powi(-2);
+        for (i, unknown) in self.unknowns.iter().enumerate() {
+            normal[(i, i)] += self.e.longest_step(*unknown).powi(-2);
         }
-        let mut gradient = DVector::from_fn(n, |i, _| dot(&slopes[i], &now.residual));
-        if let Some(prior) = prior {
-            prior.add(&now.machine, unknowns, &mut normal, &mut gradient);
+        if let Some(prior) = &self.prior {
+            prior.add(&at.machine, self.unknowns, normal, gradient);
         }
-        let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].max(1e-300).sqrt()).collect();
-        let matrix = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
-        Self { matrix, gradient: DVector::from_fn(n, |i, _| gradient[i] / scale[i]), scale }
     }
 
-    /// Returns the inverse of the normal matrix in the units of the unknowns.
-    fn inverse(&self) -> DMatrix<f64> {
-        let n = self.scale.len();
-        let inverse = self.matrix.clone().try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
-        let inverse = inverse.unwrap_or_else(|| DMatrix::identity(n, n));
-        DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (self.scale[i] * self.scale[j]))
+    /// While the excess of chi-squared is large, a fall by a small share of it is not significant.
+    fn least_fall(&self, at: &Fitted) -> f64 {
+        MIN_FALL + MIN_SHARE * (at.chi_square - at.residual.len() as f64).max(0.0)
     }
 
-    /// Returns the machine after a damped step of bounded length; `None` if the equations have no finite solution.
-    fn step(&self, e: &Evidence, from: &Machine, unknowns: &[Unknown], damping: f64) -> Option<Machine> {
-        let n = unknowns.len();
-        let step = (&self.matrix + DMatrix::identity(n, n) * damping).lu().solve(&self.gradient)?;
-        if !step.iter().all(|x| x.is_finite()) {
-            return None;
-        }
-        let length = |i: usize| step[i] / self.scale[i];
-        let excess = unknowns.iter().enumerate().map(|(i, u)| length(i).abs() / e.longest_step(*u));
-        let shorten = 1.0 / excess.fold(1.0, f64::max);
-        let mut machine = from.clone();
-        for (i, u) in unknowns.iter().enumerate() {
-            u.set(&mut machine, u.get(from) - shorten * length(i));
-        }
-        Some(machine)
+    fn goes_on(&self, Progress { iterations, square, fall }: Progress) -> bool {
+        let is_hopeless = iterations > SETTLING && fall > 0.0 && square - AHEAD * fall > self.limits.target;
+        !is_hopeless && self.limits.end.is_none_or(|end| Instant::now() <= end)
     }
 }

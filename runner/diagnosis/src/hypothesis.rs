@@ -6,9 +6,10 @@ use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
+use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR};
-use super::residual::{Evidence, dot};
 use super::{Prepared, Result, cage};
+use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,9 +1,9 @@
 //! The machine under a hypothesis: the parameters that a diagnosis varies, and the forces that follow from them.
 
 use super::Result;
+use super::decimation::Decimation;
 use super::dynamics::{CouplingForce, Tangent};
 use super::measurement::{COEFFICIENTS, ReadingError};
-use super::decimation::Decimation;
 use super::motion::{D, Motion};
 use ballrace::bearing::Bearing as _;
 use ballrace::{BearingKinematicState, Displacement, Phase};

@@ -128,10 +128,7 @@ pub(crate) static CAGE_PHASE: Parameter = Parameter {
     step: 1e-6,
     longest_step: |elements, _| 0.1 / elements,
     changes_stiffness: false,
-    access: Access::Bearing {
-        get: |bearing, _| bearing.cage.phase,
-        set: |bearing, _, x| bearing.cage.phase = x,
-    },
+    access: Access::Bearing { get: |bearing, _| bearing.cage.phase, set: |bearing, _, x| bearing.cage.phase = x },
 };
 
 /// Cage speed below pure rolling.

@@ -12,6 +12,7 @@ use super::measurement::Site;
 use super::motion::{C, D, Motion, Transform};
 use super::parameter::{CAGE_PHASE, ForceSource, Unknown};
 use ballrace::Displacement;
+use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use ballrace_plant::Plant;
 use ballrace_plant::probes::PoseSolver;
@@ -634,18 +635,4 @@ fn whitened(whitening: &[Vec<[C; D]>], force: &[Vec<C>; D]) -> Vec<f64> {
         }
     }
     out
-}
-
-/// Returns the scalar product of two series of equal length.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight independent sums allow vectorisation.
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in a8.zip(b8) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    rest + sums.iter().sum::<f64>()
 }

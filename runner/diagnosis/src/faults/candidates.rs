@@ -5,9 +5,10 @@ use super::super::cage::SLIPS;
 use super::super::fit::{Fitted, Limits, changed, square};
 use super::super::machine::Machine;
 use super::super::parameter::{ForceSource, Unknown, union};
-use super::super::residual::{Evidence, dot};
+use super::super::residual::Evidence;
 use super::super::surface::{Baseband, Compliance, Component, Family, best_family};
 use super::AnyFault;
+use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
 

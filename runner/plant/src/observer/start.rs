@@ -5,7 +5,7 @@ use super::{Gains, IdentificationData, InitialState, estimator};
 use crate::Plant;
 use crate::error::Result;
 use crate::probes::reading;
-use ballrace_base::least_squares;
+use ballrace_base::least_squares::{self, Limits};
 use nalgebra::{DMatrix, DVector};
 
 /// Number of samples in the fit.
@@ -13,13 +13,14 @@ const SAMPLES: usize = 1024;
 /// Numbers of samples in fits that each start from the one before, where the fit of all samples from the guess fails: over a few samples any
 /// motion is nearly linear in its first state, while a chaotic one over many is not.
 const FEW_FIRST: [usize; 6] = [32, 64, 128, 256, 512, SAMPLES];
+/// Samples over which the scene describes the machine before the fit of all samples is tried.
+const DESCRIBED: usize = 128;
 /// Mean square of the residual over the noise above which a fit has failed: as for an observer that is not trusted.
 const FAILED: f64 = 4.0;
 /// Prior standard deviations of the first state: m, m/s, and unknown loads over the weight of the rotor.
 const PRIOR: [f64; 4] = [50e-6, 50e-3, 1.0, 1.0];
-/// Relative fall of the sum of squares per iteration below which the fit ends: a fall of about 0.5 of the few thousand that noise alone
-/// leaves, which is not significant.
-const MIN_FALL: f64 = 1e-4;
+/// Fall of chi-squared per iteration below which the fit ends: it is not significant.
+const MIN_FALL: f64 = 0.5;
 
 /// Finds the state at the first sample, starting from `guess`.
 ///
@@ -70,23 +71,29 @@ pub fn start(plant: &Plant, data: &IdentificationData, noise: &[f64], guess: Ini
         left.extend_from_slice(x);
         Ok(left)
     };
-    let fit = |from: Vec<f64>, count: usize| least_squares::solve(from, &|x: &[f64]| residuals(x, count), MIN_FALL);
+    let limits = Limits::none(units.len(), MIN_FALL);
+    let fit = |from: &[f64], count: usize| -> Result<Vec<f64>> {
+        Ok(least_squares::solve(from, &limits, &|x: &[f64]| residuals(x, count), &|_| {})?.point.x)
+    };
     let is_good = |x: &[f64], count: usize| -> Result<bool> {
         let left = residuals(x, count)?;
         Ok(left.iter().map(|r| r * r).sum::<f64>() < FAILED * left.len() as f64)
     };
-    let all = fit(vec![0.0; units.len()], SAMPLES)?;
-    if is_good(&all, SAMPLES)? {
-        return Ok(at(&all));
-    }
+    let from_guess = |count: usize| fit(&vec![0.0; units.len()], count);
     let mut best: Option<Vec<f64>> = None;
     for count in FEW_FIRST {
-        let closer = fit(best.clone().unwrap_or_else(|| vec![0.0; units.len()]), count)?;
+        let closer = best.as_ref().map_or_else(|| from_guess(count), |best| fit(best, count))?;
         // A machine that the scene does not describe is followed no longer than this.
         if !is_good(&closer, count)? {
             break;
         }
         best = Some(closer);
+        if count == DESCRIBED {
+            let all = from_guess(SAMPLES)?;
+            if is_good(&all, SAMPLES)? {
+                return Ok(at(&all));
+            }
+        }
     }
-    Ok(at(&best.unwrap_or(all)))
+    Ok(at(&best.map_or_else(|| from_guess(SAMPLES), Ok)?))
 }

@@ -1,8 +1,7 @@
 //! Uncertainty of the estimates: covariance of the unknowns, with correlated residuals, and the intervals that follow from it.
 
 use super::parameters::Parameter;
-use super::{Estimate, Model, probe_residuals};
-use ballrace_base::least_squares::Solution;
+use super::{Estimate, Model, Solution, probe_residuals};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 

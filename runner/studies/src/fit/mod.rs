@@ -9,7 +9,7 @@ mod intervals;
 pub mod parameters;
 mod written;
 
-use ballrace_base::least_squares::{self, Bounds, Limits, Solution};
+use ballrace_base::least_squares::{self, Bounds, Limits};
 use ballrace_base::statistics::{largest_chi_square, quantile};
 use ballrace_diagnosis::{self as diagnosis, block::Block};
 use ballrace_plant::error::{FitError, Result};
@@ -27,6 +27,7 @@ use intervals::{covariance, expanded, unbalance};
 use nalgebra::DMatrix;
 use parameters::{Group, Parameter, ParameterKind, cage_parameters, parameters, with};
 use serde::Serialize;
+use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
 pub use written::written;
@@ -35,10 +36,10 @@ pub use written::written;
 const STATE: [f64; 4] = [50e-6, 5e-4, 0.05, 0.5];
 /// Largest posterior uncertainty of an identifiable parameter, over the prior one.
 const IDENTIFIABLE: f64 = 0.3;
-/// Relative decrease of the sum of squares below which an early search ends.
-const NEAR: f64 = 1e-3;
-/// Relative decrease of the sum of squares below which the last search ends.
-const THERE: f64 = 1e-7;
+/// Fall of chi-squared in an iteration below which an early search ends.
+const NEAR: f64 = 1.0;
+/// The same for the last search.
+const THERE: f64 = 0.05;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
 /// Largest number of iterations of the search over one part of the recording.
@@ -284,7 +285,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     let mut at = everything.x.clone();
     (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.prior[i]);
     let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
-    let solution = if identified.len() < at.len() { model.stage(&at, &free, THERE, progress)? } else { everything };
+    let solution = if identified.len() < at.len() { model.solution(&at, &free, progress)? } else { everything };
     if let Some(still_falls) = solution.still_falls {
         return Err(model.not_converged(&solution, still_falls).into());
     }
@@ -294,7 +295,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     let residual = |(p, probe): (usize, &ballrace_scene::Probe)| Residual {
         probe: probe.column.clone(),
         before_um: rms(&before, p),
-        after_um: rms(solution.residuals.as_slice(), p),
+        after_um: rms(&solution.residuals, p),
         noise_um: sigma[p] * 1e6,
     };
     let readings = of.samples.iter().flat_map(|s| &s.row.probes).filter(|x| x.is_finite()).count();
@@ -369,13 +370,40 @@ fn cages(of: &FitInput, plant: &Plant) -> Result<Cages> {
     Ok(found)
 }
 
+/// Unknowns where a search over a part of the recording has ended.
+struct Found {
+    /// All unknowns.
+    x: Vec<f64>,
+    /// Residuals of the probes and of the priors.
+    residuals: Vec<f64>,
+    /// Weight of the priors.
+    weight: f64,
+    /// Relative fall of the sum of squares in the last iteration, where the search has ended before a minimum.
+    still_falls: Option<f64>,
+}
+
+/// A solution with its slopes.
+struct Solution {
+    x: Vec<f64>,
+    residuals: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    still_falls: Option<f64>,
+}
+
 /// Returns the residuals at the probes, without the priors.
 fn probe_residuals<'s>(solution: &'s Solution, probes: usize, of: &FitInput) -> &'s [f64] {
-    solution.residuals.as_slice().get(..probes * of.samples.len()).unwrap_or_default()
+    solution.residuals.get(..probes * of.samples.len()).unwrap_or_default()
 }
 
 fn turns_of(sample: &Sample) -> f64 {
     sample.total_revolutions()
+}
+
+/// Returns all unknowns from the free ones; the others are those of `from`.
+fn whole(x: &[f64], from: &[f64], free: &[Tied]) -> Vec<f64> {
+    let mut all = from.to_vec();
+    free.iter().zip(x).for_each(|(tied, x)| tied.iter().for_each(|&i| all[i] = *x));
+    all
 }
 
 #[derive(Clone, Copy)]
@@ -411,7 +439,7 @@ impl Model<'_> {
         loop {
             let count = self.of.samples.iter().take_while(|s| (turns_of(s) - first).abs() < turns).count();
             if count == self.of.samples.len() {
-                return self.stage(&at, &all, THERE, progress);
+                return self.solution(&at, &all, progress);
             }
             let short = FitInput { samples: self.of.samples.get(..count).unwrap_or_default(), ..*self.of };
             let free = if turns < EARLY_TURNS { &early } else { &all };
@@ -433,6 +461,15 @@ impl Model<'_> {
         free
     }
 
+    /// Fits the unknowns `free` until the fall is negligible.
+    fn solution(&self, start: &[f64], free: &[Tied], progress: &mut dyn FnMut(FitProgress)) -> Result<Solution> {
+        let Found { x, residuals, weight, still_falls } = self.stage(start, free, THERE, progress)?;
+        let bounds: Vec<Bounds> = free.iter().map(|tied| self.bounds(tied)).collect();
+        let at: Vec<f64> = free.iter().map(|tied| x[tied[0]]).collect();
+        let of = |free_x: &[f64]| self.weighted_residuals(&whole(free_x, &x, free), weight);
+        Ok(Solution { jacobian: least_squares::jacobian(&at, &bounds, &of)?, x, residuals, still_falls })
+    }
+
     /// Fits the unknowns `free` in at most [`MAX_ITERATIONS`]. While residuals are large, the prior has the same weight as the residuals.
     fn stage(
         &self,
@@ -440,43 +477,44 @@ impl Model<'_> {
         free: &[Tied],
         least_fall: f64,
         progress: &mut dyn FnMut(FitProgress),
-    ) -> Result<Solution> {
-        let whole = |x: &[f64], from: &[f64]| {
-            let mut all = from.to_vec();
-            free.iter().zip(x).for_each(|(tied, x)| tied.iter().for_each(|&i| all[i] = *x));
-            all
-        };
+    ) -> Result<Found> {
         let turns = self.turns();
-        let mut at = start.to_vec();
+        let mut x = start.to_vec();
         let mut last = f64::INFINITY;
         let mut made = 0;
+        let report = RefCell::new(progress);
         loop {
-            let left = self.residuals(&at)?;
+            let left = self.residuals(&x)?;
             let weight = (left.iter().map(|r| r * r).sum::<f64>() / left.len().max(1) as f64).sqrt().max(1.0);
-            let residuals = |x: &[f64]| -> Result<Vec<f64>> {
-                let all = whole(x, &at);
-                let mut left = self.residuals(&all)?;
-                left.extend(all.iter().zip(self.prior).map(|(x, b)| weight * (x - b)));
-                Ok(left)
-            };
-            let from: Vec<f64> = free.iter().map(|tied| at[tied[0]]).collect();
+            let residuals = |free_x: &[f64]| self.weighted_residuals(&whole(free_x, &x, free), weight);
+            let from: Vec<f64> = free.iter().map(|tied| x[tied[0]]).collect();
             let bounds = free.iter().map(|tied| self.bounds(tied)).collect();
-            let limits = Limits { bounds, longest_step: LONGEST_STEP, iterations: MAX_ITERATIONS - made };
-            let mut report =
-                |i: usize| progress(FitProgress { iteration: made + i + 1, turns, all_turns: self.all_turns });
-            let found = least_squares::solve_within(from, &limits, &residuals, least_fall, &mut report)?;
+            let limits = Limits { bounds, longest_step: LONGEST_STEP, iterations: MAX_ITERATIONS - made, least_fall };
+            let report = |i: usize| {
+                let mut report = report.borrow_mut();
+                report(FitProgress { iteration: made + i + 1, turns, all_turns: self.all_turns });
+            };
+            let found = least_squares::solve(&from, &limits, &residuals, &report)?;
             made += found.iterations;
-            at = whole(&found.x, &at);
+            x = whole(&found.point.x, &x, free);
             if weight > 0.7 * last || weight <= 1.0 || made >= MAX_ITERATIONS {
-                return Ok(Solution { x: at, ..found });
+                let residuals = found.point.residuals;
+                return Ok(Found { x, residuals, weight, still_falls: found.still_falls });
             }
             last = weight;
         }
     }
 
+    /// Returns the residuals with those of the priors, each with a weight.
+    fn weighted_residuals(&self, x: &[f64], weight: f64) -> Result<Vec<f64>> {
+        let mut left = self.residuals(x)?;
+        left.extend(x.iter().zip(self.prior).map(|(x, prior)| weight * (x - prior)));
+        Ok(left)
+    }
+
     /// Returns the error that a search over all samples ended at its largest number of iterations, with the probe that leaves most.
     fn not_converged(&self, found: &Solution, still_falls: f64) -> FitError {
-        let rms = |p: usize| self.rms(found.residuals.as_slice(), p);
+        let rms = |p: usize| self.rms(&found.residuals, p);
         let share = |p: &usize| rms(*p) / self.sigma[*p];
         let worst = (0..self.rows.len()).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
         let probes = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
