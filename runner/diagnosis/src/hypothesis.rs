@@ -95,6 +95,8 @@ const FITTED: (usize, f64) = (6, 0.2);
 const EXPLAINED: f64 = 0.8;
 /// Less likely candidates that are fitted, at most, besides those that change the stiffness.
 const FURTHER: usize = 3;
+/// Largest fall of chi-squared by a fit over the expected one.
+const SURPRISE: f64 = 2.0;
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Least significant fall of chi-squared by a fault: odds of e^50 against chance, with thousands of alternatives tried.
@@ -170,7 +172,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let explained = tried.iter().filter(is_fault).find(explains);
         let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
         let beside = Competition { searched: SEARCHED - 1, explained, ..alone };
-        tried.extend(scored_all(of, (&now, shifted), likely, beside)?);
+        let (competing, hopeless): (Vec<&Candidate>, Vec<&Candidate>) =
+            likely.partition(|candidate| beside.may_compete(of, candidate, &now));
+        tried.extend(scored_all(of, (&now, shifted), competing.into_iter(), beside)?);
         let best = tried.iter().filter(is_fault).map(|scored| scored.identified.gain).fold(0.0, f64::max);
         if best < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * first_excess) {
             // The gain before the fit shows little of a candidate that changes the stiffness or starts far from its best.
@@ -200,15 +204,21 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let equal = closest(&tried) + left;
         let score = |scored: &Scored| (scored.chi_square() - equal).max(0.0) + scored.prior;
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        let next = if let [first, next, ..] = tried.as_slice() {
-            Some((next.identified.fault, 0.5 * (score(next) - score(first))))
-        } else {
-            None
+        let of_hopeless = hopeless.iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
+        let next = match (tried.as_slice(), of_hopeless) {
+            ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)))),
+            ([first], Some(next)) => {
+                let least = now.chi_square - SURPRISE * next.gain;
+                Some((next.fault, 0.5 * (least - first.identified.fitted.chi_square)))
+            }
+            _ => None,
         };
-        let place = |scored: &Scored| (scored.identified.fault.kind(), scored.identified.fault.bearing());
-        let first = tried.first().map(place);
-        let others = tried.iter().filter(|scored| Some(place(scored)) != first);
-        let rival = others.map(|scored| scored.identified.gain).fold(0.0, f64::max);
+        let place = |fault: &AnyFault| (fault.kind(), fault.bearing());
+        let gains = tried.iter().map(|Scored { identified, .. }| (&identified.fault, identified.gain));
+        let gains = gains.chain(hopeless.iter().map(|candidate| (&candidate.fault, candidate.gain)));
+        let first = tried.first().map(|scored| place(&scored.identified.fault));
+        let others = gains.filter(|(fault, _)| Some(place(fault)) != first);
+        let rival = others.map(|(_, gain)| gain).fold(0.0, f64::max);
         let Some(Scored { mut identified, mut evidence, .. }) = tried.into_iter().next() else { break };
         identified.next = next;
         identified.rival = rival / identified.gain.max(f64::MIN_POSITIVE);
@@ -259,6 +269,11 @@ impl Competition {
         };
         let near = (force_error(of) * force_error(of) + candidate.fault.nearly()) * gain;
         Extent { is_likely, target: chi_square + near + MIN_GAIN }
+    }
+
+    /// Returns false for a candidate that would have to explain far more than is expected of it.
+    fn may_compete(&self, of: &Prepared, candidate: &Candidate, now: &Fitted) -> bool {
+        candidate.fault.is_nonlinear() || now.chi_square - SURPRISE * candidate.gain < self.extent(of, candidate).target
     }
 }
 
