@@ -94,8 +94,10 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
         )
     }
     fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
-        let ((u, other_u), (at, other_at)) = (u.as_chunks::<SIDE_BY_SIDE>(), at.as_chunks());
-        let (reactions, others) = reactions.as_chunks_mut();
+        let count = u.len().min(at.len()).min(reactions.len());
+        let (u, other_u) = u[..count].as_chunks::<SIDE_BY_SIDE>();
+        let (at, other_at) = at[..count].as_chunks();
+        let (reactions, others) = reactions[..count].as_chunks_mut();
         self.registers.run(
             #[inline(always)]
             || {
@@ -193,7 +195,7 @@ mod tests {
         }
         let states = |i: u32| Phase::from_revolutions(0.013 * f64::from(i)).into();
         let (u, at): (Vec<_>, Vec<_>) = (0..23).map(|i| (pose(i), states(i))).unzip();
-        let mut together = vec![Reaction::default(); u.len()];
+        let mut together = vec![Reaction::default(); u.len() + SIDE_BY_SIDE];
         dispatched.reactions(&u, &at, &mut together);
         for ((u, at), found) in u.iter().zip(&at).zip(&together) {
             let alone = bearing.reaction(u, at);

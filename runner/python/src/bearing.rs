@@ -344,8 +344,8 @@ impl Bearing {
             None => PyArrayDyn::zeros(py, rows.array.shape(), false),
         };
         if result.shape() != rows.array.shape() {
-            let (found, expected) = (result.shape(), rows.array.shape());
-            return Err(wrong_argument(py, &format!("out: of shape {found:?}, expected {expected:?}")));
+            let expected = if rows.is_single { "(5,)".to_owned() } else { format!("({n}, 5)") };
+            return Err(wrong_argument(py, &format!("out: of shape {:?}, expected {expected}", result.shape())));
         }
         let displacements = read("u", &rows.array)?;
         let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
