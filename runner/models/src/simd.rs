@@ -193,10 +193,10 @@ mod tests {
             );
             loaded += u32::from(plain.load > 0.0);
         }
-        let states = |i: u32| Phase::from_revolutions(0.013 * f64::from(i)).into();
+        let states = |i: u32| BearingKinematicState::from(Phase::from_revolutions(0.013 * f64::from(i)));
         let (u, at): (Vec<_>, Vec<_>) = (0..23).map(|i| (pose(i), states(i))).unzip();
         let mut together = vec![Reaction::default(); u.len() + SIDE_BY_SIDE];
-        dispatched.reactions(&u, &at, &mut together);
+        Bearing::reactions(&dispatched, &u, &at, &mut together);
         for ((u, at), found) in u.iter().zip(&at).zip(&together) {
             let alone = bearing.reaction(u, at);
             let bits =
