@@ -7,7 +7,7 @@ use crate::frames_source::{Connection, Rig, connected, port, seconds_of, signal,
 use crate::full_disk::{can_mount, fill, fill_pages, metric};
 use crate::kills::{DAMAGES, Random, kill};
 use crate::live_start::ended;
-use crate::support::{DEMO_SCENE, Sandbox, number, numbers, swap};
+use crate::support::{DEMO_SCENE, Sandbox, memory, number, numbers, swap};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -176,13 +176,6 @@ fn clients(port: u16, stop: &AtomicBool) -> u64 {
         }
     }
     count
-}
-
-/// A number of `/proc/PID/status`, MiB.
-fn memory(pid: u32, name: &str) -> Option<f64> {
-    let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
-    let line = status.lines().find(|line| line.starts_with(name))?;
-    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
 /// Names and bytes of all files below a folder.

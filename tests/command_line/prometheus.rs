@@ -1,6 +1,8 @@
 //! The Prometheus endpoint under clients that misbehave.
 
 use crate::frames_source::{connected, port, wait_until};
+#[cfg(target_os = "linux")]
+use crate::support::memory;
 use crate::support::{DEMO_SCENE, Sandbox, short_recording};
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -47,12 +49,10 @@ impl Endpoint {
         self.answer(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n").starts_with("HTTP/1.1 200 OK\r\n")
     }
 
-    /// Resident memory, bytes.
+    /// Largest resident memory, MiB.
     #[cfg(target_os = "linux")]
-    fn memory(&self) -> u64 {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
-        let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap();
-        1024 * line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+    fn memory(&self) -> f64 {
+        memory(self.child.id(), "VmHWM").unwrap()
     }
 }
 
@@ -103,7 +103,7 @@ fn an_endless_header_is_cut_short() {
     // 64 MB, far more than the buffers of the connection hold.
     let sent = (0..64).take_while(|_| client.write_all(&block).is_ok()).count();
     assert!(sent < 64, "all of it was read");
-    assert!(endpoint.memory() < before + (8 << 20), "{} and {before} bytes", endpoint.memory());
+    assert!(endpoint.memory() < before + 8.0, "{} and {before} MiB", endpoint.memory());
     assert!(endpoint.is_answering());
 }
 

@@ -112,6 +112,14 @@ pub struct Sandbox {
     folder: TempDir,
 }
 
+/// A number of `/proc/PID/status`, MiB.
+#[cfg(target_os = "linux")]
+pub fn memory(pid: u32, name: &str) -> Option<f64> {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let line = status.lines().find(|line| line.starts_with(name))?;
+    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
+}
+
 /// Returns true where standard error has nothing but progress and the state of a monitor.
 pub fn is_progress(err: &str) -> bool {
     let words = ["Fitting ", "Learning from ", "Diagnosing ", "Replaying ", "Simulated ", "State at "];

@@ -1,7 +1,7 @@
 //! Common evaluation of all models with independent elements.
 
 use super::Reaction;
-use super::element_position::{BLOCK_SIZE, ElementLayout};
+use super::element_position::{BLOCK_SIZE, ElementLayout, ElementPosition};
 use super::ring::{
     CageRotation, Contact, ContactStiffness, Motion, Ring, StiffnessSum, WrenchSum, from_cage_frame, to_cage_frame,
 };
@@ -110,7 +110,33 @@ pub trait Elements {
             }
             sum
         };
-        sum.finish(ring.arm, ring.scale)
+        self.finish(&sum)
+    }
+
+    /// Returns the force on the ring from the sum of its elements.
+    #[inline(always)]
+    fn finish(&self, sum: &WrenchSum<Self::Scalar>) -> Reaction<Self::Scalar> {
+        sum.finish(self.ring().arm, self.ring().scale)
+    }
+
+    /// Adds the contacts of one element at `K` displacements of the rim, by component, to their sums. The compiler vectorises the loop.
+    #[inline(always)]
+    fn add_contacts<const K: usize>(
+        &self,
+        position: &ElementPosition<Self::Scalar>,
+        rims: &[[Self::Scalar; K]; 5],
+        at: &[BearingKinematicState<Self::Scalar>; K],
+        sums: &mut [[Self::Scalar; K]; 6],
+    ) {
+        for i in 0..K {
+            let rim = Displacement::from_array(rims.each_ref().map(|component| component[i]));
+            let contact = self.contacts(Motion::of(position, &rim, &at[i], self.surface()).alone()).alone();
+            let mut sum = WrenchSum::from_array(sums.each_ref().map(|component| component[i]));
+            sum.add(position, &contact);
+            for (component, found) in sums.iter_mut().zip(sum.to_array()) {
+                component[i] = found;
+            }
+        }
     }
 }
 
@@ -156,6 +182,16 @@ pub trait CageFrame<T: Scalar> {
         let turn = Self::cage_rotation(at.cage);
         let local = self.reaction_in_cage_frame(&to_cage_frame(u, turn), at);
         Reaction { wrench: from_cage_frame(&local.wrench, turn), ..local }
+    }
+
+    /// Computes [`super::Bearing::reaction`] at `K` displacements, with the same bits, always inlined.
+    #[inline(always)]
+    fn reactions_inlined<const K: usize>(
+        &self,
+        u: &[Displacement<T>; K],
+        at: &[BearingKinematicState<T>; K],
+    ) -> [Reaction<T>; K] {
+        core::array::from_fn(|i| self.reaction_inlined(&u[i], &at[i]))
     }
 
     /// Computes [`super::Bearing::reaction_and_loads`], always inlined.
@@ -214,6 +250,34 @@ impl<E: Elements> CageFrame<E::Scalar> for E {
         turn: CageRotation<E::Scalar>,
     ) -> (Reaction<E::Scalar>, Stiffness<E::Scalar>) {
         reaction_and_stiffness(self, u, at, turn)
+    }
+
+    #[inline(always)]
+    fn reactions_inlined<const K: usize>(
+        &self,
+        u: &[Displacement<E::Scalar>; K],
+        at: &[BearingKinematicState<E::Scalar>; K],
+    ) -> [Reaction<E::Scalar>; K] {
+        let ring = self.ring();
+        if E::ElementPositions::IS_PAIRED {
+            return core::array::from_fn(|i| self.reaction_inlined(&u[i], &at[i]));
+        }
+        let turns = at.each_ref().map(|at| Self::cage_rotation(at.cage));
+        let mut rims = [[E::Scalar::ZERO; K]; 5];
+        for i in 0..K {
+            let rim = ring.at_rim(&to_cage_frame(&u[i], turns[i]));
+            for (component, value) in rims.iter_mut().zip(rim.to_array()) {
+                component[i] = value;
+            }
+        }
+        let mut sums = [[E::Scalar::NEGATIVE_ZERO; K]; 6];
+        for position in ring.positions.stored() {
+            self.add_contacts(position, &rims, at, &mut sums);
+        }
+        core::array::from_fn(|i| {
+            let local = self.finish(&WrenchSum::from_array(sums.each_ref().map(|component| component[i])));
+            Reaction { wrench: from_cage_frame(&local.wrench, turns[i]), ..local }
+        })
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@
 use super::element_position::{ElementLayout, ElementPosition};
 use super::elements::{CageFrame, Elements};
 use super::geometry::{InvalidParameter, check};
-use super::ring::{CageRotation, Contact, ContactStiffness, Motion, RadialSum, Ring, radial};
+use super::ring::{CageRotation, Contact, ContactStiffness, Motion, RadialSum, Ring, WrenchSum, radial};
 use super::surface::{ElementDeviation, Smooth, Surface};
 use super::{Reaction, bearing_in_cage};
 use crate::contact::law::LoadDeflectionLaw;
@@ -223,6 +223,10 @@ where
             sum
         };
         sum.finish(self.ring.scale)
+    }
+    #[inline(always)]
+    fn finish(&self, sum: &WrenchSum<T>) -> Reaction<T> {
+        sum.radial().finish(self.ring.scale)
     }
 }
 

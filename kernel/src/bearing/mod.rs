@@ -93,6 +93,14 @@ pub trait Bearing<T: Scalar>: Send + Sync {
         self.reaction(u, at)
     }
 
+    /// Computes [`Bearing::reaction`] at many displacements, with the same bits; a desktop processor computes several side by side. The
+    /// shortest slice limits their number.
+    fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
+        for ((u, at), reaction) in u.iter().zip(at).zip(reactions) {
+            *reaction = self.reaction(u, at);
+        }
+    }
+
     /// Computes the force for one sample of a stream.
     ///
     /// As [`Bearing::reaction`], but samples that are NaN, infinite or overflow are flagged, counted and replaced by the

@@ -214,6 +214,18 @@ impl<T: Scalar> WrenchSum<T> {
         Self { x: nothing, y: nothing, z: nothing, z_sin: nothing, z_cos: nothing, load: nothing }
     }
 
+    /// Returns the sum as its six numbers.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [T; 6] {
+        [self.x, self.y, self.z_cos, self.z_sin, self.z, self.load]
+    }
+
+    /// Creates the sum from its six numbers.
+    #[inline(always)]
+    pub(super) fn from_array([x, y, z_cos, z_sin, z, load]: [T; 6]) -> Self {
+        Self { x, y, z_cos, z_sin, z, load }
+    }
+
     /// Adds `T_j^T` times the force of a contact.
     #[inline(always)]
     pub(super) fn add(&mut self, position: &ElementPosition<T>, contact: &Contact<T>) {

@@ -49,6 +49,9 @@ impl<T: Scalar, B: Bearing<T> + ?Sized> Bearing<T> for Shared<B> {
     fn reaction_and_loads(&self, u: &Displacement<T>, at: &BearingKinematicState<T>, loads: &mut [T]) -> Reaction<T> {
         self.0.reaction_and_loads(u, at, loads)
     }
+    fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
+        self.0.reactions(u, at, reactions);
+    }
 }
 
 /// Handle of a bearing that is built at run time.

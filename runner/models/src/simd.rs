@@ -45,6 +45,9 @@ impl SimdDispatch {
     }
 }
 
+/// Number of displacements whose forces are computed together, see [`Bearing::reactions`].
+pub const SIDE_BY_SIDE: usize = 16;
+
 /// A bearing whose force is computed with the instruction sets of the processor.
 pub struct Dispatched<B> {
     bearing: B,
@@ -89,6 +92,23 @@ impl<T: Scalar, B: Bearing<T> + CageFrame<T>> Bearing<T> for Dispatched<B> {
             #[inline(always)]
             || self.bearing.reaction_and_loads_inlined(u, at, loads),
         )
+    }
+    fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
+        let count = u.len().min(at.len()).min(reactions.len());
+        let (u, other_u) = u[..count].as_chunks::<SIDE_BY_SIDE>();
+        let (at, other_at) = at[..count].as_chunks();
+        let (reactions, others) = reactions[..count].as_chunks_mut();
+        self.registers.run(
+            #[inline(always)]
+            || {
+                for ((u, at), reactions) in u.iter().zip(at).zip(reactions) {
+                    *reactions = self.bearing.reactions_inlined(u, at);
+                }
+            },
+        );
+        for ((u, at), reaction) in other_u.iter().zip(other_at).zip(others) {
+            *reaction = self.reaction(u, at);
+        }
     }
 }
 
@@ -172,6 +192,16 @@ mod tests {
                 "{name}, pose {i}"
             );
             loaded += u32::from(plain.load > 0.0);
+        }
+        let states = |i: u32| BearingKinematicState::from(Phase::from_revolutions(0.013 * f64::from(i)));
+        let (u, at): (Vec<_>, Vec<_>) = (0..23).map(|i| (pose(i), states(i))).unzip();
+        let mut together = vec![Reaction::default(); u.len() + SIDE_BY_SIDE];
+        Bearing::reactions(&dispatched, &u, &at, &mut together);
+        for ((u, at), found) in u.iter().zip(&at).zip(&together) {
+            let alone = bearing.reaction(u, at);
+            let bits =
+                |reaction: &Reaction<f64>| (reaction.wrench.to_array().map(f64::to_bits), reaction.load.to_bits());
+            assert_eq!((bits(&alone), alone.status), (bits(found), found.status), "{name}, {u:?}");
         }
         assert!(loaded > 100, "{name}: loaded in {loaded} of 500 poses");
     }

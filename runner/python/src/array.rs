@@ -37,6 +37,10 @@ pub fn checked<'py, T: Element, D: ndarray::Dimension>(
 /// # Errors
 /// `InputError` for a masked element.
 pub fn unmasked(name: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
+    // A masked array is a subclass.
+    if given.is_exact_instance_of::<PyUntypedArray>() {
+        return Ok(());
+    }
     let py = given.py();
     let masked = py.import("numpy")?.getattr("ma")?;
     if !given.is_instance(&masked.getattr("MaskedArray")?)? {

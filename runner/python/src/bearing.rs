@@ -12,7 +12,7 @@ use ballrace_twin::handle::AnyBearing;
 use ballrace_twin::scene::build::rotation_at;
 use ballrace_twin::scene::{self, Model};
 use numpy::ndarray::{Ix1, Ix2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -144,7 +144,7 @@ const FRAMES: &str = "ballrace._frames";
 
 /// Displacements from Python as rows of five numbers; `is_single` is true for one row of shape (5,).
 struct Rows<'py> {
-    array: Bound<'py, PyArray2<f64>>,
+    array: Bound<'py, PyArrayDyn<f64>>,
     is_single: bool,
     /// True for a frame or table, whose forces are one too.
     has_columns: bool,
@@ -171,19 +171,31 @@ impl<'py> Rows<'py> {
         if let Ok(single) = given.cast::<PyArray1<f64>>()
             && single.len() == 5
         {
-            return Ok(Self { array: single.reshape([1, 5])?, is_single: true, has_columns, is_single_precision });
+            let array = single.to_dyn().clone();
+            return Ok(Self { array, is_single: true, has_columns, is_single_precision });
         }
         let array = checked::<f64, Ix2>("u", given, "of shape (n, 5)")?;
         if array.shape().get(1) != Some(&5) {
             let message = format!("u: of shape {:?}, expected (n, 5): u, v, w (m), thu, thv (rad)", array.shape());
             return Err(wrong_argument(given.py(), &message));
         }
-        Ok(Self { array, is_single: false, has_columns, is_single_precision })
+        Ok(Self { array: array.to_dyn().clone(), is_single: false, has_columns, is_single_precision })
     }
 
     fn len(&self) -> usize {
-        self.array.shape().first().copied().unwrap_or(0)
+        self.array.len() / 5
     }
+}
+
+/// Checks displacements whose flags the caller does not take.
+fn check_rows(py: Python<'_>, of: &scene::Bearing, rows: &[[f64; 5]]) -> PyResult<()> {
+    let most = of.diameters().map_or(LARGEST_PLAY, |[element, _]| element);
+    // One pass through memory for ordinary displacements.
+    if rows.iter().all(|[u, v, w, thu, thv]| [u, v, w].iter().all(|x| x.abs() <= most) && (thu + thv).is_finite()) {
+        return Ok(());
+    }
+    not_finite(py, rows)?;
+    within_bearing(py, most, rows)
 }
 
 fn not_finite(py: Python<'_>, rows: &[[f64; 5]]) -> PyResult<()> {
@@ -198,8 +210,7 @@ fn not_finite(py: Python<'_>, rows: &[[f64; 5]]) -> PyResult<()> {
 }
 
 /// Warns of displacements beyond the diameter of an element, at which no bearing is one: lengths in another unit.
-fn within_bearing(py: Python<'_>, of: &scene::Bearing, rows: &[[f64; 5]]) -> PyResult<()> {
-    let most = of.diameters().map_or(LARGEST_PLAY, |[element, _]| element);
+fn within_bearing(py: Python<'_>, most: f64, rows: &[[f64; 5]]) -> PyResult<()> {
     let is_beyond = |row: &[f64; 5]| row.iter().take(3).any(|x| x.abs() > most);
     let Some(first) = rows.iter().position(is_beyond) else { return Ok(()) };
     let count = rows.iter().filter(|row| is_beyond(row)).count();
@@ -328,19 +339,19 @@ impl Bearing {
         let n = rows.len();
         let (angles, times) = (PerSample::new("cage_angle", cage_angle, n)?, PerSample::new("time", time, n)?);
         let result = match out {
-            Some(out) if rows.is_single => checked::<f64, Ix1>("out", out, "of shape (5,)")?.reshape([1, 5])?,
-            Some(out) => checked::<f64, Ix2>("out", out, "of shape (n, 5)")?,
-            None => PyArray2::zeros(py, [n, 5], false),
+            Some(out) if rows.is_single => checked::<f64, Ix1>("out", out, "of shape (5,)")?.to_dyn().clone(),
+            Some(out) => checked::<f64, Ix2>("out", out, "of shape (n, 5)")?.to_dyn().clone(),
+            None => PyArrayDyn::zeros(py, rows.array.shape(), false),
         };
-        if result.shape() != [n, 5] {
-            return Err(wrong_argument(py, &format!("out: of shape {:?}, expected ({n}, 5)", result.shape())));
+        if result.shape() != rows.array.shape() {
+            let expected = if rows.is_single { "(5,)".to_owned() } else { format!("({n}, 5)") };
+            return Err(wrong_argument(py, &format!("out: of shape {:?}, expected {expected}", result.shape())));
         }
         let displacements = read("u", &rows.array)?;
         let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
         let mut flags = vec![Status::OK; n];
         if status.is_none() {
-            not_finite(py, displacements)?;
-            within_bearing(py, &self.bearing, displacements)?;
+            check_rows(py, &self.bearing, displacements)?;
         }
         {
             let mut forces = write("out", &result)?;
@@ -372,7 +383,7 @@ impl Bearing {
             Some(out) => Ok(out.clone()),
             None if rows.has_columns => py.import(FRAMES)?.call_method1("forces", (result, u)),
             None => {
-                let result = if rows.is_single { result.reshape([5])?.into_any() } else { result.into_any() };
+                let result = result.into_any();
                 if rows.is_single_precision { result.call_method1("astype", ("float32",)) } else { Ok(result) }
             }
         }
@@ -488,8 +499,7 @@ impl Bearing {
         let (angles, times) = (PerSample::new("cage_angle", cage_angle, n)?, PerSample::new("time", time, n)?);
         let displacements = read("u", &rows.array)?;
         let (displacements, _) = displacements.as_slice()?.as_chunks::<5>();
-        not_finite(py, displacements)?;
-        within_bearing(py, &self.bearing, displacements)?;
+        check_rows(py, &self.bearing, displacements)?;
         let (angles, times) = (angles.values()?, times.values()?);
         let values = without_interpreter(py, n, |check| {
             let mut values = vec![0.0; n * width];

@@ -203,6 +203,9 @@ fn other_gap(intervals: Option<u64>) -> String {
     intervals.map_or_else(String::new, |found| format!(", but one of {found} intervals"))
 }
 
+/// Maximum number of rows whose memory is kept for reuse.
+const SPARE_ROWS: usize = 1 << 12;
+
 /// Tracker of the shaft angle. [`push`](Self::push) adds a row; [`pop`](Self::pop) returns samples in the same order as soon
 /// as their angle is known, the last ones after [`finish`](Self::finish).
 pub struct Tracker {
@@ -317,9 +320,11 @@ impl Tracker {
         self.spare.pop().unwrap_or_default()
     }
 
-    /// Recycles the memory of a row.
+    /// Recycles the memory of a row. After a backlog the memory of most of its rows is freed.
     pub fn recycle(&mut self, row: Row) {
-        self.spare.push(row);
+        if self.spare.len() < SPARE_ROWS {
+            self.spare.push(row);
+        }
     }
 
     /// Adds the next row. The indices of rows rise.

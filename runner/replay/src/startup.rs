@@ -18,6 +18,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+/// Items for which an empty queue keeps memory; a monitor that was behind for some seconds frees the rest.
+const KEPT_ITEMS: usize = 1 << 12;
+
 /// Samples that wait for the twin, and the state of its start.
 pub(super) struct Startup {
     state: State,
@@ -179,7 +182,11 @@ impl Startup {
 
     /// Removes the item at the front of the queue.
     pub(super) fn pop(&mut self) -> Option<Queued> {
-        self.queue.pop_front()
+        let item = self.queue.pop_front();
+        if self.queue.is_empty() && self.queue.capacity() > KEPT_ITEMS {
+            self.queue.shrink_to(KEPT_ITEMS);
+        }
+        item
     }
 
     /// Removes all items of the queue and returns their number.

@@ -1,23 +1,27 @@
-//! Channel from the reader thread to the monitor loop: a bounded ring of rows, events, and counters.
+//! Channel from the reader thread to the monitor loop: a bounded queue of rows, events, and counters.
 
 use ballrace_twin::record::EventMessage;
 use ballrace_twin::recording::Row;
-use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TryRecvError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Capacity of the ring, rows: several seconds at 51.2 kHz, the time in which the twin starts.
+/// Capacity of the queue, rows: several seconds at 51.2 kHz, the time in which the twin starts. It takes memory for the rows that wait.
 pub const CAPACITY: usize = 1 << 18;
-/// Interval at which a reader checks a full ring for free space.
+/// The same of a recording, which waits until it is read.
+pub const CAPACITY_OF_RECORDING: usize = 1 << 14;
+/// Maximum number of used rows that are kept for reuse: more than arrive between two passes of the monitor loop.
+const SPARE_ROWS: usize = 1 << 12;
+/// Interval at which a reader checks a full queue for free space.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Maximum number of consecutive events of one kind that pass without delay.
 const BURST: u32 = 10;
 /// Interval at which further events of the same kind pass.
 const INTERVAL: Duration = Duration::from_secs(10);
 
-/// Item in the ring.
+/// Item in the queue.
 pub enum FeedItem {
     /// Sample.
     Row(Row),
@@ -28,7 +32,7 @@ pub enum FeedItem {
 /// Counters of a source, which other threads may read at any time.
 #[derive(Debug)]
 pub struct SourceCounters {
-    /// Rows pushed into the ring.
+    /// Rows pushed into the queue.
     pub rows: AtomicU64,
     /// Frames that are missing between two received frames.
     pub lost: AtomicU64,
@@ -36,9 +40,9 @@ pub struct SourceCounters {
     pub repeated: AtomicU64,
     /// Frames or datagrams of a wrong size.
     pub malformed: AtomicU64,
-    /// Rows of a source without flow control that arrived while the ring was full.
+    /// Rows of a source without flow control that arrived while the queue was full.
     pub dropped: AtomicU64,
-    /// Highest number of items in the ring.
+    /// Highest number of items in the queue.
     pub ring_highest: AtomicU64,
     /// Accepted connections.
     pub connections: AtomicU64,
@@ -122,7 +126,7 @@ impl EventLimiter {
 #[derive(Clone)]
 pub struct EventSender {
     limiter: Arc<Mutex<EventLimiter>>,
-    sender: mpsc::Sender<EventMessage>,
+    sender: Sender<EventMessage>,
 }
 
 impl EventSender {
@@ -156,10 +160,17 @@ impl StopFlag {
     }
 }
 
+/// Items in the queue, and their maximum.
+struct Level {
+    items: AtomicUsize,
+    capacity: usize,
+}
+
 /// End of the channel for the reader thread.
 pub struct FeedSender {
-    ring: Producer<FeedItem>,
-    spare: Consumer<Row>,
+    queue: Sender<FeedItem>,
+    level: Arc<Level>,
+    spare: Receiver<Row>,
     /// Counters of the source.
     pub counters: Arc<SourceCounters>,
     stop: Arc<AtomicBool>,
@@ -168,32 +179,40 @@ pub struct FeedSender {
 
 /// End of the channel for the monitor loop.
 pub struct FeedReceiver {
-    ring: Consumer<FeedItem>,
-    spare: Producer<Row>,
+    queue: Receiver<FeedItem>,
+    level: Arc<Level>,
+    /// First item of the queue, once it has been looked at.
+    next: Option<FeedItem>,
+    /// True if the reader thread has ended and the queue is empty.
+    is_finished: bool,
+    spare: SyncSender<Row>,
     /// Counters of the source.
     pub counters: Arc<SourceCounters>,
     stop: Arc<AtomicBool>,
     limiter: Arc<Mutex<EventLimiter>>,
-    events: mpsc::Receiver<EventMessage>,
+    events: Receiver<EventMessage>,
 }
 
-/// Creates the channel with a ring of `capacity` items, and a ring of the same size that returns used rows for reuse.
+/// Creates the channel with a queue of at most `capacity` items, and a shorter one that returns used rows for reuse.
 #[must_use]
 pub fn feed(capacity: usize) -> (FeedSender, FeedReceiver) {
-    let (ring_producer, ring_consumer) = RingBuffer::new(capacity);
-    let (spare_producer, spare_consumer) = RingBuffer::new(capacity);
+    let (queue_sender, queue) = mpsc::channel();
+    let (spare, spare_receiver) = mpsc::sync_channel(SPARE_ROWS);
+    let level = Arc::new(Level { items: AtomicUsize::new(0), capacity });
     let counters = Arc::new(SourceCounters::default());
     let stop = Arc::new(AtomicBool::new(false));
     let limiter = Arc::new(Mutex::default());
     let (event_sender, events) = mpsc::channel();
     let sender = FeedSender {
-        ring: ring_producer,
-        spare: spare_consumer,
+        queue: queue_sender,
+        level: level.clone(),
+        spare: spare_receiver,
         counters: counters.clone(),
         stop: stop.clone(),
         events: EventSender { limiter: limiter.clone(), sender: event_sender },
     };
-    let receiver = FeedReceiver { ring: ring_consumer, spare: spare_producer, counters, stop, limiter, events };
+    let (next, is_finished) = (None, false);
+    let receiver = FeedReceiver { queue, level, next, is_finished, spare, counters, stop, limiter, events };
     (sender, receiver)
 }
 
@@ -201,13 +220,13 @@ impl FeedSender {
     /// Returns a row to fill: a returned one if available, else a new one.
     #[must_use]
     pub fn spare_row(&mut self) -> Row {
-        self.spare.pop().unwrap_or_default()
+        self.spare.try_recv().unwrap_or_default()
     }
 
     /// Returns `true` if the monitor loop has ended.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed) || self.ring.is_abandoned()
+        self.stop.load(Ordering::Relaxed)
     }
 
     /// Returns the flag that is set when the monitor loop has ended.
@@ -222,7 +241,7 @@ impl FeedSender {
         self.events.clone()
     }
 
-    /// Pushes an event into the ring, between the samples before and after it, unless the rate limit omits it.
+    /// Pushes an event into the queue, between the samples before and after it, unless the rate limit omits it.
     pub fn push_event(&mut self, kind: &'static str, sentence: String) {
         let message = lock(&self.events.limiter).pass(EventMessage { kind, sentence });
         if let Some(message) = message {
@@ -230,49 +249,69 @@ impl FeedSender {
         }
     }
 
-    /// Pushes an item; blocks while the ring is full.
-    pub fn push(&mut self, mut item: FeedItem) {
-        let is_row = matches!(item, FeedItem::Row(_));
-        while let Err(rtrb::PushError::Full(rejected)) = self.ring.push(item) {
+    /// Pushes an item; blocks while the queue is full.
+    pub fn push(&mut self, item: FeedItem) {
+        while self.is_full() {
             if self.is_stopped() {
                 return;
             }
-            item = rejected;
             std::thread::sleep(PAUSE);
         }
-        if is_row {
-            self.count_row();
-        }
+        self.enqueue(item);
     }
 
-    /// Pushes a row; drops and counts it if the ring is full.
+    /// Pushes a row; drops and counts it if the queue is full.
     pub fn push_or_drop(&mut self, row: Row) {
-        match self.ring.push(FeedItem::Row(row)) {
-            Ok(()) => self.count_row(),
-            Err(_) => add(&self.counters.dropped, 1),
+        if self.is_full() {
+            add(&self.counters.dropped, 1);
+        } else {
+            self.enqueue(FeedItem::Row(row));
         }
     }
 
-    fn count_row(&self) {
-        add(&self.counters.rows, 1);
-        let level = (self.ring.buffer().capacity() - self.ring.slots()) as u64;
-        self.counters.ring_highest.fetch_max(level, Ordering::Relaxed);
+    fn is_full(&self) -> bool {
+        self.level.items.load(Ordering::Acquire) >= self.level.capacity
+    }
+
+    fn enqueue(&self, item: FeedItem) {
+        let is_row = matches!(item, FeedItem::Row(_));
+        let level = self.level.items.fetch_add(1, Ordering::AcqRel) + 1;
+        // The receiver is dropped at the end of the monitor.
+        let _ = self.queue.send(item);
+        if is_row {
+            add(&self.counters.rows, 1);
+            self.counters.ring_highest.fetch_max(level as u64, Ordering::Relaxed);
+        }
     }
 }
 
 impl FeedReceiver {
+    /// Returns the next item without taking it.
+    fn peek(&mut self) -> Option<&FeedItem> {
+        if self.next.is_none() {
+            match self.queue.try_recv() {
+                Ok(item) => self.next = Some(item),
+                Err(error) => self.is_finished = error == TryRecvError::Disconnected,
+            }
+        }
+        self.next.as_ref()
+    }
+
     /// Returns the next item if it is an event, or a row that satisfies `condition`.
     pub fn pop_if(&mut self, condition: impl Fn(&Row) -> bool) -> Option<FeedItem> {
-        match self.ring.peek().ok()? {
+        match self.peek()? {
             FeedItem::Row(row) if !condition(row) => None,
-            _ => self.ring.pop().ok(),
+            _ => {
+                self.level.items.fetch_sub(1, Ordering::AcqRel);
+                self.next.take()
+            }
         }
     }
 
     /// Returns a row to the sender for reuse.
     pub fn recycle(&mut self, row: Row) {
         // A row that does not fit is freed.
-        let _ = self.spare.push(row);
+        let _ = self.spare.try_send(row);
     }
 
     /// Returns the next event that is not ordered with respect to the samples.
@@ -297,16 +336,15 @@ impl FeedReceiver {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Returns the fill level of the ring, 0 to 1.
+    /// Returns the fill level of the queue, 0 to 1.
     #[must_use]
     pub fn fill(&self) -> f64 {
-        self.ring.slots() as f64 / self.ring.buffer().capacity() as f64
+        self.level.items.load(Ordering::Acquire) as f64 / self.level.capacity as f64
     }
 
     /// Returns `true` if the next item is a row.
-    #[must_use]
-    pub fn has_row(&self) -> bool {
-        matches!(self.ring.peek(), Ok(FeedItem::Row(_)))
+    pub fn has_row(&mut self) -> bool {
+        matches!(self.peek(), Some(FeedItem::Row(_)))
     }
 
     /// Returns the sequence number of the frame with sample number `index`, also of a future one; `None` if the source has
@@ -320,10 +358,9 @@ impl FeedReceiver {
         (offset >> 32 != 0).then(|| (offset as u32).wrapping_add(index as u32))
     }
 
-    /// Returns `true` if the reader thread has ended and the ring is empty.
-    #[must_use]
-    pub fn is_finished(&self) -> bool {
-        self.ring.is_abandoned() && self.ring.is_empty()
+    /// Returns `true` if the reader thread has ended and the queue is empty.
+    pub fn is_finished(&mut self) -> bool {
+        self.peek().is_none() && self.is_finished
     }
 }
 

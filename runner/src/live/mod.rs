@@ -40,7 +40,7 @@ use ballrace_twin::replay::outcome::{Outcome, SourceFigures};
 use ballrace_twin::replay::{self, Replay};
 use ballrace_twin::scene::{Recording, Scene};
 use display::Display;
-use feed::{CAPACITY, FeedItem, FeedReceiver, SourceCounters};
+use feed::{CAPACITY, CAPACITY_OF_RECORDING, FeedItem, FeedReceiver, SourceCounters};
 use out::{Network, Outputs};
 use pace::{BLOCK_PERIOD, BlockSchedule};
 use service::Service;
@@ -124,7 +124,8 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
     let page = shared.as_ref().map(|shared| page::Page::start(options, scene, shared)).transpose()?.flatten();
     let can_repeat = options.encoding != Encoding::Csv || options.source.is_recording();
     let (resume, start_time, is_resumed) = (previous.resume(can_repeat), previous.time_s, previous.starts > 0);
-    let (sender, mut receiver) = feed::feed(CAPACITY);
+    let capacity = if options.source.is_recording() { CAPACITY_OF_RECORDING } else { CAPACITY };
+    let (sender, mut receiver) = feed::feed(capacity);
     if let Some(file) = &mut state {
         let acknowledged = *file.state.acknowledged.get_or_insert(resume.index);
         receiver.counters.acknowledged.store(acknowledged, Ordering::Relaxed);
@@ -187,7 +188,7 @@ pub fn monitor(scene: &Scene, options: &Options, signals: &Signals) -> Result<Ou
         published_time: f64::NEG_INFINITY,
         is_silent: false,
         backlog: Backlog::new(matches!(options.source, Address::Udp(_))),
-        source: SourceFigures { ring_capacity: CAPACITY as u64, ..SourceFigures::default() },
+        source: SourceFigures { ring_capacity: capacity as u64, ..SourceFigures::default() },
         schedule: BlockSchedule::try_new()?,
         display,
         lines: StateLines::new(options.view.is_some()),

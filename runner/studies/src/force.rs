@@ -1,9 +1,10 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
-use ballrace::bearing::LastValidWrench;
+use ballrace::bearing::{LastValidWrench, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Status};
 use ballrace_models::build::{self, BuildError};
 use ballrace_models::handle::{AnyBearing, BearingHandle, ForceModel};
+use ballrace_models::simd::SIDE_BY_SIDE;
 use ballrace_plant::Plant;
 use ballrace_plant::error::{Error, Result};
 use ballrace_scene::{Bearing, Model, Scene};
@@ -89,21 +90,34 @@ impl<T: Scalar, H: ForceModel<T>> Evaluate for InPrecision<T, H> {
         status: &mut [Status],
     ) {
         let mut held = LastValidWrench::new();
-        for (i, ((u, force), status)) in displacements.iter().zip(forces).zip(status).enumerate() {
-            let u = Displacement::from_array(u.map(T::from_f64));
-            let at = at(i);
-            let at = BearingKinematicState {
-                cage: at.cage,
-                inner: at.inner,
-                outer: at.outer,
-                ball: at.ball,
-                inner_speed: T::from_f64(at.inner_speed),
-                outer_speed: T::from_f64(at.outer_speed),
-            };
-            let (wrench, flags) = self.0.sample(&mut held, &u, &at);
-            *force = wrench.to_array().map(Scalar::to_f64);
-            *status = flags;
+        let blocks = displacements.chunks(SIDE_BY_SIDE).zip(forces.chunks_mut(SIDE_BY_SIDE));
+        for (block, ((rows, forces), status)) in blocks.zip(status.chunks_mut(SIDE_BY_SIDE)).enumerate() {
+            let mut u = [Displacement::default(); SIDE_BY_SIDE];
+            let mut states = [BearingKinematicState::default(); SIDE_BY_SIDE];
+            let mut reactions = [Reaction::default(); SIDE_BY_SIDE];
+            for (i, row) in rows.iter().enumerate() {
+                u[i] = Displacement::from_array(row.map(T::from_f64));
+                states[i] = rounded(&at(block * SIDE_BY_SIDE + i));
+            }
+            let u = &u[..rows.len()];
+            self.0.reactions(u, &states, &mut reactions);
+            for (((force, status), u), reaction) in forces.iter_mut().zip(status).zip(u).zip(reactions) {
+                let (wrench, flags) = held.update(u.is_finite(), || reaction);
+                *force = wrench.to_array().map(Scalar::to_f64);
+                *status = flags;
+            }
         }
+    }
+}
+
+fn rounded<T: Scalar>(at: &BearingKinematicState<f64>) -> BearingKinematicState<T> {
+    BearingKinematicState {
+        cage: at.cage,
+        inner: at.inner,
+        outer: at.outer,
+        ball: at.ball,
+        inner_speed: T::from_f64(at.inner_speed),
+        outer_speed: T::from_f64(at.outer_speed),
     }
 }
 

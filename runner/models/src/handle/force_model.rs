@@ -21,6 +21,13 @@ pub trait ForceModel<T: Scalar>: Send + Sync {
     ) -> (Wrench<T>, Status) {
         last_valid.update(u.is_finite(), || self.reaction(u, at))
     }
+
+    /// Computes the forces as [`Bearing::reactions`] does.
+    fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
+        for ((u, at), reaction) in u.iter().zip(at).zip(reactions) {
+            *reaction = self.reaction(u, at);
+        }
+    }
 }
 
 /// A force model behind a shared pointer.
@@ -35,6 +42,9 @@ impl<T: Scalar> ForceModel<T> for AnyForceModel<T> {
 impl<T: Scalar> ForceModel<T> for AnyBearing<T> {
     fn reaction(&self, u: &Displacement<T>, at: &BearingKinematicState<T>) -> Reaction<T> {
         self.0.reaction(u, at)
+    }
+    fn reactions(&self, u: &[Displacement<T>], at: &[BearingKinematicState<T>], reactions: &mut [Reaction<T>]) {
+        self.0.reactions(u, at, reactions);
     }
 }
 
