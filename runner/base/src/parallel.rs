@@ -116,16 +116,6 @@ pub fn chain<T: Send, E: Send + From<std::io::Error>>(
     })
 }
 
-/// Indices that a thread takes at a time in [`of_indices`]: much more work than its start.
-const PIECE: usize = 2048;
-
-/// Returns `of(0)`, `of(1)` to `of(count - 1)`, computed as [`map`] does. For work of about a microsecond an index.
-pub fn of_indices<R: Send>(count: usize, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
-    let starts: Vec<usize> = (0..count).step_by(PIECE).collect();
-    let piece = |from: &usize| (*from..count.min(from + PIECE)).map(&of).collect::<Vec<_>>();
-    map(&starts, piece).into_iter().flatten().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,9 +135,6 @@ mod tests {
         let items: Vec<usize> = (0..100).collect();
         assert_eq!(map(&items, |i| i * i), items.iter().map(|i| i * i).collect::<Vec<_>>());
         assert!(map(&[] as &[usize], |i| *i).is_empty());
-        for count in [0, 1, PIECE, 3 * PIECE + 1] {
-            assert_eq!(of_indices(count, |i| i), (0..count).collect::<Vec<_>>());
-        }
     }
 
     #[test]

@@ -37,20 +37,18 @@ impl CageHarmonics {
     fn of(e: &Evidence, start: &Fitted, bearing: usize) -> Result<Self> {
         let n = e.plant.bearings[bearing].elements as f64;
         let evaluated = e.evaluated(&start.machine, bearing)?;
-        let at_sample = |t: usize| {
-            let (mut mean, mut first) = ([0.0; D], [C::new(0.0, 0.0); D]);
-            for p in 0..PHASES {
-                let part = p as f64 / PHASES as f64;
-                let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
-                let f = evaluated.force_at(&e.motion, t, Phase::from_revolutions(part / n));
+        let (mut mean, mut first) = (vec![[0.0; D]; e.motion.len()], vec![[C::new(0.0, 0.0); D]; e.motion.len()]);
+        for p in 0..PHASES {
+            let part = p as f64 / PHASES as f64;
+            let turn = C::from_polar(2.0 / PHASES as f64, -TAU * part);
+            let forces = evaluated.forces_at(&e.motion, Phase::from_revolutions(part / n));
+            for ((mean, first), force) in mean.iter_mut().zip(&mut first).zip(forces) {
                 for i in 0..D {
-                    mean[i] += f[i] / PHASES as f64;
-                    first[i] += turn * f[i];
+                    mean[i] += force[i] / PHASES as f64;
+                    first[i] += turn * force[i];
                 }
             }
-            (mean, first)
-        };
-        let (mean, first) = parallel::of_indices(e.motion.len(), at_sample).into_iter().unzip();
+        }
         Ok(Self { bearing, mean, first })
     }
 

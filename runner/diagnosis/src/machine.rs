@@ -6,6 +6,7 @@ use super::dynamics::{CouplingForce, Tangent};
 use super::measurement::{COEFFICIENTS, ReadingError};
 use super::motion::{D, Motion};
 use ballrace::bearing::Bearing as _;
+use ballrace::bearing::Reaction;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_base::parallel;
 use ballrace_models::bearing_model;
@@ -130,6 +131,8 @@ fn is_rigid(scene: &Scene) -> bool {
 /// force; below it, the axial force is used.
 const MIN_RADIAL: f64 = 0.01;
 
+/// Samples at which the force is evaluated together: much more work than the start of a thread.
+const TOGETHER: usize = 2048;
 /// Instants in a sample period at which a pulse of a spall is evaluated.
 const PARTS: usize = 4;
 
@@ -259,7 +262,25 @@ impl Evaluated {
 
     /// Returns the same without its spalls.
     pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
-        parallel::of_indices(motion.len(), |t| self.force(motion, t))
+        self.forces_in(&|t| self.state(motion, t))
+    }
+
+    /// Returns the same with the cage at one angle.
+    pub(crate) fn forces_at(&self, motion: &Motion, cage: Phase) -> Vec<[f64; D]> {
+        self.forces_in(&|t| BearingKinematicState { cage, ..self.state(motion, t) })
+    }
+
+    fn forces_in(&self, state: &(dyn Fn(usize) -> BearingKinematicState<f64> + Sync)) -> Vec<[f64; D]> {
+        let starts: Vec<usize> = (0..self.displaced.len()).step_by(TOGETHER).collect();
+        let piece = |from: &usize| {
+            let piece = *from..self.displaced.len().min(from + TOGETHER);
+            let at: Vec<_> = piece.clone().map(state).collect();
+            let u: Vec<_> = self.displaced[piece].iter().map(|u| self.displacement(u)).collect();
+            let mut reactions = vec![Reaction::default(); u.len()];
+            self.bearing.reactions(&u, &at, &mut reactions);
+            reactions.iter().map(|reaction| reaction.wrench.to_array()).collect::<Vec<_>>()
+        };
+        parallel::map(&starts, piece).into_iter().flatten().collect()
     }
 
     /// Returns the change of the force by the spalls at every sample; `None` without a spall.
@@ -324,25 +345,11 @@ impl Evaluated {
         self.wrench(&self.bearing, &(self.displaced[t] + *error), &self.state(motion, t))
     }
 
-    /// Returns the force at sample `t`.
-    pub fn force(&self, motion: &Motion, t: usize) -> [f64; D] {
-        self.force_in(t, &self.state(motion, t))
-    }
-
     /// Returns the change of the force by the spalls at sample `t` with the cage at another angle, at which only the first ball is on
     /// a spall.
     pub(crate) fn change_at_first_ball(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
         let state = BearingKinematicState { cage, ..self.state(motion, t) };
         self.passing.first().map_or([0.0; D], |one| self.change(one, &self.displaced[t], &state))
-    }
-
-    /// Returns the force at sample `t` with the cage at another angle.
-    pub fn force_at(&self, motion: &Motion, t: usize, cage: Phase) -> [f64; D] {
-        self.force_in(t, &BearingKinematicState { cage, ..self.state(motion, t) })
-    }
-
-    fn force_in(&self, t: usize, state: &BearingKinematicState<f64>) -> [f64; D] {
-        self.wrench(&self.bearing, &self.displaced[t], state)
     }
 
     fn wrench(&self, of: &AnyBearing<f64>, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
