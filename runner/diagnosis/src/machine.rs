@@ -262,20 +262,34 @@ impl Evaluated {
 
     /// Returns the same without its spalls.
     pub fn forces(&self, motion: &Motion) -> Vec<[f64; D]> {
-        self.forces_in(&|t| self.state(motion, t))
+        self.forces_in(&|t| self.displaced[t], &|t| self.state(motion, t))
     }
 
     /// Returns the same with the cage at one angle.
     pub(crate) fn forces_at(&self, motion: &Motion, cage: Phase) -> Vec<[f64; D]> {
-        self.forces_in(&|t| BearingKinematicState { cage, ..self.state(motion, t) })
+        self.forces_in(&|t| self.displaced[t], &|t| BearingKinematicState { cage, ..self.state(motion, t) })
     }
 
-    fn forces_in(&self, state: &(dyn Fn(usize) -> BearingKinematicState<f64> + Sync)) -> Vec<[f64; D]> {
+    /// Returns the same with errors of the displacement of the rotor.
+    pub(crate) fn forces_with(
+        &self,
+        motion: &Motion,
+        error: &(dyn Fn(usize) -> Displacement<f64> + Sync),
+    ) -> Vec<[f64; D]> {
+        self.forces_in(&|t| self.displaced[t] + error(t), &|t| self.state(motion, t))
+    }
+
+    /// Returns the forces at displacements of the rotor in kinematic states, sample by sample.
+    fn forces_in(
+        &self,
+        of_rotor: &(dyn Fn(usize) -> Displacement<f64> + Sync),
+        state: &(dyn Fn(usize) -> BearingKinematicState<f64> + Sync),
+    ) -> Vec<[f64; D]> {
         let starts: Vec<usize> = (0..self.displaced.len()).step_by(TOGETHER).collect();
         let piece = |from: &usize| {
             let piece = *from..self.displaced.len().min(from + TOGETHER);
             let at: Vec<_> = piece.clone().map(state).collect();
-            let u: Vec<_> = self.displaced[piece].iter().map(|u| self.displacement(u)).collect();
+            let u: Vec<_> = piece.map(|t| self.displacement(&of_rotor(t))).collect();
             let mut reactions = vec![Reaction::default(); u.len()];
             self.bearing.reactions(&u, &at, &mut reactions);
             reactions.iter().map(|reaction| reaction.wrench.to_array()).collect::<Vec<_>>()

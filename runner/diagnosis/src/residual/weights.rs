@@ -295,13 +295,15 @@ impl Evidence<'_> {
             let mut force = inertia(&error);
             for (b, one) in evaluated.iter().enumerate() {
                 // The odd part of the change is the noise of the force, the even part its bias.
+                let passed = &passed[b];
+                let [with, against] = [1.0, -1.0].map(|sign| {
+                    let error = |t: usize| Displacement::from_array(passed[t].to_array().map(|x| sign * x));
+                    one.forces_with(&self.motion, &error)
+                });
                 let change = |t: usize| {
+                    let (with, against, without) = (&with[t], &against[t], &exact[b][t]);
                     let mut odd = linear(b, t, &rest[b][t]);
                     let mut even = [0.0; D];
-                    let [with, against] = [1.0, -1.0]
-                        .map(|sign| Displacement::from_array(passed[b][t].to_array().map(|x| sign * x)))
-                        .map(|error| one.force_with(&self.motion, t, &error));
-                    let without = exact[b][t];
                     for i in 0..D {
                         odd[i] += with[i] - without[i];
                         even[i] += 0.5 * (with[i] + against[i]) - without[i];
