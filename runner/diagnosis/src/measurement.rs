@@ -191,13 +191,15 @@ pub fn limited(mean: &ReadingError, deviations: &ReadingError) -> ReadingError {
 
 /// Subtracts the errors of the probes' readings from a motion.
 pub fn subtract(motion: &mut Motion, solver: &PoseSolver, errors: &[ReadingError]) {
-    for (p, error) in errors.iter().enumerate() {
-        let used: Vec<usize> = (0..COEFFICIENTS).filter(|j| error[*j] != 0.0).collect();
-        let column = solver.column(p).to_array();
-        for t in 0..motion.len() {
-            let x: f64 = used.iter().map(|&j| error[j] * function(motion, j, t)).sum();
-            let q = motion.q[t].to_array();
-            motion.q[t] = ballrace::Displacement::from_array(std::array::from_fn(|i| q[i] - x * column[i]));
+    let used: Vec<usize> = (0..COEFFICIENTS).filter(|j| errors.iter().any(|error| error[*j] != 0.0)).collect();
+    let columns: Vec<_> = (0..errors.len()).map(|p| solver.column(p).to_array()).collect();
+    for t in 0..motion.len() {
+        let functions: Vec<(usize, f64)> = used.iter().map(|&j| (j, function(motion, j, t))).collect();
+        let mut q = motion.q[t].to_array();
+        for (error, column) in errors.iter().zip(&columns) {
+            let x: f64 = functions.iter().map(|(j, f)| error[*j] * f).sum();
+            q.iter_mut().zip(column).for_each(|(q, a)| *q -= x * a);
         }
+        motion.q[t] = ballrace::Displacement::from_array(q);
     }
 }

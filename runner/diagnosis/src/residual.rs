@@ -5,7 +5,7 @@ pub mod site;
 mod weights;
 
 use super::Result;
-use super::dynamics::{Dynamics, LEAD, Tangent, UnitResponses};
+use super::dynamics::{Dynamics, LEAD, Square, Tangent, UnitResponses};
 use super::filter::LineFilter;
 use super::machine::{Evaluated, Machine, MachineBearing};
 use super::measurement::Site;
@@ -103,8 +103,9 @@ pub(super) struct Evidence<'a> {
     uncertain_slopes: Arc<Vec<Vec<f64>>>,
     /// Directions of the whitened residual that they lead to.
     tolerance: Vec<Direction>,
-    /// Mean dynamic stiffness of the machine by which the residual is weighted.
+    /// Mean stiffness of the machine by which the residual is weighted, and its dynamic stiffness line by line.
     reference: MeanStiffness,
+    reference_lines: Arc<Vec<Square>>,
     /// Values of a residual per line.
     pub rows: usize,
     filter: Arc<LineFilter>,
@@ -262,6 +263,7 @@ impl<'a> Evidence<'a> {
             uncertain_slopes: Arc::default(),
             tolerance: vec![],
             reference: MeanStiffness::default(),
+            reference_lines: Arc::default(),
             rows: 0,
             filter: Arc::new(filter),
             rest: Arc::new(rest),
@@ -412,7 +414,7 @@ impl<'a> Evidence<'a> {
     /// Adds the force that another mean stiffness requires for the part of the displacement that the filter removed.
     fn stiffen(&self, force: &mut [Vec<C>; D], own: &MeanStiffness) {
         for (k, w) in self.transform.lines.iter().enumerate() {
-            let change = self.dynamic_stiffness(own, k, *w) - self.dynamic_stiffness(&self.reference, k, *w);
+            let change = self.dynamic_stiffness(own, k, *w) - self.reference_lines[k];
             for (i, force) in force.iter_mut().enumerate() {
                 let rest = |j: usize| self.rest_lines[j][k] + self.subtracted[j].get(k).copied().unwrap_or_default();
                 force[k] -= (0..D).map(|j| change[(i, j)] * rest(j)).sum::<C>();
@@ -501,8 +503,8 @@ impl<'a> Evidence<'a> {
     /// The stiffness changes along the motion: at a resonance of its mean, the displacement alone would be too large.
     pub(crate) fn displacement_by(&self, force: &[Vec<C>; D]) -> [Vec<C>; D] {
         let mut out: [Vec<C>; D] = Default::default();
-        for (k, w) in self.transform.lines.iter().enumerate() {
-            let stiffness = self.held(self.dynamic_stiffness(&self.reference, k, *w));
+        for (k, stiffness) in self.reference_lines.iter().enumerate() {
+            let stiffness = self.held(*stiffness);
             let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
             let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
             let scale = self.noise_scale[k].iter().sum::<f64>() / self.rows.max(1) as f64;

@@ -173,12 +173,9 @@ impl Evidence<'_> {
     /// Returns the force that a displacement requires at the mean stiffness.
     fn required_at_reference(&self, displacement: &[Vec<C>; D]) -> [Vec<C>; D] {
         let mut force: [Vec<C>; D] = std::array::from_fn(|_| vec![C::new(0.0, 0.0); self.transform.lines.len()]);
-        for (k, w) in self.transform.lines.iter().enumerate() {
+        for (k, stiffness) in self.reference_lines.iter().enumerate() {
             let q = SVector::<C, D>::from_fn(|i, _| displacement[i][k]);
-            if q.iter().all(|x| *x == C::new(0.0, 0.0)) {
-                continue;
-            }
-            let required = self.dynamic_stiffness(&self.reference, k, *w) * q;
+            let required = stiffness * q;
             force.iter_mut().zip(required.iter()).for_each(|(force, x)| force[k] = *x);
         }
         force
@@ -192,7 +189,7 @@ impl Evidence<'_> {
         if self.follows_axially() {
             self.follow_axially(machine)?;
         }
-        self.reference = self.mean_stiffness(machine)?;
+        self.set_reference(self.mean_stiffness(machine)?);
         Ok(())
     }
 
@@ -203,8 +200,8 @@ impl Evidence<'_> {
         let span = self.weighting.probes.iter().map(|probe| probe.station * probe.station).sum::<f64>()
             / self.weighting.probes.len().max(1) as f64;
         let mut out = vec![Vec::with_capacity(self.transform.lines.len()); self.weighting.probes.len()];
-        for (k, w) in self.transform.lines.iter().enumerate() {
-            let mut stiffness = self.held(self.dynamic_stiffness(&self.reference, k, *w));
+        for k in 0..self.transform.lines.len() {
+            let mut stiffness = self.held(self.reference_lines[k]);
             if k < MEAN_LINES {
                 for i in 0..D {
                     stiffness[(i, i)] += C::new(if i < 3 { least } else { least * span }, 0.0);
@@ -249,7 +246,7 @@ impl Evidence<'_> {
             let variance: Vec<f64> = (0..unexplained.len())
                 .map(|k| {
                     let motion = (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr();
-                    let stiffness = self.held(self.dynamic_stiffness(&self.reference, k, self.transform.lines[k]));
+                    let stiffness = self.held(self.reference_lines[k]);
                     let force = SVector::<C, D>::from_fn(|i, _| unbalance[i][k]);
                     let whirl = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
                     let whirl = (0..D).map(|i| whirl[i] * row[i]).sum::<C>().norm_sqr();
@@ -339,10 +336,7 @@ impl Evidence<'_> {
     /// Returns the largest radial motion of a bearing by a force there, over the static one: by so much an error of the stiffness changes the
     /// motion.
     fn amplification(&self, k: usize) -> f64 {
-        let compliance = self
-            .held(self.dynamic_stiffness(&self.reference, k, self.transform.lines[k]))
-            .try_inverse()
-            .unwrap_or_default();
+        let compliance = self.held(self.reference_lines[k]).try_inverse().unwrap_or_default();
         let of = |(b, tangent): (usize, &super::Tangent)| {
             let to = self.shaft.dynamics.to_centre(b, k);
             let own = to.transpose() * compliance * to;

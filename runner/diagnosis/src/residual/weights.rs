@@ -30,6 +30,13 @@ const MARKS: usize = 11;
 const LEFT_BY_BASELINE: f64 = 0.1;
 
 impl Evidence<'_> {
+    /// Sets the mean stiffness at which forces and displacements are converted.
+    pub(super) fn set_reference(&mut self, mean: MeanStiffness) {
+        let lines = self.transform.lines.iter().enumerate();
+        self.reference_lines = Arc::new(lines.map(|(k, w)| self.dynamic_stiffness(&mean, k, *w)).collect());
+        self.reference = mean;
+    }
+
     /// Weights residuals by the noise that they have with this machine.
     pub(crate) fn weight_for(&mut self, machine: &Machine) -> Result<()> {
         self.refer_to(machine)?;
