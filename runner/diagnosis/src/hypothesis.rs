@@ -135,8 +135,11 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             break;
         }
         let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(&faults));
-        // A further fault of this gain would leave less than noise does.
-        if now.chi_square - least < values - FEWER_THAN_NOISE * (2.0 * values).sqrt() {
+        // A further fault of this gain would leave less than noise does. What is expected of a site leaves less anyway.
+        if of.site.is_none()
+            && !faults.is_empty()
+            && now.chi_square - least < values - FEWER_THAN_NOISE * (2.0 * values).sqrt()
+        {
             break;
         }
         let cages = cage::unknowns(&of.observable, &now.machine);
@@ -168,7 +171,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let mut likely = likely.into_iter().take(FITTED.0);
         let alone = Competition { searched: 1, top, explained: None };
         let mut tried = scored_all(of, (&now, shifted), likely.next().into_iter(), alone)?;
-        let explains = |scored: &&Scored| scored.identified.fitted.chi_square < (1.0 + MODEL_ERROR) * values;
+        let explains = |scored: &&Scored| {
+            of.site.is_none() && excess > 0.0 && scored.identified.fitted.chi_square < (1.0 + MODEL_ERROR) * values
+        };
         let explained = tried.iter().filter(is_fault).find(explains);
         let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
         let beside = Competition { searched: SEARCHED - 1, explained, ..alone };
