@@ -74,15 +74,21 @@ impl Unknown {
         std::ptr::eq(self.parameter, parameter)
     }
 
-    /// Returns the revolutions of a cage per unit of its angle, slip or drift, from its rolling speed over the shaft speed and the
-    /// revolutions of the shaft; `None` for another unknown.
-    pub(crate) fn turns_cage(self) -> Option<fn(f64, f64, &Motion) -> f64> {
-        let of: [(&Parameter, fn(f64, f64, &Motion) -> f64); 3] = [
-            (&CAGE_PHASE, |_, _, _| 1.0),
-            (&CAGE_SLIP, |rolling, turns, _| -rolling * turns),
-            (&CAGE_DRIFT, |_, turns, motion| 0.5 * (turns - motion.middle).powi(2)),
-        ];
-        of.into_iter().find(|(parameter, _)| self.is(parameter)).map(|(_, turns)| turns)
+    /// Returns true for the angle and the speed of a cage.
+    pub(crate) fn is_of_cage(self) -> bool {
+        [&CAGE_PHASE, &CAGE_SLIP, &CAGE_DRIFT].into_iter().any(|parameter| self.is(parameter))
+    }
+
+    /// Returns the revolutions of a cage per unit of its angle, slip or drift at `turns` revolutions of the shaft; `rolling` is the speed of a
+    /// cage that rolls over the shaft speed.
+    pub(crate) fn turns_of_cage(self, rolling: f64, turns: f64, motion: &Motion) -> f64 {
+        if self.is(&CAGE_SLIP) {
+            -rolling * turns
+        } else if self.is(&CAGE_DRIFT) {
+            0.5 * (turns - motion.middle).powi(2)
+        } else {
+            1.0
+        }
     }
 
     pub fn part(self) -> ForceSource {

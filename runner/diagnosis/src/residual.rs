@@ -569,19 +569,17 @@ impl<'a> Evidence<'a> {
     /// Returns the change of the unexplained force by each unknown.
     fn force_slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<[Vec<C>; D]>> {
         let turned: Vec<usize> = (0..machine.bearings.len())
-            .filter(|b| unknowns.iter().any(|u| u.turns_cage().is_some() && u.bearing == *b))
+            .filter(|b| unknowns.iter().any(|u| u.is_of_cage() && u.bearing == *b))
             .collect();
         let by_angle = |b: &usize| Ok((*b, self.change_by_cage_angle(spectra, machine, *b)?));
         let by_angle: Vec<(usize, Vec<[f64; D]>)> =
             parallel::map(&turned, by_angle).into_iter().collect::<Result<_>>()?;
         let slope = |u: &Unknown| {
-            let changes = by_angle.iter().find(|(b, _)| *b == u.bearing);
-            let (Some(turns), Some((b, changes))) = (u.turns_cage(), changes) else {
-                return self.force_slope(spectra, machine, *u);
-            };
+            let changes = by_angle.iter().find(|(b, _)| u.is_of_cage() && *b == u.bearing);
+            let Some((b, changes)) = changes else { return self.force_slope(spectra, machine, *u) };
             let rolling = self.plant.bearings[*b].kinematics.cage_ratio;
             let slope = |t: usize| {
-                let turned = turns(rolling, self.motion.turns[t], &self.motion);
+                let turned = u.turns_of_cage(rolling, self.motion.turns[t], &self.motion);
                 changes[t].map(|x| x * turned)
             };
             Ok(self.about_centre(*b, slope))

@@ -48,7 +48,7 @@ pub const EXPECTED: f64 = 0.5;
 impl Candidate {
     /// Returns the unknowns without those of the cages.
     pub(crate) fn own_unknowns(&self) -> Vec<Unknown> {
-        self.unknowns.iter().copied().filter(|unknown| unknown.turns_cage().is_none()).collect()
+        self.unknowns.iter().copied().filter(|unknown| !unknown.is_of_cage()).collect()
     }
 
     /// Returns the best of the first starts; `None` if none is near enough to the recording (see [`FAR`]).
