@@ -7,6 +7,8 @@ use nalgebra::{DMatrix, DVector};
 const DIFFERENCE: f64 = 1e-4;
 /// Relative fall of the sum of squares from which on the minimum is near.
 const NEAR: f64 = 1e-3;
+/// Fall over the excess of the sum of squares beyond noise that is not worth a further step.
+const LEAST_SHARE: f64 = 1e-4;
 /// Largest number of iterations of a search without another limit.
 const ITERATIONS: usize = 40;
 /// First damping, and the least one.
@@ -63,14 +65,14 @@ pub trait Problem {
         0.0
     }
 
-    /// Adds the same to the normal equations.
+    /// Adds the same to the normal equations, and what holds unknowns that the residuals do not determine.
     fn add_prior(&self, _at: &Self::Point, _normal: &mut DMatrix<f64>, _gradient: &mut DVector<f64>) {}
 
     /// Returns the fall of the sum of squares in a step below which the search ends.
     fn least_fall(&self, at: &Self::Point) -> f64;
 
     /// Returns false where the search has to end before an iteration.
-    fn goes_on(&self, _progress: Progress) -> bool {
+    fn may_continue(&self, _progress: Progress) -> bool {
         true
     }
 }
@@ -82,7 +84,7 @@ pub struct Progress {
     pub iterations: usize,
     /// Sum of squares.
     pub square: f64,
-    /// Fall in the last iteration; 0 where its step was rejected.
+    /// Fall in the last iteration; 0 where its step was rejected, or was small by updated slopes.
     pub fall: f64,
 }
 
@@ -95,8 +97,7 @@ pub struct Minimum<P> {
     pub covariance: DMatrix<f64>,
     /// Iterations of the search.
     pub iterations: usize,
-    /// Relative fall of the sum of squares in the last iteration where the search ended at its largest number of iterations; `None` where it
-    /// ended at a minimum.
+    /// Relative fall of the sum of squares in the last iteration where the search ended before a minimum; `None` where it ended at one.
     pub still_falls: Option<f64>,
 }
 
@@ -112,20 +113,20 @@ pub fn minimise<P: Problem>(problem: &P, start: P::Point, most: usize) -> Result
         let residuals = problem.residuals(at);
         dot(residuals, residuals) + problem.prior_square(at)
     };
-    let count = problem.unknowns(&start).len();
-    let (mut now, mut covariance) = (start, DMatrix::zeros(count, count));
+    let mut now = start;
     let mut progress = Progress { iterations: 0, square: sum_of_squares(&now), fall: 0.0 };
-    let mut still_falls = None;
+    let (mut slopes, mut is_exact) = (vec![], true);
+    let (mut system, mut still_falls) = (None, None);
     let mut damping = DAMPING[0];
-    let mut slopes = problem.slopes(&now, progress)?;
-    let mut is_exact = true;
-    while progress.iterations < most && problem.goes_on(progress) {
+    while progress.iterations < most && problem.may_continue(progress) {
+        if is_exact {
+            slopes = problem.slopes(&now, progress)?;
+        }
         progress.iterations += 1;
-        let system = NormalEquations::new(problem, &now, &slopes);
-        covariance = system.inverse();
+        let equations = system.insert(NormalEquations::new(problem, &now, &slopes));
         let mut next = None;
         for _ in 0..if is_exact { DAMPINGS } else { 1 } {
-            let Some(to) = system.step(problem, &now, damping) else { break };
+            let Some(to) = equations.step(problem, &now, damping) else { break };
             let tried = problem.moved(&now, &to).ok().map(|point| (sum_of_squares(&point), point));
             next = tried.filter(|(square, _)| *square < progress.square);
             if next.is_some() {
@@ -136,13 +137,12 @@ pub fn minimise<P: Problem>(problem: &P, start: P::Point, most: usize) -> Result
                 damping = (damping * 10.0).max(1e3 * DAMPING[1]);
             }
         }
-        still_falls = None;
-        progress.fall = 0.0;
+        (still_falls, progress.fall) = (None, 0.0);
         if let Some((square, point)) = next {
             progress.fall = progress.square - square;
             still_falls = Some(progress.fall / progress.square);
             if problem.updates_slopes() {
-                system.update(problem, &mut slopes, [&now, &point]);
+                equations.update(problem, &mut slopes, [&now, &point]);
             }
             (now, progress.square) = (point, square);
         }
@@ -152,11 +152,13 @@ pub fn minimise<P: Problem>(problem: &P, start: P::Point, most: usize) -> Result
             break;
         }
         // A step with updated slopes may be short far from the minimum.
-        is_exact = !(is_large && problem.updates_slopes());
-        if is_exact {
-            slopes = problem.slopes(&now, progress)?;
+        if !is_large {
+            progress.fall = 0.0;
         }
+        is_exact = !(is_large && problem.updates_slopes());
     }
+    let count = problem.unknowns(&now).len();
+    let covariance = system.map_or_else(|| DMatrix::zeros(count, count), |system| system.inverse());
     Ok(Minimum { point: now, covariance, iterations: progress.iterations, still_falls })
 }
 
@@ -261,7 +263,7 @@ pub struct Limits {
     /// Largest number of iterations.
     pub iterations: usize,
     /// Fall of the sum of squares in a step below which the search ends, for residuals in units of their noise: a fall of 1 is one standard
-    /// deviation. Residuals that exceed their noise are taken for a higher noise.
+    /// deviation. Where more than noise is left, a fall by a small share of the excess ends the search as well.
     pub least_fall: f64,
 }
 
@@ -328,11 +330,11 @@ impl<E: Send> Problem for OfFunction<'_, E> {
     }
 
     fn least_fall(&self, at: &Evaluated) -> f64 {
-        let mean = dot(&at.residuals, &at.residuals) / at.residuals.len().max(1) as f64;
-        self.limits.least_fall * mean.max(1.0)
+        let excess = dot(&at.residuals, &at.residuals) - at.residuals.len() as f64;
+        self.limits.least_fall + LEAST_SHARE * excess.max(0.0)
     }
 
-    fn goes_on(&self, progress: Progress) -> bool {
+    fn may_continue(&self, progress: Progress) -> bool {
         (self.progress)(progress.iterations);
         true
     }
@@ -458,5 +460,77 @@ mod tests {
         };
         let found = solved(&[0.5], &[OPEN], &residuals);
         assert!((found.x[0] - 2.0).abs() < 1e-5, "{:?}", found.x);
+    }
+
+    /// A point on a circle about (1, 2), measured from three places, with analytic slopes that are counted.
+    struct Distances {
+        evaluated: std::cell::Cell<usize>,
+        may_continue: bool,
+    }
+
+    const PLACES: [[f64; 2]; 3] = [[0.0, 0.0], [4.0, 0.0], [0.0, 5.0]];
+    const TRUTH: [f64; 2] = [1.0, 2.0];
+
+    impl Problem for Distances {
+        type Point = Evaluated;
+        type Error = std::io::Error;
+
+        fn unknowns(&self, at: &Evaluated) -> Vec<f64> {
+            at.x.clone()
+        }
+
+        fn residuals<'p>(&self, at: &'p Evaluated) -> &'p [f64] {
+            &at.residuals
+        }
+
+        fn slopes(&self, at: &Evaluated, _: Progress) -> std::io::Result<Vec<Vec<f64>>> {
+            self.evaluated.set(self.evaluated.get() + 1);
+            let along = |i: usize| PLACES.map(|p| (at.x[i] - p[i]) / (at.x[0] - p[0]).hypot(at.x[1] - p[1])).to_vec();
+            Ok(vec![along(0), along(1)])
+        }
+
+        fn moved(&self, _: &Evaluated, x: &[f64]) -> std::io::Result<Evaluated> {
+            let distance = |of: &[f64], p: [f64; 2]| (of[0] - p[0]).hypot(of[1] - p[1]);
+            Ok(Evaluated { residuals: PLACES.map(|p| distance(x, p) - distance(&TRUTH, p)).to_vec(), x: x.to_vec() })
+        }
+
+        fn longest_step(&self, unknown: usize) -> f64 {
+            [f64::INFINITY, 0.5][unknown]
+        }
+
+        fn least_fall(&self, _: &Evaluated) -> f64 {
+            1e-16
+        }
+
+        fn may_continue(&self, progress: Progress) -> bool {
+            self.may_continue || progress.iterations == 0
+        }
+    }
+
+    fn located(may_continue: bool) -> (Minimum<Evaluated>, usize) {
+        let problem = Distances { evaluated: std::cell::Cell::new(0), may_continue };
+        let start = problem.moved(&Evaluated { x: vec![], residuals: vec![] }, &[3.0, 4.0]).unwrap();
+        let found = minimise(&problem, start, 40).unwrap();
+        (found, problem.evaluated.get())
+    }
+
+    /// Updated slopes lead to the minimum with few evaluations; the covariance is the inverse of the normal matrix there.
+    #[test]
+    fn updated_slopes_lead_to_the_minimum() {
+        let (found, evaluated) = located(true);
+        assert!(found.point.x.iter().zip(TRUTH).all(|(x, truth)| (x - truth).abs() < 1e-7), "{:?}", found.point.x);
+        assert!(found.still_falls.is_none() && evaluated < found.iterations, "{evaluated} of {}", found.iterations);
+        let units = PLACES.map(|p| [0, 1].map(|i| (TRUTH[i] - p[i]) / (TRUTH[0] - p[0]).hypot(TRUTH[1] - p[1])));
+        let normal = DMatrix::from_fn(2, 2, |i, j| units.iter().map(|unit| unit[i] * unit[j]).sum::<f64>());
+        let error = (normal.try_inverse().unwrap() - &found.covariance).amax();
+        assert!(error < 1e-3 * found.covariance.amax(), "{error}");
+    }
+
+    /// The first step is no longer than allowed, and the problem ends the search after it.
+    #[test]
+    fn a_problem_ends_its_search() {
+        let (found, evaluated) = located(false);
+        assert_eq!((found.iterations, evaluated), (1, 1));
+        assert!((found.point.x[1] - 4.0).abs() <= 0.5 + 1e-12 && found.still_falls.is_some(), "{:?}", found.point.x);
     }
 }

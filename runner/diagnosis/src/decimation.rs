@@ -1,11 +1,12 @@
 //! Low pass from several values per sample to one.
 
+use super::HIGHEST_OVER_RATE;
 use std::f64::consts::{PI, TAU};
 
 /// Attenuation beyond the stop band, dB.
 const ATTENUATION: f64 = 90.0;
 /// End of the pass band and begin of the stop band, over the sampling rate: what the stop band leaves appears below the pass band's end.
-const PASS: f64 = 0.16;
+const PASS: f64 = HIGHEST_OVER_RATE;
 const STOP: f64 = 1.0 - PASS;
 
 /// A windowed sinc (Kaiser) without delay.
@@ -17,7 +18,7 @@ pub struct Decimation {
 }
 
 impl Decimation {
-    /// Creates the low pass for `parts` values per sample. Its gain is 1 within 0.01 % up to 0.16 of the sampling rate.
+    /// Creates the low pass for `parts` values per sample. Its gain is 1 within 0.01 % up to [`HIGHEST_OVER_RATE`].
     pub fn new(parts: usize) -> Self {
         let rate = parts as f64;
         let width = TAU * (STOP - PASS) / rate;

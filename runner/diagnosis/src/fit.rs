@@ -162,7 +162,7 @@ pub fn fit(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize
 
 /// Fits `unknowns` from `start` within limits.
 pub(crate) fn fit_within(e: &Evidence, start: &Fitted, unknowns: &[Unknown], limits: Limits) -> Result<Fitted> {
-    Fit { e, unknowns, weights: Weights::Given, prior: None, limits }.from(start)
+    Fit { e, unknowns, weights: Weights::Given, prior: None, limits }.from(start, None)
 }
 
 /// Fits `unknowns` with a prior of some of them, in the weights of each machine tried.
@@ -173,10 +173,7 @@ pub(crate) fn fit_whole(
     prior: &Prior,
     limits: Limits,
 ) -> Result<Fitted> {
-    let chi_square = square(&e.own_residual(&start.machine, &start.spectra)?);
-    // A model that leaves more than noise is as far from the machine as if its noise were higher by that factor.
-    let inflation = (chi_square / start.residual.len().max(1) as f64).max(1.0);
-    Fit { e, unknowns, weights: Weights::Own, prior: Some(prior.times(inflation)), limits }.from(start)
+    Fit { e, unknowns, weights: Weights::Own, prior: None, limits }.from(start, Some(prior))
 }
 
 /// Fit of some unknowns of a machine to a recording.
@@ -189,12 +186,15 @@ struct Fit<'a, 'b> {
 }
 
 impl Fit<'_, '_> {
-    fn from(&self, start: &Fitted) -> Result<Fitted> {
+    fn from(mut self, start: &Fitted, prior: Option<&Prior>) -> Result<Fitted> {
         if self.unknowns.is_empty() {
             return evaluate(self.e, &start.machine);
         }
         let start = self.weighted(Fitted { unknowns: self.unknowns.to_vec(), ..start.clone() })?;
-        let found = minimise(self, start, self.limits.iterations)?;
+        // A model that leaves more than noise is as far from the machine as if its noise were higher by that factor.
+        let inflation = (start.chi_square / start.residual.len().max(1) as f64).max(1.0);
+        self.prior = prior.map(|prior| prior.times(inflation));
+        let found = minimise(&self, start, self.limits.iterations)?;
         Ok(Fitted { covariance: found.covariance, ..found.point })
     }
 
@@ -258,7 +258,7 @@ impl Problem for Fit<'_, '_> {
         MIN_FALL + MIN_SHARE * (at.chi_square - at.residual.len() as f64).max(0.0)
     }
 
-    fn goes_on(&self, Progress { iterations, square, fall }: Progress) -> bool {
+    fn may_continue(&self, Progress { iterations, square, fall }: Progress) -> bool {
         let is_hopeless = iterations > SETTLING && fall > 0.0 && square - AHEAD * fall > self.limits.target;
         !is_hopeless && self.limits.end.is_none_or(|end| Instant::now() <= end)
     }

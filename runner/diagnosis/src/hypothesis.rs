@@ -96,7 +96,7 @@ const EXPLAINED: f64 = 0.8;
 /// Less likely candidates that are fitted, at most, besides those that change the stiffness.
 const FURTHER: usize = 3;
 /// Largest fall of chi-squared by a fit over the expected one.
-const SURPRISE: f64 = 2.0;
+const GAIN_OVER_EXPECTED: f64 = 2.0;
 /// Fitted candidates for which the cages are searched again.
 const SEARCHED: usize = 2;
 /// Least significant fall of chi-squared by a fault: odds of e^50 against chance, with thousands of alternatives tried.
@@ -113,8 +113,9 @@ const EXPLAINED_MOTION: f64 = 0.5;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
 const MIN_SHARE: f64 = 0.3;
 
-/// Fits along the axial motion of the fit before.
-const AXIAL_ROUNDS: usize = 2;
+/// Fits along the axial motion of the fit before, at least and at most, and the share of chi-squared by which one more has to lower it.
+const AXIAL_ROUNDS: [usize; 2] = [2, 6];
+const AXIAL_FALL: f64 = 0.02;
 
 /// Mean and standard deviation of cage slip in practice: 0 to 3 %, up to 6 % under light load (NASA TN D-7870). It only selects
 /// between lines that coincide for different slips.
@@ -176,8 +177,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         };
         let explained = tried.iter().filter(is_fault).find(explains);
         let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
-        let beside = Competition { searched: SEARCHED - 1, explained, ..alone };
-        let (competing, hopeless): (Vec<&Candidate>, Vec<&Candidate>) =
+        let searched = if explained.is_some() { SEARCHED - 1 } else { SEARCHED };
+        let beside = Competition { searched, explained, ..alone };
+        let (competing, mut not_fitted): (Vec<&Candidate>, Vec<&Candidate>) =
             likely.partition(|candidate| beside.may_compete(of, candidate, &now));
         tried.extend(scored_all(of, (&now, shifted), competing.into_iter(), beside)?);
         let best = tried.iter().filter(is_fault).map(|scored| scored.identified.gain).fold(0.0, f64::max);
@@ -196,6 +198,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             |scored: &Scored| scored.identified.fault.is_of_measurement() && scored.identified.gain > MEASURED * best;
         if tried.iter().any(is_measured) {
             tried.retain(is_measured);
+            not_fitted.clear();
         }
         let closest = |tried: &[Scored]| tried.iter().map(Scored::chi_square).fold(f64::INFINITY, f64::min);
         let left = force_error(of) * force_error(of) * best;
@@ -209,18 +212,17 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let equal = closest(&tried) + left;
         let score = |scored: &Scored| (scored.chi_square() - equal).max(0.0) + scored.prior;
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        let of_hopeless = hopeless.iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
-        let next = match (tried.as_slice(), of_hopeless) {
+        let next = match (tried.as_slice(), not_fitted.first()) {
             ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)))),
             ([first], Some(next)) => {
-                let least = now.chi_square - SURPRISE * next.gain;
+                let least = now.chi_square - GAIN_OVER_EXPECTED * next.gain;
                 Some((next.fault, 0.5 * (least - first.identified.fitted.chi_square)))
             }
             _ => None,
         };
         let place = |fault: &AnyFault| (fault.kind(), fault.bearing());
         let gains = tried.iter().map(|Scored { identified, .. }| (&identified.fault, identified.gain));
-        let gains = gains.chain(hopeless.iter().map(|candidate| (&candidate.fault, candidate.gain)));
+        let gains = gains.chain(not_fitted.iter().map(|candidate| (&candidate.fault, candidate.gain)));
         let first = tried.first().map(|scored| place(&scored.identified.fault));
         let others = gains.filter(|(fault, _)| Some(place(fault)) != first);
         let rival = others.map(|(_, gain)| gain).fold(0.0, f64::max);
@@ -278,7 +280,8 @@ impl Competition {
 
     /// Returns false for a candidate that would have to explain far more than is expected of it.
     fn may_compete(&self, of: &Prepared, candidate: &Candidate, now: &Fitted) -> bool {
-        candidate.fault.is_nonlinear() || now.chi_square - SURPRISE * candidate.gain < self.extent(of, candidate).target
+        candidate.fault.is_nonlinear()
+            || now.chi_square - GAIN_OVER_EXPECTED * candidate.gain < self.extent(of, candidate).target
     }
 }
 
@@ -365,9 +368,14 @@ fn scored<'a>(
 fn moved_axially<'a>(of: &Prepared<'a>, identified: &mut IdentifiedFault) -> Result<Option<Evidence<'a>>> {
     let mut evidence = of.evidence.clone();
     let mut fitted = identified.fitted.clone();
-    for _ in 0..AXIAL_ROUNDS {
+    let [least, most] = AXIAL_ROUNDS;
+    for round in 1..=most {
+        let before = fitted.chi_square;
         evidence.weight_for(&fitted.machine)?;
         fitted = fit(&evidence, &evaluate(&evidence, &fitted.machine)?, &fitted.unknowns, 12)?;
+        if round >= least && fitted.chi_square > (1.0 - AXIAL_FALL) * before {
+            break;
+        }
     }
     if fitted.chi_square >= identified.fitted.chi_square {
         return Ok(None);

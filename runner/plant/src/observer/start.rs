@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Number of samples in the fit.
 const SAMPLES: usize = 1024;
-/// Numbers of samples in fits that each start from the one before, where the fit of all samples from the guess fails: over a few samples any
-/// motion is nearly linear in its first state, while a chaotic one over many is not.
+/// Numbers of samples in fits that each start from the one before: up to [`DESCRIBED`], and beyond where the fit of all samples from the guess
+/// fails. Over a few samples any motion is nearly linear in its first state, while a chaotic one over many is not.
 const FEW_FIRST: [usize; 6] = [32, 64, 128, 256, 512, SAMPLES];
 /// Samples over which the scene describes the machine before the fit of all samples is tried.
 const DESCRIBED: usize = 128;
