@@ -170,8 +170,12 @@ def test_a_folder_has_one_writer(machines: Path, tmp_path: Path) -> None:
     assert result.evaluated == 2
 
 
-def test_a_run_that_is_killed_goes_on(machines: Path, single: ballrace.fleet.Result, tmp_path: Path) -> None:
-    program = f"import ballrace.fleet; ballrace.fleet.replay({str(machines)!r}, 'o', workers=0)"
+def test_a_run_that_is_killed_goes_on(machines: Path, tmp_path: Path) -> None:
+    # Outcomes are written every two seconds: a run takes several times as long.
+    few = pandas.read_csv(machines)
+    many = machines.parent / "many.csv"
+    pandas.concat([few.assign(machine=few["machine"] + f" of hall {i}") for i in range(6)]).to_csv(many, index=False)
+    program = f"import ballrace.fleet; ballrace.fleet.replay({str(many)!r}, 'o', workers=0)"
     process = subprocess.Popen([sys.executable, "-c", program], cwd=tmp_path)
     outcomes = tmp_path / "o" / "outcomes"
     deadline = time.monotonic() + 600
@@ -179,9 +183,9 @@ def test_a_run_that_is_killed_goes_on(machines: Path, single: ballrace.fleet.Res
         time.sleep(0.02)
     process.kill()
     process.wait()
-    result = ballrace.fleet.replay(machines, tmp_path / "o", workers=0)
-    assert 0 < result.evaluated < COUNT
-    assert _rows(result) == _rows(single)
+    result = ballrace.fleet.replay(many, tmp_path / "o", workers=0)
+    assert 0 < result.evaluated < 6 * COUNT
+    assert _rows(result) == _rows(ballrace.fleet.replay(many, tmp_path / "whole", workers=0))
 
 
 def test_batches_are_a_plain_arrow_function(machines: Path, single: ballrace.fleet.Result) -> None:
