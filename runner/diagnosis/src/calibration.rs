@@ -212,6 +212,13 @@ pub(super) fn covariance(calibration: &Calibration, machine: &Machine) -> (Vec<U
     (present.into_iter().map(|(_, unknown)| unknown).collect(), covariance)
 }
 
+/// Returns the parameters that the scene of a machine knows with a deviation, and their covariance.
+pub(super) fn covariance_of_scene(machine: &Machine) -> (Vec<Unknown>, DMatrix<f64>) {
+    let Prior { unknowns, precision, .. } = of_scene(machine, true);
+    let covariance = DMatrix::from_diagonal(&precision.diagonal().map(|x| 1.0 / x));
+    (unknowns, covariance)
+}
+
 fn prior(calibration: &Calibration, machine: &Machine) -> Prior {
     let (unknowns, covariance) = covariance(calibration, machine);
     let n = unknowns.len();
@@ -358,7 +365,7 @@ pub(super) fn calibrate(
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
         let values = now.residual.len() as f64;
-        let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0);
+        let excess = (2.0 * values).sqrt() + (now.chi_square - values).max(0.0) / dependent;
         let fall = (before - now.chi_square) / dependent;
         if !to_end && rounds == HOPEFUL.0 && now.chi_square > HOPEFUL.1 * values {
             still_falls = Some(fall / before);

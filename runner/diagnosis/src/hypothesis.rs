@@ -39,6 +39,8 @@ struct Scored<'a> {
     tolerated: f64,
     /// The recording weighted for the machine with the fault, where that differs in stiffness.
     evidence: Option<Evidence<'a>>,
+    /// No more than the deviations of healthy bearings and rotors.
+    is_sound: bool,
 }
 
 impl Scored<'_> {
@@ -121,78 +123,156 @@ const AXIAL_FALL: f64 = 0.02;
 /// between lines that coincide for different slips.
 const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
 
+/// Largest number of deviations of sound machines that are taken from a recording.
+const MAX_DEVIATIONS: usize = 3;
+
 /// Adds at most `most` faults to the healthy machine, as long as they explain enough.
 pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Result<Vec<IdentifiedFault>> {
     let mut locked = vec![false; of.observable.len()];
     let mut now = of.healthy.clone();
     let mut faults: Vec<IdentifiedFault> = vec![];
-    let values = now.residual.len() as f64;
-    let first_excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
+    let mut deviations = 0;
+    let first_excess = excess(&now);
     while faults.len() < most {
-        let excess = now.chi_square - (1.0 + MODEL_ERROR) * values;
-        // What a fault of a site leaves beside what is expected has no further cause, and one that moves the shaft leaves lines of all bearings.
-        if of.site.is_some() && (faults.iter().any(|one| one.fault.moves_shaft()) || !faults.is_empty() && excess < 0.0)
-        {
-            break;
-        }
-        let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(&faults));
-        // A further fault of this gain would leave less than noise does. What is expected of a site leaves less anyway.
-        if of.site.is_none()
-            && !faults.is_empty()
-            && now.chi_square - least < values - FEWER_THAN_NOISE * (2.0 * values).sqrt()
-        {
-            break;
-        }
+        let Some(least) = least_gain(of, &now, &faults) else { break };
         let cages = cage::unknowns(&of.observable, &now.machine);
         let moved = of.shifted.as_ref().map(|e| evaluate(e, &now.machine)).transpose()?;
         let shifted = match (&of.shifted, &moved) {
             (Some(e), Some(moved)) => (e, moved),
             _ => (&of.evidence, &now),
         };
-        let list = Search::new((&of.evidence, &now), shifted, &of.band, cages, &locked)?.candidates()?;
+        let mut list = Search::new((&of.evidence, &now), shifted, &of.band, cages, &locked)?.candidates()?;
+        list.retain(|candidate| faults.iter().all(|other| other.fault != candidate.fault));
         progress(0.3 + 0.2 * faults.len() as f64);
-        let is_new = |c: &&Candidate| faults.iter().all(|other| other.fault != c.fault);
-        let Some(top) = list.iter().find(is_new).map(|c| c.gain) else { break };
-        let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * least);
-        let (likely, others): (Vec<&Candidate>, _) = list.iter().filter(is_new).partition(is_likely);
-        // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise. The lines of a sound
-        // surface change from one recording to the next, those of one error of the model together.
-        let spread = if of.site.is_some() { (2.0 * values).sqrt() } else { 0.0 };
-        let is_fault = |Scored { identified, .. }: &&Scored| {
-            let of_kind = match (identified.fault.moves_shaft(), identified.fault.surface()) {
-                (true, _) => spread,
-                (false, Some(_)) => spread * DEPENDENT.sqrt(),
-                (false, None) => 0.0,
-            };
-            identified.gain > least.max(of_kind)
-                && identified.explains_motion
-                && identified.fault.exceeds_tolerance(&of.evidence, &now, &identified.fitted)
-        };
+        let round = Round { of, now: &now, shifted, least, first_excess };
+        let Some(Scored { mut identified, mut evidence, is_sound, .. }) = round.selected(&list)? else { break };
+        if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
+            evidence = moved_axially(of, &mut identified)?;
+        }
+        now = identified.fitted.clone();
+        of.observable.clone_from(&identified.observable);
+        if let Some(evidence) = evidence {
+            of.evidence = evidence;
+        }
+        if is_sound {
+            deviations += 1;
+            if faults.is_empty() {
+                of.healthy = now.clone();
+            }
+            if deviations > MAX_DEVIATIONS {
+                break;
+            }
+            continue;
+        }
+        if let Some(b) = identified.fault.shows_cage() {
+            locked[b] = true;
+        }
+        faults.push(identified);
+        now = pruned(of, &mut faults, now)?;
+        progress(0.4 + 0.2 * faults.len() as f64);
+    }
+    Ok(faults)
+}
+
+/// Returns the chi-squared of a machine over that of noise.
+fn excess(now: &Fitted) -> f64 {
+    now.chi_square - (1.0 + MODEL_ERROR) * now.residual.len() as f64
+}
+
+/// Returns the least gain of a further fault; `None` if the faults found need no further one.
+fn least_gain(of: &Prepared, now: &Fitted, faults: &[IdentifiedFault]) -> Option<f64> {
+    let excess = excess(now);
+    let values = now.residual.len() as f64;
+    let is_site = of.site.is_some();
+    let least = (MIN_SHARE * excess).max(MIN_GAIN).max(left_by_model(faults));
+    // What a fault of a site leaves beside what is expected has no further cause, and one that moves the shaft leaves lines of all bearings.
+    let is_moved = faults.iter().any(|one| one.fault.moves_shaft());
+    let is_expected = is_site && (is_moved || !faults.is_empty() && excess < 0.0);
+    // A further fault of this gain would leave less than noise does. What is expected of a site leaves less anyway.
+    let is_noise =
+        !is_site && !faults.is_empty() && now.chi_square - least < values - FEWER_THAN_NOISE * (2.0 * values).sqrt();
+    (!is_expected && !is_noise).then_some(least)
+}
+
+/// Search for one further fault.
+struct Round<'a, 'b> {
+    of: &'b Prepared<'a>,
+    now: &'b Fitted,
+    /// The same for faults that move the shaft.
+    shifted: (&'b Evidence<'a>, &'b Fitted),
+    /// Least gain of a fault.
+    least: f64,
+    /// Excess of chi-squared of the healthy machine.
+    first_excess: f64,
+}
+
+impl<'a> Round<'a, '_> {
+    /// Returns the most likely of the candidates; `None` if none explains enough.
+    fn selected(&self, list: &[Candidate]) -> Result<Option<Scored<'a>>> {
+        let Some(top) = list.first().map(|candidate| candidate.gain) else { return Ok(None) };
+        let (mut tried, not_fitted) = self.tried(list, top)?;
+        tried.retain(|scored| self.is_significant(scored) && !(scored.is_sound && self.of.site.is_none()));
+        self.compared(tried, not_fitted)
+    }
+
+    /// Returns the candidates that compete, fitted, and those that are not fitted.
+    fn tried<'c>(&self, list: &'c [Candidate], top: f64) -> Result<(Vec<Scored<'a>>, Vec<&'c Candidate>)> {
+        let (of, excess) = (self.of, excess(self.now));
+        let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * self.least);
+        let (likely, others): (Vec<&Candidate>, _) = list.iter().partition(is_likely);
         // Where the likeliest candidate explains the recording, the others are fitted as far as they compete with it.
         let mut likely = likely.into_iter().take(FITTED.0);
         let alone = Competition { searched: 1, top, explained: None };
-        let mut tried = scored_all(of, (&now, shifted), likely.next().into_iter(), alone)?;
+        let mut tried = self.scored_all(likely.next().into_iter(), alone)?;
+        let values = self.now.residual.len() as f64;
         let explains = |scored: &&Scored| {
             of.site.is_none() && excess > 0.0 && scored.identified.fitted.chi_square < (1.0 + MODEL_ERROR) * values
         };
-        let explained = tried.iter().filter(is_fault).find(explains);
+        let explained = tried.iter().filter(|scored| self.is_fault(scored)).find(explains);
         let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
         let searched = if explained.is_some() { SEARCHED - 1 } else { SEARCHED };
         let beside = Competition { searched, explained, ..alone };
-        let (competing, mut not_fitted): (Vec<&Candidate>, Vec<&Candidate>) =
-            likely.partition(|candidate| beside.may_compete(of, candidate, &now));
-        tried.extend(scored_all(of, (&now, shifted), competing.into_iter(), beside)?);
-        let best = tried.iter().filter(is_fault).map(|scored| scored.identified.gain).fold(0.0, f64::max);
-        if best < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * first_excess) {
+        let (competing, not_fitted): (Vec<&Candidate>, Vec<&Candidate>) =
+            likely.partition(|candidate| beside.may_compete(of, candidate, self.now));
+        tried.extend(self.scored_all(competing.into_iter(), beside)?);
+        if self.best(&tried) < EXPLAINED * excess && excess > MIN_GAIN.max((1.0 - EXPLAINED) * self.first_excess) {
             // The gain before the fit shows little of a candidate that changes the stiffness or starts far from its best.
             let (nonlinear, others): (Vec<&Candidate>, Vec<&Candidate>) =
                 others.into_iter().partition(|c| c.fault.is_nonlinear());
             let further = nonlinear.into_iter().chain(others.into_iter().take(FURTHER));
             let further_top = further.clone().map(|candidate| candidate.gain).fold(0.0, f64::max);
-            let alone = Competition { top: further_top, ..alone };
-            tried.extend(scored_all(of, (&now, shifted), further, alone)?);
+            tried.extend(self.scored_all(further, Competition { top: further_top, ..alone })?);
         }
-        tried.retain(|scored| is_fault(&scored));
+        Ok((tried, not_fitted))
+    }
+
+    /// Returns true where a candidate explains more than an error of the model, and the motion that it has to explain.
+    fn is_significant(&self, Scored { identified, .. }: &Scored) -> bool {
+        // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise. The lines of a sound
+        // surface change from one recording to the next, those of one error of the model together.
+        let spread = if self.of.site.is_some() { (2.0 * self.now.residual.len() as f64).sqrt() } else { 0.0 };
+        let of_kind = match (identified.fault.moves_shaft(), identified.fault.surface()) {
+            (true, _) => spread,
+            (false, Some(_)) => spread * DEPENDENT.sqrt(),
+            (false, None) => 0.0,
+        };
+        identified.gain > self.least.max(of_kind) && identified.explains_motion
+    }
+
+    fn is_fault(&self, scored: &Scored) -> bool {
+        self.is_significant(scored) && !scored.is_sound
+    }
+
+    /// Returns the largest gain of a fault.
+    fn best(&self, tried: &[Scored]) -> f64 {
+        let faults = tried.iter().filter(|scored| self.is_fault(scored));
+        faults.map(|scored| scored.identified.gain).fold(0.0, f64::max)
+    }
+
+    /// Compares fitted candidates, and returns the most likely one with the odds against the others.
+    fn compared(&self, mut tried: Vec<Scored<'a>>, mut not_fitted: Vec<&Candidate>) -> Result<Option<Scored<'a>>> {
+        let of = self.of;
+        let best = tried.iter().map(|scored| scored.identified.gain).fold(0.0, f64::max);
         // What a probe may have measured accuses no bearing.
         let is_measured =
             |scored: &Scored| scored.identified.fault.is_of_measurement() && scored.identified.gain > MEASURED * best;
@@ -212,11 +292,13 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let equal = closest(&tried) + left;
         let score = |scored: &Scored| (scored.chi_square() - equal).max(0.0) + scored.prior;
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        // Of a machine that was never recorded in good order, the shape of the lines is not known well enough to tell faults apart by each.
+        let dependent = if of.evidence.is_without_baseline() { DEPENDENT } else { 1.0 };
         let next = match (tried.as_slice(), not_fitted.first()) {
-            ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)))),
+            ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)) / dependent)),
             ([first], Some(next)) => {
-                let least = now.chi_square - GAIN_OVER_EXPECTED * next.gain;
-                Some((next.fault, 0.5 * (least - first.identified.fitted.chi_square)))
+                let least = self.now.chi_square - GAIN_OVER_EXPECTED * next.gain;
+                Some((next.fault, 0.5 * (least - first.identified.fitted.chi_square) / dependent))
             }
             _ => None,
         };
@@ -226,25 +308,34 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let first = tried.first().map(|scored| place(&scored.identified.fault));
         let others = gains.filter(|(fault, _)| Some(place(fault)) != first);
         let rival = others.map(|(_, gain)| gain).fold(0.0, f64::max);
-        let Some(Scored { mut identified, mut evidence, .. }) = tried.into_iter().next() else { break };
-        identified.next = next;
-        identified.rival = rival / identified.gain.max(f64::MIN_POSITIVE);
-        if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
-            evidence = moved_axially(of, &mut identified)?;
-        }
-        now = identified.fitted.clone();
-        of.observable.clone_from(&identified.observable);
-        if let Some(evidence) = evidence {
-            of.evidence = evidence;
-        }
-        if let Some(b) = identified.fault.shows_cage() {
-            locked[b] = true;
-        }
-        faults.push(identified);
-        now = pruned(of, &mut faults, now)?;
-        progress(0.4 + 0.2 * faults.len() as f64);
+        let Some(mut scored) = tried.into_iter().next() else { return Ok(None) };
+        scored.identified.next = next;
+        scored.identified.rival = rival / scored.identified.gain.max(f64::MIN_POSITIVE);
+        Ok(Some(scored))
     }
-    Ok(faults)
+
+    /// Fits candidates and scores them.
+    fn scored_all<'c>(
+        &self,
+        candidates: impl Iterator<Item = &'c Candidate>,
+        competition: Competition,
+    ) -> Result<Vec<Scored<'a>>> {
+        let candidates: Vec<&Candidate> = candidates.collect();
+        let fit = |candidate: &&'c Candidate| -> Result<Option<(&'c Candidate, Fitted)>> {
+            let is_shifted = candidate.fault.moves_shaft();
+            let (e, now) = if is_shifted { self.shifted } else { (&self.of.evidence, self.now) };
+            let fitted = candidate.fault.fit(e, candidate, now, competition.extent(self.of, candidate))?;
+            Ok(fitted.map(|fitted| (*candidate, fitted)))
+        };
+        let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
+        let mut fits: Vec<(&Candidate, Fitted)> = fits.into_iter().flatten().collect();
+        fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
+        let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
+        let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
+            scored(self.of, self.now, candidate, fitted, *rank < competition.searched)
+        };
+        parallel::map(&ranked, score).into_iter().collect()
+    }
 }
 
 /// Returns the relative error of the force of a fault in the model, with that of the gain of the probes at a site.
@@ -283,29 +374,6 @@ impl Competition {
         candidate.fault.is_nonlinear()
             || now.chi_square - GAIN_OVER_EXPECTED * candidate.gain < self.extent(of, candidate).target
     }
-}
-
-/// Fits candidates and scores them.
-fn scored_all<'a, 'b>(
-    of: &Prepared<'a>,
-    (now, shifted): (&Fitted, (&Evidence<'a>, &Fitted)),
-    candidates: impl Iterator<Item = &'b Candidate>,
-    competition: Competition,
-) -> Result<Vec<Scored<'a>>> {
-    let candidates: Vec<&Candidate> = candidates.collect();
-    let fit = |candidate: &&'b Candidate| -> Result<Option<(&'b Candidate, Fitted)>> {
-        let (e, now) = if candidate.fault.moves_shaft() { shifted } else { (&of.evidence, now) };
-        let fitted = candidate.fault.fit(e, candidate, now, competition.extent(of, candidate))?;
-        Ok(fitted.map(|fitted| (*candidate, fitted)))
-    };
-    let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
-    let mut fits: Vec<(&Candidate, Fitted)> = fits.into_iter().flatten().collect();
-    fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
-    let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
-    let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-        scored(of, now, candidate, fitted, *rank < competition.searched)
-    };
-    parallel::map(&ranked, score).into_iter().collect()
 }
 
 /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
@@ -355,7 +423,9 @@ fn scored<'a>(
         }
         _ => true,
     };
+    let is_sound = !fault.exceeds_tolerance(&of.evidence, now, &fitted);
     Ok(Scored {
+        is_sound,
         identified: IdentifiedFault { fault, gain, next: None, rival: 0.0, fitted, explains_motion, observable },
         prior,
         tolerated: 0.0,

@@ -49,6 +49,8 @@ use fit::Fitted;
 use hypothesis::MAX_FAULTS;
 use machine::Machine;
 use motion::Motion;
+use nalgebra::DMatrix;
+use parameter::Unknown;
 use residual::{Evidence, Weighting};
 use site::SiteRecording;
 use std::f64::consts::TAU;
@@ -64,8 +66,6 @@ pub(crate) const MIN_REVOLUTIONS: f64 = 16.0;
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
 /// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
 const HIGHEST_OVER_RATE: f64 = 0.16;
-/// Least gap that shows a site, m: a fault may move the shaft by less.
-const SHOWN_GAP: f64 = 10e-6;
 /// Band about a carrier, in orders of the shaft.
 const BAND_ORDERS: f64 = 3.5;
 
@@ -153,7 +153,13 @@ fn scatter(samples: &[Sample], probe: usize) -> f64 {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(of: &DiagnosisInput<'a>, machine: &Machine, world: World) -> Result<Option<Self>> {
+    /// Prepares a recording; `uncertain` are the parameters whose errors no fault explains, with their covariance.
+    fn new(
+        of: &DiagnosisInput<'a>,
+        machine: &Machine,
+        world: World,
+        uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
+    ) -> Result<Option<Self>> {
         let stations: Vec<f64> = of.plant.bearings.iter().map(|b| b.station).collect();
         let Ok(solver) = PoseSolver::try_new(of.probes, &stations) else { return Ok(None) };
         let noise: Vec<f64> = of
@@ -186,8 +192,8 @@ impl<'a> Prepared<'a> {
             World::Site => site.insert(SiteRecording::new(*of, weighting, highest, motion)).evidence(machine)?,
         };
         let Some(mut evidence) = evidence else { return Ok(None) };
-        if let Some(calibration) = of.calibration {
-            evidence.set_uncertain(calibration::covariance(calibration, machine));
+        if let Some(uncertain) = uncertain {
+            evidence.set_uncertain(uncertain);
         }
         evidence.weight_for(machine)?;
         let band = Baseband::new(&evidence, BAND_ORDERS);
@@ -227,19 +233,26 @@ pub fn diagnose(
     of: &DiagnosisInput,
     progress: &dyn Fn(f64),
 ) -> std::result::Result<Option<DiagnosisResult>, BuildError> {
-    // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, or the readings
-    // must show the errors of a site.
+    // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, as its faults
+    // are those of a machine that is known without error.
     if world(of) == World::Site {
-        return diagnose_in(World::Site, of, (MAX_FAULTS, None), progress);
+        return diagnose_in(World::Site, of, MAX_FAULTS, progress);
     }
-    let exact = diagnose_in(World::Exact, of, (MAX_FAULTS, None), &|share| progress(0.5 * share))?;
+    let exact = diagnose_in(World::Exact, of, MAX_FAULTS, &|share| progress(0.5 * share))?;
     if exact.as_ref().is_none_or(DiagnosisResult::explains) {
         return Ok(exact);
     }
-    // What accuses without a proof is no reason to disregard a site.
-    let least_gap = exact.as_ref().filter(|exact| !exact.accuses_without_proof()).map(|_| SHOWN_GAP);
-    let site = diagnose_in(World::Site, of, (MAX_FAULTS, least_gap), &|share| progress(0.5 + 0.5 * share))?;
+    let site = diagnose_in(World::Site, of, MAX_FAULTS, &|share| progress(0.5 + 0.5 * share))?;
     Ok(site.or(exact))
+}
+
+/// Returns the parameters that are known with a deviation, and their covariance: those of a baseline, or those of the scene of a site.
+fn uncertain(of: &DiagnosisInput, machine: &Machine, world: World) -> Option<(Vec<Unknown>, DMatrix<f64>)> {
+    match of.calibration {
+        Some(calibration) => Some(calibration::covariance(calibration, machine)),
+        None if world == World::Site => Some(calibration::covariance_of_scene(machine)),
+        None => None,
+    }
 }
 
 /// Returns the world of a baseline.
@@ -248,22 +261,18 @@ fn world(of: &DiagnosisInput) -> World {
     if is_site { World::Site } else { World::Exact }
 }
 
-/// Diagnoses a recording in a world with at most `most` faults; `None` as well where the readings show no errors of a site, with a gap of
-/// `least_gap` or another one, that they have to.
+/// Diagnoses a recording in a world with at most `most` faults; `None` if the rotor or its probes do not allow it.
 fn diagnose_in(
     world: World,
     of: &DiagnosisInput,
-    (most, least_gap): (usize, Option<f64>),
+    most: usize,
     progress: &dyn Fn(f64),
 ) -> Result<Option<DiagnosisResult>> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let Some(mut prepared) = Prepared::new(of, &machine, world)? else { return Ok(None) };
-    progress(0.1);
-    if let (Some(site), Some(least_gap)) = (&prepared.site, least_gap)
-        && !site.shows_errors(least_gap)
-    {
+    let Some(mut prepared) = Prepared::new(of, &machine, world, uncertain(of, &machine, world))? else {
         return Ok(None);
-    }
+    };
+    progress(0.1);
     let faults = hypothesis::diagnose(&mut prepared, most, progress)?;
     Ok(Some(result::diagnosis(of, &prepared, &faults)?))
 }
@@ -274,7 +283,9 @@ fn diagnose_in(
 /// Returns an error if a bearing cannot be built.
 pub fn cages(of: &DiagnosisInput) -> std::result::Result<Option<Vec<CageEstimate>>, BuildError> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let Some(prepared) = Prepared::new(of, &machine, world(of))? else { return Ok(None) };
+    let Some(prepared) = Prepared::new(of, &machine, world(of), uncertain(of, &machine, world(of)))? else {
+        return Ok(None);
+    };
     Ok(Some(result::cages(&prepared.evidence, &prepared.healthy, &prepared.observable)))
 }
 
@@ -298,7 +309,7 @@ pub fn calibrate(
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
     let alone = DiagnosisInput { calibration: None, ..*of };
     let in_world = |world: World, to_end: bool| -> Result<Option<Calibrated>> {
-        let Some(mut prepared) = Prepared::new(&alone, &machine, world)? else { return Ok(None) };
+        let Some(mut prepared) = Prepared::new(&alone, &machine, world, None)? else { return Ok(None) };
         calibration::calibrate(&mut prepared, of.calibration, plan, to_end).map(Some)
     };
     if world(of) == World::Site {
@@ -319,6 +330,6 @@ pub fn calibrate(
         return exact_to_end(exact);
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
-    let with_fault = diagnose_in(World::Exact, &alone, (1, None), &|_| {})?;
+    let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
     if with_fault.is_some_and(|result| result.explains()) { exact_to_end(exact) } else { Ok(site) }
 }

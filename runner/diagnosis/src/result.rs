@@ -55,14 +55,6 @@ impl DiagnosisResult {
     pub(super) fn explains(&self) -> bool {
         self.outcome.chi_square_after < EXPLAINED
     }
-
-    /// Returns true where the strongest diagnosis names a fault that explains too little of the unexplained motion.
-    pub(super) fn accuses_without_proof(&self) -> bool {
-        let Some(first) = self.diagnoses.first().filter(|first| first.kind != FaultKind::Other) else { return false };
-        let FaultParameters { explained, unexplained_motion, .. } = &first.parameters;
-        let is_proven = unexplained_motion.as_ref().is_some_and(|motion| motion.explained > PROVEN);
-        !is_proven || explained.unwrap_or(0.0) < DECIDED[0]
-    }
 }
 
 /// Angle and speed of one cage.

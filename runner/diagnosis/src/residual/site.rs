@@ -152,6 +152,11 @@ impl Evidence<'_> {
         if self.site.is_some() { SIGNIFICANT } else { 0.0 }
     }
 
+    /// Returns true at a site whose machine was not recorded in good order before.
+    pub fn is_without_baseline(&self) -> bool {
+        self.site.as_ref().is_some_and(|site| !site.waves.is_empty())
+    }
+
     /// Returns the force that stands for errors of the readings: that of the mean stiffness at the displacement that they pretend.
     pub(super) fn readings(&self, errors: &[ReadingError]) -> [Vec<C>; D] {
         let Some(site) = &self.site else { return Default::default() };
@@ -274,7 +279,7 @@ impl Evidence<'_> {
                 let rows = self.rows;
                 let mean = if k < MEAN_LINES { self.mean_weight() } else { 1.0 };
                 let mut covariance = DMatrix::<C>::identity(rows, rows);
-                let error = if site.waves.is_empty() { MODEL_ERROR } else { MODEL_ERROR.hypot(GAIN_ERROR) };
+                let error = if self.is_without_baseline() { MODEL_ERROR.hypot(GAIN_ERROR) } else { MODEL_ERROR };
                 let error = error * self.amplification(k).max(1.0);
                 for (p, expected) in site.expected.iter().enumerate() {
                     let variance = expected.variance[k]

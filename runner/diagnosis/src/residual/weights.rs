@@ -86,7 +86,7 @@ impl Evidence<'_> {
 
     /// Returns the share of the deviations of the uncertain parameters that a baseline leaves.
     pub(super) fn left_by_baseline(&self) -> f64 {
-        if self.site.as_ref().is_some_and(|site| site.waves.is_empty()) { LEFT_BY_BASELINE } else { 1.0 }
+        if self.site.is_some() && !self.is_without_baseline() { LEFT_BY_BASELINE } else { 1.0 }
     }
 
     /// Finds the directions of the residual along which the uncertain parameters move it.
