@@ -123,17 +123,17 @@ const AXIAL_FALL: f64 = 0.02;
 /// between lines that coincide for different slips.
 const USUAL_SLIP: [f64; 2] = [0.005, 0.01];
 
-/// Largest number of deviations of sound machines that are taken from a recording.
+/// Deviations of sound machines that are taken from a recording: one more ends the search.
 const MAX_DEVIATIONS: usize = 3;
 
-/// Adds at most `most` faults to the healthy machine, as long as they explain enough.
+/// Adds at most `most` faults to the healthy machine, as long as they explain enough. Of a site, what explains more than any fault but does
+/// not exceed the deviations of sound machines becomes part of the healthy machine.
 pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Result<Vec<IdentifiedFault>> {
     let mut locked = vec![false; of.observable.len()];
     let mut now = of.healthy.clone();
     let mut faults: Vec<IdentifiedFault> = vec![];
-    let mut deviations = 0;
     let first_excess = excess(&now);
-    while faults.len() < most {
+    while faults.len() < most && of.deviations.len() <= MAX_DEVIATIONS {
         let Some(least) = least_gain(of, &now, &faults) else { break };
         let cages = cage::unknowns(&of.observable, &now.machine);
         let moved = of.shifted.as_ref().map(|e| evaluate(e, &now.machine)).transpose()?;
@@ -142,7 +142,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             _ => (&of.evidence, &now),
         };
         let mut list = Search::new((&of.evidence, &now), shifted, &of.band, cages, &locked)?.candidates()?;
-        list.retain(|candidate| faults.iter().all(|other| other.fault != candidate.fault));
+        let known =
+            |fault: &AnyFault| faults.iter().any(|other| other.fault == *fault) || of.deviations.contains(fault);
+        list.retain(|candidate| !known(&candidate.fault));
         progress(0.3 + 0.2 * faults.len() as f64);
         let round = Round { of, now: &now, shifted, least, first_excess };
         let Some(Scored { mut identified, mut evidence, is_sound, .. }) = round.selected(&list)? else { break };
@@ -155,12 +157,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             of.evidence = evidence;
         }
         if is_sound {
-            deviations += 1;
+            of.deviations.push(identified.fault);
             if faults.is_empty() {
                 of.healthy = now.clone();
-            }
-            if deviations > MAX_DEVIATIONS {
-                break;
             }
             continue;
         }

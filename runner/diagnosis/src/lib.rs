@@ -45,6 +45,7 @@ use ballrace_plant::Plant;
 use ballrace_plant::probes::PoseSolver;
 use ballrace_recording::Sample;
 use ballrace_scene::{Direction, Probe, Scene};
+use faults::AnyFault;
 use fit::Fitted;
 use hypothesis::MAX_FAULTS;
 use machine::Machine;
@@ -93,6 +94,8 @@ struct Prepared<'a> {
     evidence: Evidence<'a>,
     band: Baseband,
     healthy: Fitted,
+    /// Deviations of sound machines that the healthy machine has.
+    deviations: Vec<AnyFault>,
     observable: Vec<bool>,
     /// The recording with the errors of the readings that count against their prior, at a site.
     shifted: Option<Evidence<'a>>,
@@ -208,7 +211,7 @@ impl<'a> Prepared<'a> {
             shifted.uncertain_as(&evidence);
             shifted.weight_for(&healthy.machine)?;
         }
-        Ok(Some(Self { evidence, band, healthy, observable, shifted, site }))
+        Ok(Some(Self { evidence, band, healthy, deviations: vec![], observable, shifted, site }))
     }
 }
 

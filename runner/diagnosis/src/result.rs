@@ -166,6 +166,13 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             unseen.join(" and ")
         ));
     }
+    if !of.deviations.is_empty() {
+        let names: Vec<String> = of.deviations.iter().map(|fault| fault.name(e.plant)).collect();
+        notes.push(format!(
+            "Below the least size of a fault at a site, and taken for part of the sound machine: {}.",
+            names.join(", ")
+        ));
+    }
     if after > 1.5 && !faults.is_empty() {
         notes.push(format!(
             "The motion that the diagnoses leave unexplained is {:.1} times its noise: the machine differs from its scene in further points.",
