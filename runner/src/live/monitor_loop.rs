@@ -350,8 +350,7 @@ impl Monitor<'_, '_> {
         view.time_s = self.time;
         (view.diagnoses, view.diagnosis) = (self.replay.diagnoses(), self.replay.diagnosis_state());
         view.limits = self.replay.limit_status();
-        (view.lateness, view.compute, view.starting_s) = (pacing.lateness, pacing.compute, pacing.starting_s);
-        (view.misses, view.idle_percent) = (pacing.deadline_misses, pacing.idle_percent);
+        view.pacing = pacing;
         view.source = self.source.clone();
         if is_line_due {
             self.lines.write(&Status::of(view), view.time_s);

@@ -90,7 +90,7 @@ impl Status {
                 let within = if has_limits { "All values are within their limits. " } else { "" };
                 let sentence = format!(
                     "{within}The twin is starting: {:.0} s so far. The first diagnosis follows when it runs.",
-                    view.starting_s
+                    view.pacing.starting_s
                 );
                 status("STARTING", Level::Unknown, &sentence, "")
             }
