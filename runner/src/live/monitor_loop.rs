@@ -272,10 +272,12 @@ impl Monitor<'_, '_> {
         }
         let has_state = self.outputs.save_state(self.state.as_deref_mut());
         let has_events = self.outputs.save_events();
-        if has_indicators && has_state && has_events {
-            if let Some(file) = self.state.as_deref_mut() {
-                self.acknowledgement.send(&mut file.state, &self.receiver.counters);
-            }
+        if has_indicators
+            && has_state
+            && has_events
+            && let Some(file) = self.state.as_deref_mut()
+        {
+            self.acknowledgement.send(&mut file.state, &self.receiver.counters);
         }
     }
 
