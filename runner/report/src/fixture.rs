@@ -9,7 +9,6 @@ pub(crate) use broken::{broken, with_data};
 pub(crate) use snapshots::with_snapshots;
 
 use ballrace_twin::recording::flaws::{Flaw, FlawLedger, FlawSummary, Position};
-use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::*;
 use pictures::{blocks, half_spectrum, pictures, trace};
 use signal::{OUTER, RATE_HZ, SPEED_HZ, motion};
