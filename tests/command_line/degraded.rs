@@ -1,6 +1,6 @@
 //! Effect of flaws of a recording on force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, numbers};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, numbers};
 use serde_json::Value;
 
 /// Numbers that look random and are the same everywhere.
@@ -21,7 +21,7 @@ impl Random {
 }
 
 /// Rows of the demonstration in the usual run, long enough for a diagnosis; `tests/run --all` takes all.
-const ROWS: usize = 20 * TURN;
+const ROWS: usize = DIAGNOSED;
 
 /// The demonstration's rows: time, five probes in um, keyphasor.
 fn rows() -> (String, Vec<[f64; 7]>) {
