@@ -14,11 +14,11 @@ use nalgebra::{Complex, DMatrix};
 
 /// Largest residual of a static equilibrium over the load.
 pub const LARGEST_RESIDUAL: f64 = 1e-6;
-
 /// Number of equilibria over one ball pitch whose mean determines a linearised bearing.
 const PITCH_SAMPLES: u32 = 16;
 
 impl Plant {
+    /// Finds the equilibrium from rest, its stiffness and its highest frequency; adds a note where there is none.
     pub(crate) fn settle(&mut self) -> Result<()> {
         let found = self.equilibrium(vec![0.0; self.layout.order], |_| Phase::ZERO)?;
         if found.residual > LARGEST_RESIDUAL {

@@ -25,18 +25,14 @@ use std::time::{Duration, Instant};
 
 /// Time limit for the end of the reader thread, which may be blocked by standard input.
 pub(super) const READER_TIMEOUT: Duration = Duration::from_millis(500);
-
 /// Longest time for which the twin processes queued samples after a signal.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-
 /// Longest time in the recording of the samples of one block, s: many times the real-time rate, but outputs and view
 /// stay up to date.
 const BLOCK_SPAN: f64 = 0.25;
-
 /// Number of samples that a block may have in any case: those of a slow machine cover minutes, and are processed in some
 /// milliseconds.
 const MIN_BLOCK: usize = 1000;
-
 /// Longest time for which the twin processes samples in one block.
 const WORK_LIMIT: Duration = Duration::from_millis(50);
 

@@ -10,19 +10,14 @@ use std::cell::RefCell;
 
 /// Fall of chi-squared in an iteration below which an early search ends.
 const NEAR: f64 = 1.0;
-
 /// The same for the last search.
 const THERE: f64 = 0.05;
-
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
-
 /// Largest number of iterations of the search over one part of the recording.
 pub const MAX_ITERATIONS: usize = 40;
-
 /// Turns of the first search.
 const FIRST_TURNS: f64 = 0.5;
-
 /// Turns from which all unknowns are free.
 const EARLY_TURNS: f64 = 5.0;
 
