@@ -1,6 +1,6 @@
 //! Effect of flaws of a recording on force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, numbers};
+use crate::support::{DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, numbers};
 use serde_json::Value;
 
 /// Numbers that look random and are the same everywhere.
@@ -21,7 +21,7 @@ impl Random {
 }
 
 /// Rows of the demonstration in the usual run, long enough for a diagnosis; `tests/run --all` takes all.
-const ROWS: usize = 20 * TURN;
+const ROWS: usize = DIAGNOSED;
 
 /// The demonstration's rows: time, five probes in um, keyphasor.
 fn rows() -> (String, Vec<[f64; 7]>) {
@@ -97,7 +97,8 @@ fn flaws_of_a_recording_and_their_effects() {
         println!("| {name} | {:.2} % | {} | {} |", row.0 * 100.0, row.1, row.2);
         table.push((name.to_owned(), row.0, row.1, row.2));
     };
-    for noise in [0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0] {
+    let levels = [0.03, 0.1, 0.3, 1.0, 3.0].into_iter();
+    for noise in levels.chain(ballrace_tests::runs_all().then_some(10.0)) {
         let mut rows = clean.clone();
         let mut random = Random(0x1357_9bdf_2468_ace0);
         probes(&mut rows, |_, x| x + noise * random.normal());

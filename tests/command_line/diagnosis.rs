@@ -226,10 +226,10 @@ fn a_rough_scene_is_calibrated() {
     assert!(errors.len() == 5 && errors.iter().all(|e| e.abs() < 4.0), "{errors:?} {calibration:#}");
 }
 
-/// 20 s at 3000 rpm from a source that then is silent, ended by the event, however long the diagnosis takes.
+/// 6 s at 3000 rpm from a source that then is silent, ended by the event, however long the diagnosis takes.
 #[test]
 fn a_spall_is_reported_while_the_monitor_runs() {
-    let sandbox = sandbox(&spall(), 1000);
+    let sandbox = sandbox(&spall(), 300);
     let mut monitor = sandbox
         .command(
             &[

@@ -18,20 +18,21 @@ fn scene() -> String {
     fs::read_to_string(recorded("flexible/scene.toml")).unwrap()
 }
 
-/// The first [`SAMPLES`] of a recording.
-fn head(recording: &str) -> Vec<u8> {
+/// The first samples of a recording.
+fn head(recording: &str, samples: usize) -> Vec<u8> {
     let bytes = fs::read(recorded(&format!("flexible/{recording}.npy"))).unwrap();
     let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let row = (bytes.len() - header) / (2 * SAMPLES);
-    let (count, rest) = (b"(12800,), }", b"(6400,), } ");
+    let count = b"(12800,), }";
+    let rest = format!("{:width$}", format!("({samples},), }}"), width = count.len());
     let at = bytes.windows(count.len()).position(|window| window == count).unwrap();
-    [&bytes[..at], rest, &bytes[at + count.len()..header + SAMPLES * row]].concat()
+    [&bytes[..at], rest.as_bytes(), &bytes[at + count.len()..header + samples * row]].concat()
 }
 
 /// Replays a recording; returns the outcome and the estimated forces.
 fn replayed(recording: &str) -> (Value, Vec<Vec<f64>>) {
     let sandbox = Sandbox::empty();
-    sandbox.put("head.npy", head(recording));
+    sandbox.put("head.npy", head(recording, SAMPLES));
     let scene = recorded("flexible/scene.toml");
     let arguments =
         ["replay", &scene, "--recording", "head.npy", "--no-report", "--forces", "f.csv", "--format", "json"];
@@ -99,14 +100,16 @@ fn the_twin_of_a_flexible_rotor_in_good_order() {
 #[test]
 fn forces_of_a_flexible_rotor_are_those_of_the_observer() {
     let sandbox = Sandbox::empty();
-    sandbox.put("head.npy", head("healthy"));
+    // Seven revolutions: too few for a diagnosis, of which this says nothing.
+    let samples = SAMPLES / 4;
+    sandbox.put("head.npy", head("healthy", samples));
     let scene = recorded("flexible/scene.toml");
     let text = sandbox.done(&["replay", &scene, "--recording", "head.npy", "--report", "r.html"]).out;
     let (_, forces) = text.split_once("FORCES ON THE INNER RINGS").unwrap();
     let (forces, _) = forces.split_once("ORDERS").unwrap();
     assert!(forces.contains("observer") && !forces.contains("measured"), "{forces}");
     assert!(forces.split_whitespace().collect::<Vec<_>>().join(" ").contains("a straight line between the planes"));
-    let truth = truth("healthy");
+    let truth = &truth("healthy")[..samples / TRUTH_STRIDE];
     for b in 0..2 {
         let mean = truth.iter().map(|row| row[5 * b + 1]).sum::<f64>() / truth.len() as f64;
         let line = forces.lines().filter(|line| line.contains("FY, N ")).nth(b).unwrap();
@@ -151,7 +154,9 @@ fn clearance_and_unbalance_of_a_flexible_rotor_are_fitted() {
     ];
     sandbox.put("scene.toml", swaps.iter().fold(scene(), |text, (from, to)| swap(&text, from, to)));
     let recording = recorded("flexible/healthy.npy");
-    let arguments = ["fit", "scene.toml", "--recording", &recording, "--turns", "3", "--format", "json"];
+    let only = ["--only", "unbalance,clearance,damping,stiffness"];
+    let arguments =
+        [&["fit", "scene.toml", "--recording", &recording, "--turns", "3", "--format", "json"][..], &only].concat();
     let found: Value = serde_json::from_str(&sandbox.done(&arguments).out).unwrap();
     assert_eq!(found["consistent"], true, "{found:#}");
     let value = |name: &str, key: &str| {

@@ -63,7 +63,7 @@ fn learned_parameters_are_printed_with_intervals() {
 /// A drift is no property of the bearings: it is taken from the readings, and the parameters are learned from what remains.
 #[test]
 fn a_drifting_probe_is_no_parameter() {
-    let sandbox = sandbox(DEMO_SCENE, 12_800, drift);
+    let sandbox = sandbox(DEMO_SCENE, 6_400, drift);
     let run = learn(&sandbox, &["--format", "json"]);
     let outcome: Value = run.json();
     let learning = &outcome["learning"];

@@ -1,6 +1,8 @@
 //! `new` and `check`: from a designation and a recording to a scene, and each wrong input with its probable cause.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, changed, list, number, short_recording, swap};
+use crate::support::{
+    DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, TURN, changed, head, list, number, short_recording, swap,
+};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -107,9 +109,9 @@ fn a_catalogue_bearing_is_the_bearing_of_its_numbers() {
 /// The clearance of the catalogue is 2.5 um off: no load is made of that, and a spall is found all the same.
 #[test]
 fn an_estimated_clearance_is_no_load() {
-    let sandbox = drafted(DEMO_RECORDING);
+    let sandbox = drafted(&short_recording(DIAGNOSED));
     sandbox.put("pump.toml", filled(&sandbox.read("pump.toml")));
-    sandbox.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    sandbox.put("today.csv", head(include_str!("../../runner/demo/outer-spall.csv"), DIAGNOSED));
     let sound = sandbox.replay("pump.toml", &[]);
     assert!(
         list(&sound, "findings")

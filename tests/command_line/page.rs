@@ -41,6 +41,12 @@ impl Site {
         site
     }
 
+    /// A number of the process, MiB.
+    #[cfg(target_os = "linux")]
+    pub fn memory(&self, name: &str) -> Option<f64> {
+        crate::support::memory(self.child.id(), name)
+    }
+
     pub fn send(&self, request: &str) -> Response {
         let mut stream = connected(self.port);
         stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();

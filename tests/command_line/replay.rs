@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, list, number, recorded, short_recording, swap};
+use crate::support::{
+    DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, SHORT, Sandbox, head, list, number, recorded, short_recording, swap,
+};
 
 /// On one line, with single spaces: sentences of the text are broken to fit the terminal.
 fn unbroken(text: &str) -> String {
@@ -260,10 +262,11 @@ fn same_recording_in_other_forms() {
 fn recording_is_compared_with_a_learned_baseline() {
     let sandbox = Sandbox::empty();
     let scene = recorded("healthy.toml");
-    let run = |recording: &str, option: &str, file: &str| {
-        let recording = recorded(recording);
-        sandbox.replay(&scene, &["--recording", &recording, option, file])
-    };
+    for recording in ["outer-spall.csv", "unbalanced.csv"] {
+        sandbox.put(recording, head(&std::fs::read_to_string(recorded(recording)).unwrap(), DIAGNOSED));
+    }
+    let run =
+        |recording: &str, option: &str, file: &str| sandbox.replay(&scene, &["--recording", recording, option, file]);
     run("outer-spall.csv", "--learn", "spalled.json");
     assert!(sandbox.read("spalled.json").contains("\"ballrace_baseline\": 1"));
     let again = run("outer-spall.csv", "--baseline", "spalled.json");

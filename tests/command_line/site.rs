@@ -5,6 +5,7 @@ use crate::observer::{TURN, motion, recording, rotor};
 use crate::support::{Sandbox, list, number, swap};
 use serde_json::Value;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 const TURNS: usize = 60;
 const RATE: f64 = 12_800.0;
@@ -38,14 +39,26 @@ fn readings(motion: &[Vec<f64>], more: impl Fn(f64, usize, f64) -> f64) -> Strin
     out
 }
 
-/// A site with its baseline in `b.json`, from a sound recording.
-fn site() -> Sandbox {
+/// The scene of a site, and that of its machine.
+fn scenes() -> Sandbox {
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", rotor("angular", "", "Z"));
     sandbox.put("sound.toml", rotor("angular", &format!("{CAGE}{WAVES}"), "Z"));
-    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + TURNS), |_, _, _| 0.0));
-    let run = sandbox.run(&["replay", "scene.toml", "--no-report", "--learn", "b.json", "--format", "json"]);
-    assert!(run.code == Some(0), "{run:?}");
+    sandbox
+}
+
+/// A site with its baseline in `b.json`, from a sound recording; all tests share the one that is learned.
+fn site() -> Sandbox {
+    static BASELINE: OnceLock<String> = OnceLock::new();
+    let baseline = BASELINE.get_or_init(|| {
+        let sandbox = scenes();
+        sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + TURNS), |_, _, _| 0.0));
+        let run = sandbox.run(&["replay", "scene.toml", "--no-report", "--learn", "b.json", "--format", "json"]);
+        assert!(run.code == Some(0), "{run:?}");
+        sandbox.read("b.json")
+    });
+    let sandbox = scenes();
+    sandbox.put("b.json", baseline);
     sandbox
 }
 
@@ -54,13 +67,8 @@ fn outcome(sandbox: &Sandbox) -> Value {
     sandbox.replay("scene.toml", &["--no-report", "--baseline", "b.json"])
 }
 
-/// The diagnoses of the recording against the baseline.
-fn findings(sandbox: &Sandbox) -> Vec<Value> {
-    list(&outcome(sandbox), "findings").to_vec()
-}
-
-fn kinds(findings: &[Value]) -> Vec<&str> {
-    findings.iter().filter_map(|one| one["kind"].as_str()).collect()
+fn kinds(outcome: &Value) -> Vec<&str> {
+    list(outcome, "findings").iter().filter_map(|one| one["kind"].as_str()).collect()
 }
 
 #[test]
@@ -77,13 +85,13 @@ fn what_a_measurement_adds_is_no_fault() {
     let moved = motion(&sandbox, "sound.toml", 33..33 + TURNS);
     let of = |more: &dyn Fn(f64, usize, f64) -> f64| {
         sandbox.put("recording.csv", readings(&moved, more));
-        findings(&sandbox)
+        outcome(&sandbox)
     };
     let none: [&str; 0] = [];
     assert_eq!(kinds(&of(&|_, _, _| 0.0)), none);
     assert_eq!(kinds(&of(&|_, probe, _| [0.4, -0.6, 0.2, 0.5][probe])), none, "gaps after a new start");
-    assert_eq!(kinds(&of(&|time, probe, _| if probe == 3 { 3.0 * time } else { 0.0 })), none, "drift");
-    let drifting = outcome(&sandbox);
+    let drifting = of(&|time, probe, _| if probe == 3 { 3.0 * time } else { 0.0 });
+    assert_eq!(kinds(&drifting), none, "drift");
     let verdict = drifting["verdict"].as_str().unwrap();
     let column = list(&drifting, "probes")[3]["name"].as_str().unwrap();
     assert!(
@@ -97,7 +105,7 @@ fn what_a_measurement_adds_is_no_fault() {
     let hum = |time: f64, probe: usize, _: f64| if probe == 1 { 0.8 * (TAU * 50.0 * time).sin() } else { 0.0 };
     // 50 Hz is the speed of the shaft here: this hum is a run-out.
     let with_hum = of(&hum);
-    assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{with_hum:#?}");
+    assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{}", with_hum["findings"]);
 }
 
 #[test]
@@ -107,7 +115,8 @@ fn a_spall_is_found_beside_it() {
     let spalled = swap(&sandbox.read("sound.toml"), "name = \"A\"\n", &format!("name = \"A\"\n{spall}"));
     sandbox.put("spalled.toml", spalled);
     sandbox.put("recording.csv", readings(&motion(&sandbox, "spalled.toml", 20..20 + TURNS), |_, _, _| 0.0));
-    let findings = findings(&sandbox);
-    assert_eq!(kinds(&findings), ["outer-race"], "{findings:#?}");
+    let outcome = outcome(&sandbox);
+    let findings = list(&outcome, "findings");
+    assert_eq!(kinds(&outcome), ["outer-race"], "{findings:#?}");
     assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
 }

@@ -69,8 +69,16 @@ pub fn scene(swaps: &[(&str, &str)]) -> String {
 
 /// The header and the first `samples` rows of the demonstration's recording.
 pub fn short_recording(samples: usize) -> String {
-    DEMO_RECORDING.split_inclusive('\n').take(1 + samples).collect()
+    head(DEMO_RECORDING, samples)
 }
+
+/// The header and the first `samples` rows of a recording.
+pub fn head(recording: &str, samples: usize) -> String {
+    recording.split_inclusive('\n').take(1 + samples).collect()
+}
+
+/// Samples of the demonstration that are enough for a diagnosis.
+pub const DIAGNOSED: usize = 20 * TURN;
 
 /// The demonstration's first turns with each cell of a row changed.
 pub fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> String {

@@ -6,6 +6,7 @@ use ballrace::bearing::quasi_static::film::Lubricant;
 use ballrace::bearing::surface::{BearingComponent, Feature, SurfaceDeviation};
 use ballrace::{Exact, Phase};
 use ballrace_models::build::{self, BuildError};
+use ballrace_scene::multibody as defaults;
 use ballrace_scene::{Bearing as BearingScene, Facing, Scene};
 use std::f64::consts::PI;
 
@@ -76,7 +77,7 @@ impl Params {
     pub fn of(scene: &Scene, of: &BearingScene) -> Result<Self, BuildError> {
         let (geometry, _) = build::contact_geometry(of, of.model.name())?;
         let own = |key: &str, default: f64| of.own(key).unwrap_or(default);
-        let (diameter, peak) = (geometry.ball_diameter, own("traction_peak", 0.06));
+        let (diameter, peak) = (geometry.ball_diameter, own("traction_peak", defaults::TRACTION_PEAK));
         // Features as the scene has them: this model turns the groove instead of the frame of a bearing that faces -Z.
         let as_given = BearingScene { facing: Facing::Both, ..of.clone() };
         let features: Vec<Feature<f64>> = build::features(&as_given);
@@ -91,15 +92,15 @@ impl Params {
             },
             azimuths: (0..of.elements).map(|j| build::place::<f64>(of, j).azimuth()).collect(),
             density: of.geometry.map_or(0.0, |g| g.density),
-            contact_damping: own("contact_damping", 0.2),
+            contact_damping: own("contact_damping", defaults::CONTACT_DAMPING),
             traction: TractionCurve::with_peak(
                 peak,
-                own("traction_peak_slip", 0.2),
-                own("traction_limit", 0.75 * peak),
+                own("traction_peak_slip", defaults::TRACTION_PEAK_SLIP),
+                own("traction_limit", defaults::TRACTION_LIMIT_SHARE * peak),
             ),
-            step_error: own("step_error", 1e-10),
+            step_error: own("step_error", defaults::STEP_ERROR),
             oil: of.lubricant.map(|oil| oil.for_film()),
-            drag: 0.125 * SPHERE_DRAG * own("mixture_density", 0.0) * PI * diameter * diameter,
+            drag: 0.125 * SPHERE_DRAG * own("mixture_density", defaults::MIXTURE_DENSITY) * PI * diameter * diameter,
             gravity: scene.rotor.as_ref().map_or([0.0; 3], |rotor| rotor.gravity),
             cage: CageParams::of(of, &geometry),
             surfaces: [
@@ -151,13 +152,13 @@ impl CageParams {
         Self {
             mass,
             inertia: [0.5 * polar + mass * width * width / 12.0, polar],
-            pocket_clearance: own("pocket_clearance", 0.03 * diameter),
+            pocket_clearance: own("pocket_clearance", defaults::POCKET_CLEARANCE_SHARE * diameter),
             land_clearance: [of.own("inner_land_clearance"), of.own("outer_land_clearance")],
             land_radius: [radius - 0.5 * thickness, radius + 0.5 * thickness],
             half_width: 0.5 * width,
-            stiffness: own("cage_stiffness", 1e7),
-            damping: own("cage_damping", 5.0),
-            friction: own("cage_friction", 0.05),
+            stiffness: own("cage_stiffness", defaults::CAGE_STIFFNESS),
+            damping: own("cage_damping", defaults::CAGE_DAMPING),
+            friction: own("cage_friction", defaults::CAGE_FRICTION),
         }
     }
 }

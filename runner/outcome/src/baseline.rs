@@ -1,6 +1,8 @@
 //! Baseline: the residual of a healthy machine, written by `--learn` and read by `--baseline`.
 
-use super::{Calibration, Diagnosis, FaultForm, FaultKind};
+use crate::calibration::Calibration;
+use crate::diagnosis::Diagnosis;
+use crate::fault::{FaultForm, FaultKind};
 use ballrace_base::bounded::read_text;
 use ballrace_scene::{Probe, Sensor};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Failure modes of a bearing in the classes of ISO 15243:2017.
 
-use super::{FaultForm, FaultKind};
+use crate::fault::{FaultForm, FaultKind};
 use serde::{Deserialize, Serialize};
 
 /// Class of failure of ISO 15243:2017 by its clause. The submodes, such as subsurface (5.1.2) and surface initiated fatigue (5.1.3), differ in

@@ -1,6 +1,6 @@
 //! Data of the figures of one diagnosis.
 
-use super::UnexplainedMotion;
+use crate::fault::UnexplainedMotion;
 use serde::{Deserialize, Serialize};
 
 /// Data of the figures of one diagnosis. A figure without data is not drawn.

@@ -1,7 +1,8 @@
 //! Data of the figures of a report.
 
-use super::{NumericField, RotorDrawing};
+use crate::field::NumericField;
 use crate::options::Source;
+use crate::rotor_drawing::RotorDrawing;
 use ballrace_scene::Indicator;
 
 /// Data of the pictures. Lengths in um, forces in N, times in s, frequencies in Hz.

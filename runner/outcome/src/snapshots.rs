@@ -1,6 +1,7 @@
 //! Snapshots of vibration and their trends.
 
-use super::{FaultKind, NumericField, UNIT_OF_SENSOR};
+use crate::fault::FaultKind;
+use crate::field::{NumericField, UNIT_OF_SENSOR};
 use serde::Serialize;
 
 /// One snapshot: a short recording of its own.

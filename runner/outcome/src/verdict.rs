@@ -1,9 +1,12 @@
 //! The verdict as a sentence.
 
-use crate::{
-    ComparedTwin, Diagnosis, DiagnosisOutcome, EvidenceSource, Implausibility, Outcome, ProbeOutcome, ReadingOutcome,
-    Standing,
-};
+use crate::diagnosis::{Diagnosis, EvidenceSource};
+use crate::diagnosis_outcome::{DiagnosisOutcome, ReadingOutcome};
+use crate::implausibility::Implausibility;
+use crate::outcome::Outcome;
+use crate::predictors::Standing;
+use crate::probe::ProbeOutcome;
+use crate::twin::ComparedTwin;
 
 /// Returns the root mean square of a figure over the probes; none where a probe lacks it.
 fn rms(probes: &[ProbeOutcome], of: impl Fn(&ProbeOutcome) -> Option<f64>) -> Option<f64> {

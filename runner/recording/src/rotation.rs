@@ -15,6 +15,7 @@ mod fit;
 mod gap;
 mod given;
 mod keyphasor;
+mod surplus;
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;

@@ -120,6 +120,20 @@ pub(super) struct Cells {
     pub(super) omitted: Omitted,
 }
 
+impl Cells {
+    /// Takes the row after the first `row` ones of columns of equal length; returns false after their end. `whole` is the number of columns
+    /// of the file.
+    pub(super) fn take_row(&mut self, columns: &[impl AsRef<[f64]>], row: usize, whole: usize) -> bool {
+        self.values.clear();
+        self.values.extend(columns.iter().filter_map(|column| column.as_ref().get(row)));
+        let is_row = !self.values.is_empty();
+        if is_row {
+            (self.line, self.whole) = (row as u64 + 1, whole);
+        }
+        is_row
+    }
+}
+
 /// Checks that the columns of the scene have the same number of values, at least one; returns that number.
 pub(super) fn equal_lengths(file: &Path, columns: &[(&str, u64)]) -> Result<u64, RecordingError> {
     let first = columns.first().map_or(0, |(_, length)| *length);

@@ -317,14 +317,9 @@ impl Table for Uff {
     }
 
     fn next(&mut self, cells: &mut Cells) -> Result<bool, RecordingError> {
-        cells.values.clear();
-        cells.values.extend(self.selected.iter().filter_map(|column| column.get(self.row)));
-        if cells.values.is_empty() {
-            return Ok(false);
-        }
-        self.row += 1;
-        (cells.line, cells.whole) = (self.row as u64, self.names.len());
-        Ok(true)
+        let is_row = cells.take_row(&self.selected, self.row, self.names.len());
+        self.row += usize::from(is_row);
+        Ok(is_row)
     }
 
     fn bytes_read(&self) -> u64 {

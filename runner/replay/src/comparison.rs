@@ -10,7 +10,7 @@ use ballrace_outcome::{BallPassLine, Motion, ProbeOutcome, SimplePredictor, Simp
 use ballrace_plant::MountedBearing;
 use ballrace_plant::probes::{Plane, reading};
 use ballrace_plant::spectrum::Welch;
-use ballrace_scene::{Direction, Probe};
+use ballrace_scene::Probe;
 
 const UM: f64 = 1e6;
 
@@ -225,10 +225,7 @@ impl OneProbe {
         ProbeOutcome {
             name: probe.column.clone(),
             station_mm: probe.station * 1e3,
-            angle_deg: match probe.direction {
-                Direction::Radial(angle) => Some(angle.to_degrees()),
-                Direction::Axial => None,
-            },
+            angle_deg: probe.direction.angle().map(f64::to_degrees),
             measured,
             twin,
             one_x_error_um: vector_error(&measured, &twin),

@@ -99,7 +99,7 @@ impl Pipeline<'_> {
         } else if implausible.is_empty() {
             implausible = plausibility::unlike_twin(&probes, evaluator.force.bearings(), bearings);
         }
-        let mut overridden = std::mem::take(&mut self.overridden);
+        let mut overridden = std::mem::take(&mut self.ahead.overridden);
         if self.force_diagnosis {
             let is_new = |one: &Implausibility| overridden.iter().all(|known| known.subject != one.subject);
             let new: Vec<Implausibility> = implausible.drain(..).filter(is_new).collect();
@@ -114,12 +114,12 @@ impl Pipeline<'_> {
             probes: self.probes,
             samples: &samples,
             period: 1.0 / self.rate,
-            calibration: self.calibration.as_ref(),
+            calibration: self.ahead.calibration.as_ref(),
             is_corrected: true,
         };
         let mut undiagnosed = diagnosis::not_applicable(scene, &samples);
         let begun = Instant::now();
-        let diagnosed = match self.diagnosed.take() {
+        let diagnosed = match self.ahead.diagnosed.take() {
             Some(known) => Some(known),
             None if !is_judged || undiagnosed.is_some() => None,
             // A monitor that is stopped ends with its last diagnosis.
@@ -151,7 +151,7 @@ impl Pipeline<'_> {
         let (mut diagnoses, mut diagnosis_notes) =
             diagnosed.as_ref().map_or_else(Default::default, |d| (d.diagnoses.clone(), d.notes.clone()));
         let mut learned = evaluator.comparison.baseline(&scene.name, facts.name, self.probes, bearings);
-        learned.calibration.clone_from(&self.calibration);
+        learned.calibration.clone_from(&self.ahead.calibration);
         learned.synchronised = self.follower.is_synchronised();
         learned.set_faults(&diagnoses);
         if let Some(baseline) = &self.baseline {
@@ -178,7 +178,7 @@ impl Pipeline<'_> {
                 not_judged.push(reason);
             }
         }
-        let mut learning = self.learning.take();
+        let mut learning = self.ahead.learning.take();
         if let Some(learning) = &mut learning {
             learning.judge(diagnosed.as_ref().map(|of| of.outcome.chi_square_after), self.force_diagnosis);
             diagnosis_notes.extend(learning.notes());

@@ -56,6 +56,8 @@ pub mod timing;
 
 // The outcome at the end of the recording.
 mod conclusion;
+#[cfg(test)]
+mod harness;
 mod list;
 mod plausibility;
 #[cfg(test)]

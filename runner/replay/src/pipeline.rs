@@ -35,6 +35,19 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+/// Results of the look-ahead, made before the first sample.
+#[derive(Default)]
+pub(super) struct LookAhead {
+    /// Diagnosis of the whole recording.
+    pub(super) diagnosed: Option<DiagnosisResult>,
+    /// Calibration of the scene by this recording.
+    pub(super) calibration: Option<Calibration>,
+    /// Learned parameters, compared with the scene.
+    pub(super) learning: Option<Learning>,
+    /// Failed checks of the first samples that a forced diagnosis overrides.
+    pub(super) overridden: Vec<Implausibility>,
+}
+
 /// The stages of a replay up to the observer.
 pub(super) struct Pipeline<'a> {
     pub(super) plant: Arc<Plant>,
@@ -46,14 +59,9 @@ pub(super) struct Pipeline<'a> {
 
     /// Twin and observer.
     pub(super) follower: Follower,
-    /// Diagnosis of the whole recording, where it was made before.
-    pub(super) diagnosed: Option<DiagnosisResult>,
+    pub(super) ahead: LookAhead,
     /// Diagnosis in live operation.
     pub(super) running_diagnosis: Option<RunningDiagnosis>,
-    /// Calibration of the scene by this recording.
-    pub(super) calibration: Option<Calibration>,
-    /// Learned parameters, compared with the scene.
-    pub(super) learning: Option<Learning>,
     /// Baseline for comparison.
     pub(super) baseline: Option<Baseline>,
     /// Signals of the vibration sensors; none without sensors, and in live operation.
@@ -66,8 +74,6 @@ pub(super) struct Pipeline<'a> {
     pub(super) collected: Collector,
     /// An implausible recording is diagnosed too.
     pub(super) force_diagnosis: bool,
-    /// Failed checks of the first samples that a forced diagnosis overrides.
-    pub(super) overridden: Vec<Implausibility>,
     pub(super) notices: Notices,
     pub(super) notes: Vec<String>,
 }
@@ -115,12 +121,10 @@ impl<'a> Pipeline<'a> {
         let evaluator =
             Evaluator::try_new(scene, plant.clone(), (probes, &planes), location.clone(), limits, rate, options)?;
         let pipeline = Self {
-            diagnosed: None,
+            ahead: LookAhead::default(),
             running_diagnosis: options
                 .live
                 .then(|| RunningDiagnosis::new(scene, plant.clone(), probes, 1.0 / rate, baseline.clone(), options)),
-            calibration: None,
-            learning: None,
             // Sensors keep the rate of the recording.
             vibration: if options.live {
                 RunningVibration::new(scene, rate * f64::from(recording.average), baseline.as_ref(), options.background)
@@ -132,7 +136,6 @@ impl<'a> Pipeline<'a> {
             standstill: Standstill::default(),
             collected: Collector::new(recording, scene.shaft.speed),
             force_diagnosis: options.force_diagnosis,
-            overridden: vec![],
             notices: Notices::default(),
             notes,
             follower: Follower::new(

@@ -299,7 +299,7 @@ impl<'a> Replay<'a> {
 
     /// Sets the diagnosis of the whole recording, where it is already known; else the last block is diagnosed at the end.
     pub(super) fn set_diagnosis(&mut self, diagnosis: DiagnosisResult) {
-        self.pipeline.diagnosed = Some(diagnosis);
+        self.pipeline.ahead.diagnosed = Some(diagnosis);
         self.evaluator.block = None;
     }
 
@@ -320,18 +320,18 @@ impl<'a> Replay<'a> {
 
     /// Sets the calibration of the scene, for the baseline of the outcome, with a note on its assumptions.
     pub(super) fn set_calibration(&mut self, calibration: Option<Calibration>, note: Option<String>) {
-        self.pipeline.calibration = calibration;
+        self.pipeline.ahead.calibration = calibration;
         self.pipeline.notes.extend(note);
     }
 
     /// Sets the learned parameters of the outcome.
     pub(super) fn set_learning(&mut self, learning: Option<Learning>) {
-        self.pipeline.learning = learning;
+        self.pipeline.ahead.learning = learning;
     }
 
     /// Notes the checks of the first samples that failed and that a forced diagnosis overrides.
     pub(super) fn override_checks(&mut self, implausible: Vec<Implausibility>) {
-        self.pipeline.overridden = implausible;
+        self.pipeline.ahead.overridden = implausible;
     }
 
     /// Adds notes to those of the outcome.

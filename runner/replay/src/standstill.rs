@@ -9,7 +9,7 @@ use ballrace_outcome::{
 };
 use ballrace_recording::Row;
 use ballrace_recording::rotation::RotationError;
-use ballrace_scene::{Direction, Probe};
+use ballrace_scene::Probe;
 
 const UM: f64 = 1e6;
 
@@ -105,10 +105,7 @@ impl Standstill {
         ProbeOutcome {
             name: probe.column.clone(),
             station_mm: probe.station * 1e3,
-            angle_deg: match probe.direction {
-                Direction::Radial(angle) => Some(angle.to_degrees()),
-                Direction::Axial => None,
-            },
+            angle_deg: probe.direction.angle().map(f64::to_degrees),
             measured,
             twin: Motion::NONE,
             one_x_error_um: f64::NAN,

@@ -8,6 +8,7 @@ use anyhow::Result;
 use ballrace_twin::equilibria::{EquilibriumPoint, FIGURES};
 use ballrace_twin::output::quoted;
 use ballrace_twin::sweep::Axis;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Largest number of curves in a figure.
@@ -68,6 +69,14 @@ pub fn text(scene: &str, axes: &[Axis], points: &[EquilibriumPoint]) -> String {
     out
 }
 
+/// Returns name and figures of each bearing of a point; a point without an equilibrium has one entry without them.
+fn bearings(point: &EquilibriumPoint) -> Cow<'_, [(String, Vec<Option<f64>>)]> {
+    match point.failure {
+        Some(_) => vec![(String::new(), vec![None; FIGURES.len()])].into(),
+        None => point.bearings.as_slice().into(),
+    }
+}
+
 /// Returns all figures of all points as CSV, one row a point and bearing; a point without an equilibrium has one row with its reason.
 #[must_use]
 pub fn csv(axes: &[Axis], points: &[EquilibriumPoint]) -> String {
@@ -76,9 +85,7 @@ pub fn csv(axes: &[Axis], points: &[EquilibriumPoint]) -> String {
     let mut out = heads.collect::<Vec<_>>().join(",") + "\n";
     for point in points {
         let values: Vec<String> = point.values.iter().map(f64::to_string).collect();
-        let nothing = [(String::new(), vec![None; FIGURES.len()])];
-        let bearings = if point.failure.is_some() { &nothing } else { point.bearings.as_slice() };
-        for (name, figures) in bearings {
+        for (name, figures) in bearings(point).iter() {
             let figure = |x: &Option<f64>| x.map_or_else(String::new, |x| format!("{x:.16e}"));
             let failure = point.failure.as_deref().unwrap_or_default();
             let cells = values.iter().cloned().chain([quoted(name).to_string()]).chain(figures.iter().map(figure));
@@ -154,9 +161,7 @@ fn table(axes: &[Axis], points: &[EquilibriumPoint], present: &[usize]) -> Table
     heads.push(Column::words("Without an equilibrium"));
     let rows = points.iter().step_by(every).flat_map(|point| {
         let values: Vec<String> = point.values.iter().map(|value| typeset(&alone(*value))).collect();
-        let nothing = [(String::new(), vec![None; FIGURES.len()])];
-        let bearings = if point.failure.is_some() { nothing.to_vec() } else { point.bearings.clone() };
-        bearings.into_iter().map(move |(name, figures)| {
+        bearings(point).into_owned().into_iter().map(move |(name, figures)| {
             let figure =
                 |i: &usize| figures.get(*i).copied().flatten().map_or_else(String::new, |x| typeset(&alone(x)));
             let cells = values.iter().cloned().chain([name]).chain(present.iter().map(figure));

@@ -67,10 +67,7 @@ fn scene_probes(scene: &Scene) -> &[Probe] {
 fn probes(scene: &Scene) -> Vec<ProbeOutcome> {
     let probe = |probe: &Probe| ProbeOutcome {
         name: probe.column.clone(),
-        angle_deg: match probe.direction {
-            Direction::Radial(angle) => Some(angle.to_degrees()),
-            Direction::Axial => None,
-        },
+        angle_deg: probe.direction.angle().map(f64::to_degrees),
         ..ProbeOutcome::default()
     };
     scene_probes(scene).iter().map(probe).collect()

@@ -13,7 +13,7 @@ mod lubrication;
 mod machine;
 mod model;
 mod mounting;
-mod multibody;
+pub mod multibody;
 pub mod read;
 mod recording;
 #[cfg(test)]

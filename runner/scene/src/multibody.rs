@@ -1,8 +1,29 @@
-//! Keys of the model `multibody`.
+//! Keys of the model `multibody`, and their defaults in SI units.
 
 use crate::key::{Key, Kind, NOT_NEGATIVE, POSITIVE, key};
 use crate::units::Dimension;
 use std::ops::Bound::{Excluded, Included};
+
+/// Largest traction coefficient on the races.
+pub const TRACTION_PEAK: f64 = 0.06;
+/// Slip speed at which it is reached, m/s.
+pub const TRACTION_PEAK_SLIP: f64 = 0.2;
+/// Traction coefficient far beyond that slip over the largest one.
+pub const TRACTION_LIMIT_SHARE: f64 = 0.75;
+/// `alpha` of Hunt and Crossley on the races, s/m.
+pub const CONTACT_DAMPING: f64 = 0.2;
+/// Mass of oil in a unit of volume, kg/m^3.
+pub const MIXTURE_DENSITY: f64 = 0.0;
+/// Diametral clearance of a ball in its pocket over its diameter.
+pub const POCKET_CLEARANCE_SHARE: f64 = 0.03;
+/// Stiffness of a contact of the cage, N/m.
+pub const CAGE_STIFFNESS: f64 = 1e7;
+/// Damping of a contact of the cage over its force, s/m.
+pub const CAGE_DAMPING: f64 = 5.0;
+/// Friction coefficient of the cage.
+pub const CAGE_FRICTION: f64 = 0.05;
+/// Error of a ball's position in one integration step, m.
+pub const STEP_ERROR: f64 = 1e-10;
 
 const CLEARANCE: Kind = Kind::Quantity(Dimension::Length, NOT_NEGATIVE);
 const ONLY: &str = "only `multibody`";
@@ -37,3 +58,26 @@ pub(crate) static KEYS: [Key; 13] = [
     key("step_error", Kind::Quantity(Dimension::Length, (Excluded(0.0), Included(1e-6))),
         "error of a ball's position in one integration step", "0.1 nm", ONLY, "\"0.01 nm\""),
 ];
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::units::parse;
+
+    #[test]
+    fn the_reference_has_the_defaults() {
+        let text = |name: &str| KEYS.iter().find(|key| key.name == name).unwrap().default;
+        let leading = |name: &str| text(name).split(' ').next().unwrap().parse::<f64>().unwrap();
+        assert_eq!(leading("traction_peak"), TRACTION_PEAK);
+        assert_eq!(parse(text("traction_peak_slip"), Dimension::Velocity).unwrap(), TRACTION_PEAK_SLIP);
+        assert_eq!((text("traction_limit"), TRACTION_LIMIT_SHARE), ("three quarters of `traction_peak`", 3.0 / 4.0));
+        assert_eq!(leading("contact_damping"), CONTACT_DAMPING);
+        assert_eq!(leading("mixture_density"), MIXTURE_DENSITY);
+        assert_eq!(leading("pocket_clearance") / 100.0, POCKET_CLEARANCE_SHARE);
+        assert_eq!(parse(text("cage_stiffness"), Dimension::Stiffness).unwrap(), CAGE_STIFFNESS);
+        assert_eq!(leading("cage_damping"), CAGE_DAMPING);
+        assert_eq!(leading("cage_friction"), CAGE_FRICTION);
+        assert!((parse(text("step_error"), Dimension::Length).unwrap() / STEP_ERROR - 1.0).abs() < 1e-15);
+    }
+}

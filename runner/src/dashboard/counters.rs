@@ -18,9 +18,9 @@ pub(super) fn lines(view: &View) -> [Line<'static>; 2] {
     };
     [
         Line::from(vec![
-            counter("deadlines missed", view.misses),
-            Span::raw(format!("late {} ms  ", milliseconds(view.lateness.max_ns))),
-            Span::raw(view.idle_percent.map_or_else(String::new, |idle| format!("idle {idle:.0} %"))),
+            counter("deadlines missed", view.pacing.deadline_misses),
+            Span::raw(format!("late {} ms  ", milliseconds(view.pacing.lateness.max_ns))),
+            Span::raw(view.pacing.idle_percent.map_or_else(String::new, |idle| format!("idle {idle:.0} %"))),
         ]),
         Line::from(vec![
             counter("lost", source.lost_frames),

@@ -214,8 +214,10 @@ fn title(info: &RunInfo, view: &View, is_paused: bool) -> Paragraph<'static> {
     }
     let state = match (is_paused, view.state) {
         (true, _) => "  display paused".to_owned(),
-        (_, MonitorState::Starting) => format!("  twin starting, {:.0} s", view.starting_s),
-        (_, MonitorState::Running) if view.starting_s > 0.0 => format!("  twin started in {:.1} s", view.starting_s),
+        (_, MonitorState::Starting) => format!("  twin starting, {:.0} s", view.pacing.starting_s),
+        (_, MonitorState::Running) if view.pacing.starting_s > 0.0 => {
+            format!("  twin started in {:.1} s", view.pacing.starting_s)
+        }
         (_, MonitorState::Ended) => "  press q".to_owned(),
         _ => String::new(),
     };

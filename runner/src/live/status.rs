@@ -90,7 +90,7 @@ impl Status {
                 let within = if has_limits { "All values are within their limits. " } else { "" };
                 let sentence = format!(
                     "{within}The twin is starting: {:.0} s so far. The first diagnosis follows when it runs.",
-                    view.starting_s
+                    view.pacing.starting_s
                 );
                 status("STARTING", Level::Unknown, &sentence, "")
             }
@@ -153,11 +153,13 @@ impl Status {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ballrace_twin::replay::outcome::Pacing;
 
     #[test]
     fn the_wait_for_the_first_diagnosis_is_reported_with_its_progress() {
         let sentence = |state, diagnosis| {
-            let view = View { state, diagnosis, time_s: 12.3, starting_s: 4.0, ..View::default() };
+            let pacing = Pacing { starting_s: 4.0, ..Pacing::default() };
+            let view = View { state, diagnosis, time_s: 12.3, pacing, ..View::default() };
             let status = Status::of(&view);
             (status.word, status.sentence)
         };

@@ -4,7 +4,7 @@ use super::alarms::AlarmList;
 use super::feed::lock;
 use ballrace_twin::record::{EventRecord, now};
 use ballrace_twin::replay::limits::LimitStatus;
-use ballrace_twin::replay::outcome::{Diagnosis, Quantiles, SourceFigures};
+use ballrace_twin::replay::outcome::{Diagnosis, Pacing, SourceFigures};
 use ballrace_twin::replay::second::Second;
 use ballrace_twin::replay::{DiagnosisState, Snapshot};
 use serde::Serialize;
@@ -43,8 +43,6 @@ pub struct View {
     pub state_since: String,
     /// Time of the latest sample in the recording's time, s.
     pub time_s: f64,
-    /// Time until the twin had started and caught up, s; 0 before.
-    pub starting_s: f64,
     /// Latest samples and loads.
     pub snapshot: Arc<Snapshot>,
     /// Faults that the last diagnoses found.
@@ -59,14 +57,8 @@ pub struct View {
     pub seconds: VecDeque<Arc<Second>>,
     /// Latest events, oldest first.
     pub events: VecDeque<Arc<EventRecord>>,
-    /// Delay of the wake-ups.
-    pub lateness: Quantiles,
-    /// Processing time of a block.
-    pub compute: Quantiles,
-    /// Missed deadlines.
-    pub misses: u64,
-    /// Idle time of one processor, percent; `None` if the system does not report it.
-    pub idle_percent: Option<f64>,
+    /// Timeliness.
+    pub pacing: Pacing,
     /// Counts of samples received and lost.
     pub source: SourceFigures,
     /// Verdict and diagnoses at the end of the run.

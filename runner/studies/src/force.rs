@@ -1,5 +1,6 @@
 //! Forces of one bearing for given displacements, in every precision and math of the kernel.
 
+use crate::precision;
 use ballrace::bearing::{LastValidWrench, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Status};
 use ballrace_models::build::{self, BuildError};
@@ -97,7 +98,7 @@ impl<T: Scalar, H: ForceModel<T>> Evaluate for InPrecision<T, H> {
             let mut reactions = [Reaction::default(); SIDE_BY_SIDE];
             for (i, row) in rows.iter().enumerate() {
                 u[i] = Displacement::from_array(row.map(T::from_f64));
-                states[i] = rounded(&at(block * SIDE_BY_SIDE + i));
+                states[i] = precision::kinematic_state(&at(block * SIDE_BY_SIDE + i));
             }
             let u = &u[..rows.len()];
             self.0.reactions(u, &states, &mut reactions);
@@ -107,17 +108,6 @@ impl<T: Scalar, H: ForceModel<T>> Evaluate for InPrecision<T, H> {
                 *status = flags;
             }
         }
-    }
-}
-
-fn rounded<T: Scalar>(at: &BearingKinematicState<f64>) -> BearingKinematicState<T> {
-    BearingKinematicState {
-        cage: at.cage,
-        inner: at.inner,
-        outer: at.outer,
-        ball: at.ball,
-        inner_speed: T::from_f64(at.inner_speed),
-        outer_speed: T::from_f64(at.outer_speed),
     }
 }
 

@@ -24,6 +24,7 @@ pub mod force;
 pub mod friction;
 pub mod heat;
 pub mod life;
+mod precision;
 pub mod sweep;
 pub mod thermal;
 pub mod trade;

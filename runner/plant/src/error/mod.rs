@@ -2,16 +2,27 @@
 //!
 //! They are defined here, below the modules that return them, so that no two modules depend on each other.
 
+mod bake;
 mod evaluation;
+mod fit;
 mod fleet;
-mod study;
+mod motion;
+mod sweep;
+mod thermal;
+mod trade;
+mod unit;
+mod vectors;
 
+pub use bake::{BakeError, VerifyError};
 pub use evaluation::{LimitError, ObserverError, ReplayError, VibrationError};
+pub use fit::FitError;
 pub use fleet::{FleetError, TablePosition};
-pub use study::{
-    BakeError, FitError, LARGEST_SPEED, MotionOverflow, NoLoad, SweepError, ThermalError, TradeError, UnitError,
-    VectorError, VerifyError,
-};
+pub use motion::{LARGEST_SPEED, MotionOverflow, NoLoad};
+pub use sweep::SweepError;
+pub use thermal::ThermalError;
+pub use trade::TradeError;
+pub use unit::UnitError;
+pub use vectors::VectorError;
 
 use crate::PlantError;
 use crate::probes::UnobservableError;

@@ -133,13 +133,7 @@ fn noise_gain(inverse: &[[f64; 5]], bearings: &[f64]) -> f64 {
 }
 
 fn unobservable(probes: &[Probe]) -> UnobservableError {
-    let radial: Vec<(f64, f64)> = probes
-        .iter()
-        .filter_map(|p| match p.direction {
-            Direction::Radial(a) => Some((p.station, a)),
-            Direction::Axial => None,
-        })
-        .collect();
+    let radial: Vec<(f64, f64)> = probes.iter().filter_map(|p| Some((p.station, p.direction.angle()?))).collect();
     let mut planes: Vec<f64> = radial.iter().map(|r| r.0).collect();
     planes.sort_by(f64::total_cmp);
     planes.dedup_by(|a, b| (*a - *b).abs() < 1e-9);

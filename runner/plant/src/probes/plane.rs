@@ -1,6 +1,6 @@
 //! Planes of two radial probes: readings to X and Y.
 
-use ballrace_scene::{Direction, Probe};
+use ballrace_scene::Probe;
 use std::ops::{Add, Mul};
 
 /// Two radial probes that are not parallel, at one station or at the same coordinates of a `[system]`, with the matrix from their
@@ -17,14 +17,8 @@ pub struct Plane {
 /// Returns the planes of the radial probes: at each station, or coordinates, the first two probes that are not parallel.
 #[must_use]
 pub fn planes(probes: &[Probe]) -> Vec<Plane> {
-    let radial: Vec<(usize, &Probe, f64)> = probes
-        .iter()
-        .enumerate()
-        .filter_map(|(i, p)| match p.direction {
-            Direction::Radial(angle) => Some((i, p, angle)),
-            Direction::Axial => None,
-        })
-        .collect();
+    let radial: Vec<(usize, &Probe, f64)> =
+        probes.iter().enumerate().filter_map(|(i, p)| Some((i, p, p.direction.angle()?))).collect();
     let is_beside = |a: &Probe, b: &Probe| (a.station - b.station).abs() < 1e-9 && a.coordinates == b.coordinates;
     let mut planes: Vec<Plane> = Vec::new();
     for (n, &(i, probe, a)) in radial.iter().enumerate() {

@@ -1,19 +1,9 @@
 use super::*;
 use crate::flaws::FlawSummary;
-use ballrace_scene::{Direction, FileLayout, Probe};
+use ballrace_scene::{FileLayout, Probe};
 
 fn probe(column: &str) -> Probe {
-    let direction = Direction::Radial(0.0);
-    Probe {
-        column: column.into(),
-        metres_per_unit: 1e-6,
-        station: 0.0,
-        coordinates: None,
-        direction,
-        noise: None,
-        offset: 0.0,
-        sensitivity: None,
-    }
+    crate::harness::probe(column, 1e-6)
 }
 
 fn recording(clock: Clock) -> Recording {

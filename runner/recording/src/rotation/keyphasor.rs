@@ -7,6 +7,7 @@ use super::count::Counter;
 use super::edges::{Edges, Instant, Levels, UsedThreshold, range};
 use super::fit::{Fit, Progress, Pulse, SIDE};
 use super::gap::{Gap, Interval};
+use super::surplus::SurplusPulses;
 use super::total::Total;
 use super::{LONGEST_WAIT, Motion, Output, RotationError};
 use crate::Row;
@@ -30,10 +31,6 @@ const DEAD: f64 = 2.5;
 /// An interval this much shorter than expected ends in a pulse too many: after two pulses, when a shaft that
 /// starts from rest may be at 0.41, and when the trend is known.
 const TOO_SHORT: (f64, f64) = (0.4, 0.6);
-
-/// Number of consecutive intervals with a pulse omitted in the middle after which the shaft is taken to turn twice as fast, as it
-/// may after a standstill.
-const TWICE_AS_FAST: u32 = 2;
 
 /// Largest difference of an interval from a whole multiple of the expected one for which missed pulses are counted, in intervals.
 const WHOLE_TOLERANCE: f64 = 0.2;
@@ -82,11 +79,7 @@ pub(super) struct Keyphasor {
     last_reading: Option<u64>,
     /// Sample in the middle of a signal loss since the last pulse that was longer than the interval of pulses.
     lost: Option<u64>,
-    /// Pulses omitted since the last one, and the last of those.
-    surplus: u32,
-    surplus_at: Instant,
-    /// Intervals in a row with one pulse omitted in the middle.
-    halved: u32,
+    surplus: SurplusPulses,
 }
 
 /// Finder of pulses in the readings.
@@ -142,9 +135,7 @@ impl Keyphasor {
             first_pulse: Position::default(),
             last_reading: None,
             lost: None,
-            surplus: 0,
-            surplus_at: Instant::default(),
-            halved: 0,
+            surplus: SurplusPulses::default(),
         }
     }
 
@@ -358,7 +349,7 @@ impl Keyphasor {
             }
         } else if let ([first, second], None, None) = (self.pulses.make_contiguous(), &self.gap, self.lost)
             && self.left == 0
-            && self.surplus == 0
+            && self.surplus.is_empty()
             && let first_interval = second.at.since(first.at)
             && start.since(second.at) - first_interval > FIRST_SHORT.0.max(FIRST_SHORT.1 * first_interval)
         {
@@ -392,9 +383,8 @@ impl Keyphasor {
         }
         let (plain, trend) = self.passed(&last, start);
         let short = if trend.is_some() { TOO_SHORT.1 } else { TOO_SHORT.0 };
-        if self.lost.is_none() && plain.max(trend.unwrap_or(plain)) < short && self.halved < TWICE_AS_FAST {
-            self.surplus += 1;
-            self.surplus_at = start;
+        if self.lost.is_none() && plain.max(trend.unwrap_or(plain)) < short && !self.surplus.is_twice_as_fast() {
+            self.surplus.omit(start);
             output.ledger.record(Flaw::SpuriousPulse, Some(&self.column), at, 1);
             return Ok(());
         }
@@ -416,9 +406,7 @@ impl Keyphasor {
             // The sense of the count was not known before.
             self.pulses[0].period = period;
         }
-        let half = (0.4..0.6).contains(&(self.surplus_at.since(last.at) / interval));
-        self.halved = if self.surplus == 1 && half { self.halved + 1 } else { 0 };
-        self.surplus = 0;
+        self.surplus.end_interval(last.at, interval);
         let lost = self.lost.take();
         self.add(Pulse { number, at: start, period, lost }, at);
         Ok(())

@@ -3,22 +3,10 @@
 #![expect(clippy::panic, reason = "a test fails by panicking")]
 
 use super::*;
+use crate::harness::probe;
 use ballrace::Phase;
 use ballrace_plant::probes::planes;
 use ballrace_recording::Row;
-
-fn probe(column: &str, angle: f64) -> Probe {
-    Probe {
-        column: column.to_owned(),
-        metres_per_unit: 1e-6,
-        station: 0.0,
-        coordinates: None,
-        direction: Direction::Radial(angle),
-        noise: None,
-        offset: 0.0,
-        sensitivity: None,
-    }
-}
 
 /// Forward 5 um at 50 Hz, reverse 2 um at 120 Hz, for `seconds`.
 fn spectra(probes: &[Probe], seconds: f64) -> Vec<Cascade> {

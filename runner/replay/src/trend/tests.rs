@@ -3,26 +3,17 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
+use crate::harness::probe;
 use crate::list;
 use crate::outcome::{Orbit, Pictures, ProbeOutcome};
 use ballrace::Phase;
 use ballrace_plant::probes::planes;
 use ballrace_recording::Row;
-use ballrace_scene::{Direction, Probe};
+use ballrace_scene::Probe;
 
 const RATE: f64 = 12_800.0;
 
 fn probes() -> Vec<Probe> {
-    let probe = |column: &str, angle: f64| Probe {
-        column: column.to_owned(),
-        metres_per_unit: 1e-6,
-        station: 0.0,
-        coordinates: None,
-        direction: Direction::Radial(angle),
-        noise: None,
-        offset: 0.0,
-        sensitivity: None,
-    };
     vec![probe("X", 0.0), probe("Y", 0.5 * std::f64::consts::PI)]
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::super::bearing::STEEL_DENSITY;
 use super::super::key::Key;
 use super::super::model::{ModelProperties, choice_of, models_with};
+use super::super::multibody;
 use super::super::table::{Node, Read, Table};
 use super::super::units::Dimension;
 use super::super::{
@@ -60,9 +61,6 @@ const THIN: f64 = 0.4;
 /// Highest order of the shape of an outer ring that bends, where the scene gives none. The stiffness grows with the fourth power: higher ones
 /// hardly take part.
 const RING_ORDERS: usize = 6;
-
-/// Largest traction coefficient of the model `multibody` where the scene gives none.
-pub const TRACTION_PEAK: f64 = 0.06;
 
 /// Number of rolling elements for which the two-spring formula has its ratios.
 const TWO_SPRING_ELEMENTS: std::ops::RangeInclusive<usize> = 8..=16;
@@ -542,7 +540,7 @@ fn check_traction(table: &Table<'_>) -> Read<()> {
     let (Some(limit), peak) = (table.optional("traction_limit"), table.read("traction_peak", Node::any_number)?) else {
         return Ok(());
     };
-    let peak = peak.unwrap_or(TRACTION_PEAK);
+    let peak = peak.unwrap_or(multibody::TRACTION_PEAK);
     let expected = format!("at most traction_peak, {peak}");
     let found = limit.any_number()?;
     if found > peak { Err(limit.invalid(found.to_string(), expected)) } else { Ok(()) }

@@ -77,7 +77,7 @@ impl Description {
             at: now(),
             time_s: view.time_s,
             monitor: view.state,
-            starting_s: view.starting_s,
+            starting_s: view.pacing.starting_s,
             status: Status::of(view),
             alarms: view.alarms.alarms(),
             limits: &view.limits,
@@ -85,7 +85,7 @@ impl Description {
             second: view.seconds.back().map(Arc::as_ref),
             events: view.events.iter().rev().take(MAX_EVENTS).map(Arc::as_ref).collect(),
             counts: &view.source,
-            deadline_misses: view.misses,
+            deadline_misses: view.pacing.deadline_misses,
         };
         // The serialisation does not fail: numbers that are not finite become null.
         serde_json::to_string(&state).unwrap_or_default()

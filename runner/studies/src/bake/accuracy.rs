@@ -2,8 +2,9 @@
 
 use super::{Language, Selected};
 use crate::force;
+use crate::precision;
 use crate::trade::FidelityLevel;
-use crate::trade::force::{apart, in_precision, rounded};
+use crate::trade::force::{apart, in_precision};
 use crate::trade::poses::{self, Pose, Poses, SAMPLES_PER_REVOLUTION, TURNS, pose_of_sample};
 use ballrace::bearing::Bearing as _;
 use ballrace::bearing::checksum::ChecksumRange;
@@ -248,7 +249,7 @@ fn error_at(poses: &[Pose], baked: &BakedModel, (name, exact, offset): &Referenc
     for pose in poses {
         let right = ForceModel::reaction(exact, &(pose.u + *offset), &pose.at).wrench;
         let (u, at) = in_precision::<f32>(pose);
-        let found = baked.force.reaction(&(u + rounded(&baked.offset)), &at).wrench;
+        let found = baked.force.reaction(&(u + precision::displacement(&baked.offset)), &at).wrench;
         let found = Wrench::from_array(found.to_array().map(f64::from));
         largest_load = largest_load.max(apart(&right, &Wrench::default(), arm));
         let difference = apart(&found, &right, arm);

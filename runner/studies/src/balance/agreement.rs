@@ -1,11 +1,13 @@
 //! Agreement of runs with the twin of their machine, and the probable error where they disagree: probes or planes exchanged, angles counted the
 //! other way, a trial without its mass.
 
+use super::correction::{self, Placement};
+use super::error::BalanceError;
+use super::runs::{Run, Runs, determined};
 use super::table::{C, VectorTable};
 use super::twin::{TwinCoefficients, flat};
-use super::{BalanceError, Placement, Run, Runs, Vectors, correction, determined};
+use super::vectors::{Vectors, over_largest};
 use ballrace_base::parallel;
-use ballrace_base::statistics::largest_chi_square;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
@@ -117,13 +119,6 @@ pub(super) fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceEr
     let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
     let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
     if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
-}
-
-/// Returns the weighted squares of complex numbers that errors leave, over their largest sum by errors alone. Each counts as one degree of
-/// freedom: a parameter of the twin changes it along one direction, errors of vectors along two.
-pub(super) fn over_largest(squares: f64, numbers: usize) -> f64 {
-    let freedom = numbers.max(1) as f64;
-    squares / freedom / largest_chi_square(freedom)
 }
 
 /// Returns each pair of two numbers below `count`.

@@ -1,7 +1,7 @@
 //! Correction masses: the moments that leave the least vibration, and the holes and weights that come nearest to them.
 
-use super::Vectors;
 use super::table::C;
+use super::vectors::Vectors;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use std::f64::consts::TAU;

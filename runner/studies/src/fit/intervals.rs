@@ -1,7 +1,9 @@
 //! Uncertainty of the estimates: covariance of the unknowns, with correlated residuals, and the intervals that follow from it.
 
+use super::Estimate;
+use super::model::Model;
 use super::parameters::Parameter;
-use super::{Estimate, Model, Solution, probe_residuals};
+use super::search::{Solution, probe_residuals};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 

@@ -2,6 +2,7 @@
 
 use super::poses::{Pose, Poses};
 use super::timing::spread;
+use crate::precision;
 use ballrace::bearing::{Bearing, Reaction};
 use ballrace::{BearingKinematicState, Displacement, Exact, Fast, Scalar, Stiffness, Wrench};
 use ballrace_models::build::{self, AnyBearing, BuildError};
@@ -83,29 +84,15 @@ impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
                 _ => build(scene, of, of.model)?,
             };
             let offset = mounted.map_or_else(|| build::offset_by_preload(scene, of), |mounted| Ok(mounted.offset))?;
-            Ok((bearing, rounded(&offset)))
+            Ok((bearing, precision::displacement(&offset)))
         };
         Ok(Self { bearings: scene.bearings.iter().enumerate().map(mounted).collect::<Result<_, BuildError>>()? })
     }
 }
 
-/// Returns a displacement in another precision.
-pub fn rounded<T: Scalar>(u: &Displacement<f64>) -> Displacement<T> {
-    Displacement::from_array(u.to_array().map(T::from_f64))
-}
-
 /// Returns a pose in another precision.
 pub(crate) fn in_precision<T: Scalar>(pose: &Pose) -> (Displacement<T>, BearingKinematicState<T>) {
-    let at = &pose.at;
-    let turning = BearingKinematicState {
-        cage: at.cage,
-        inner: at.inner,
-        outer: at.outer,
-        ball: at.ball,
-        inner_speed: T::from_f64(at.inner_speed),
-        outer_speed: T::from_f64(at.outer_speed),
-    };
-    (rounded(&pose.u), turning)
+    (precision::displacement(&pose.u), precision::kinematic_state(&pose.at))
 }
 
 impl<T: Scalar, H: ForceModel<T>> Forces for CandidateBearings<T, H> {

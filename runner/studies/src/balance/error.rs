@@ -1,0 +1,81 @@
+//! Errors of a balance.
+
+/// Error of an estimate from vectors.
+#[derive(Debug, thiserror::Error)]
+pub enum BalanceError {
+    /// There are too few runs with known masses.
+    #[error(
+        "{found} conditions with known masses, expected at least {least}: a baseline and one trial for each of the {planes} planes"
+    )]
+    Few {
+        /// Conditions found.
+        found: usize,
+        /// Least number.
+        least: usize,
+        /// Planes.
+        planes: usize,
+    },
+    /// The trials do not tell the planes apart.
+    #[error(
+        "the trial masses do not tell the planes apart at {speed:.0} rpm, expected trials on each plane alone or in different proportions"
+    )]
+    Dependent {
+        /// Speed, rpm.
+        speed: f64,
+    },
+    /// No trial moves the probes by more than the errors of the vectors.
+    #[error(
+        "the trial masses change no probe by more than its scatter, expected larger masses, or planes and probes of this rotor"
+    )]
+    NoResponse,
+    /// The response turns against the masses.
+    #[error(
+        "the vectors turn against the masses: with the angles of all masses counted the other way, the trials fit far better, expected angles of masses and vectors in one direction (a phase lag grows with the angle of the mass against rotation)"
+    )]
+    Mirrored,
+    /// A blind run has a speed without trials.
+    #[error("condition {condition}: no trial at {speed:.0} rpm, expected trials at the speeds of the blind runs")]
+    Speed {
+        /// Condition.
+        condition: String,
+        /// Speed, rpm.
+        speed: f64,
+    },
+    /// Trials and twin do not agree, and there are too few trials without it.
+    #[error(
+        "the vectors are {misfit:.1} times as far from the coefficients of the twin as its errors and those of the vectors allow, expected a scene of \
+         this machine, the right masses and angles, or a trial for each plane"
+    )]
+    Twin {
+        /// Chi-squared over its largest value.
+        misfit: f64,
+    },
+    /// Two planes are exchanged.
+    #[error(
+        "planes {first} and {second} look exchanged: with the masses of each in the other the vectors agree with the twin, expected the planes in which the masses were"
+    )]
+    Planes {
+        /// A plane.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A trial has the vectors of a run without masses.
+    #[error(
+        "{condition}: the vectors are those without added masses, expected the recording of the trial, or larger masses"
+    )]
+    Unmoved {
+        /// Condition.
+        condition: String,
+    },
+    /// Two probes are exchanged.
+    #[error("{}: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene", if condition.is_empty() { "all runs" } else { condition })]
+    Exchanged {
+        /// Condition; empty for all.
+        condition: String,
+        /// A probe.
+        first: String,
+        /// The other.
+        second: String,
+    },
+}

@@ -1,0 +1,111 @@
+//! Influence coefficients with their covariance.
+
+use super::drift::{Drift, Solution};
+use super::runs::Runs;
+use super::table::{C, VectorTable};
+use ballrace_base::statistics::largest_chi_square;
+use nalgebra::{DMatrix, DVector};
+
+/// Coefficients with their covariance.
+pub(super) struct Vectors<'a> {
+    runs: &'a Runs,
+    pub(super) planes: &'a [String],
+    probes: &'a [String],
+    drift: &'a Drift,
+    solution: Solution,
+    /// Usual moment: mean square of the trial moments; without trials, of the moment that moves the probes as the rotor does.
+    usual: f64,
+}
+
+impl<'a> Vectors<'a> {
+    pub(super) fn new(runs: &'a Runs, table: &'a VectorTable, drift: &'a Drift, solution: Solution) -> Self {
+        let mut vectors =
+            Self { runs, planes: &table.planes, probes: &table.probes, drift, solution, usual: runs.usual };
+        if vectors.usual == 0.0 {
+            vectors.usual = 1.0;
+            let of_baseline: f64 =
+                (0..vectors.channels()).map(|c| vectors.baseline(c).norm_sqr() / vectors.noise(c)).sum();
+            let largest = vectors.weighted().singular_values().max();
+            vectors.usual = of_baseline / (largest * largest).max(f64::MIN_POSITIVE);
+        }
+        vectors
+    }
+
+    pub(super) fn channels(&self) -> usize {
+        self.runs.channels()
+    }
+
+    pub(super) fn probe(&self, channel: usize) -> &str {
+        &self.probes[channel % self.runs.probes]
+    }
+
+    pub(super) fn speed(&self, channel: usize) -> f64 {
+        self.runs.speeds[channel / self.runs.probes]
+    }
+
+    /// Returns the vector of a channel without added masses.
+    pub(super) fn baseline(&self, channel: usize) -> C {
+        self.solution.theta[self.runs.column(channel, 0)]
+    }
+
+    /// Returns the influence coefficient of plane `k`, per g mm.
+    pub(super) fn coefficient(&self, channel: usize, k: usize) -> C {
+        self.solution.theta[self.runs.column(channel, 1 + k)]
+    }
+
+    /// Returns the standard deviation of a coefficient.
+    pub(super) fn deviation(&self, channel: usize, k: usize) -> f64 {
+        let at = self.runs.column(channel, 1 + k);
+        self.solution.covariance[(at, at)].re.max(0.0).sqrt()
+    }
+
+    /// Returns the variance of the vector of a channel by drift and error.
+    fn noise(&self, channel: usize) -> f64 {
+        (self.drift.covariance[(channel, channel)].re + self.drift.variance[channel]).max(f64::MIN_POSITIVE)
+    }
+
+    /// Returns the coefficients with the usual moment in units of drift and error.
+    pub(super) fn weighted(&self) -> DMatrix<C> {
+        DMatrix::from_fn(self.channels(), self.planes.len(), |channel, k| {
+            self.coefficient(channel, k) * C::new((self.usual / self.noise(channel)).sqrt(), 0.0)
+        })
+    }
+
+    /// Returns the squares that moments on the planes leave of the vectors without added masses, over their largest sum by errors alone;
+    /// `None` where the planes explain any vectors.
+    pub(super) fn unexplained(&self, moments: &[C]) -> Option<f64> {
+        let (channels, planes) = (self.channels(), self.planes.len());
+        let spare = channels.checked_sub(planes).filter(|spare| *spare > 0)?;
+        let factors = self.errors(moments).cholesky()?;
+        let baseline = DVector::from_fn(channels, |channel, _| self.baseline(channel));
+        let matrix = DMatrix::from_fn(channels, planes, |channel, k| self.coefficient(channel, k));
+        let (weighted, of_baseline) = (factors.solve(&matrix), factors.solve(&baseline));
+        let least = (matrix.adjoint() * weighted).cholesky()?.solve(&(matrix.adjoint() * &of_baseline));
+        let left = baseline - matrix * least;
+        Some(over_largest(left.dotc(&factors.solve(&left)).re, spare))
+    }
+
+    /// Returns the covariance of the vectors with these moments: by the coefficients, by the drift and by the error of a run.
+    pub(super) fn errors(&self, moments: &[C]) -> DMatrix<C> {
+        let channels = self.channels();
+        let mut design = DMatrix::<C>::zeros(channels, self.runs.coefficients());
+        for channel in 0..channels {
+            design[(channel, self.runs.column(channel, 0))] = C::new(1.0, 0.0);
+            for (k, moment) in moments.iter().enumerate() {
+                design[(channel, self.runs.column(channel, 1 + k))] = *moment;
+            }
+        }
+        let mut sum = &design * &self.solution.covariance * design.adjoint() + &self.drift.covariance;
+        for (channel, variance) in self.drift.variance.iter().enumerate() {
+            sum[(channel, channel)] += C::new(*variance, 0.0);
+        }
+        sum
+    }
+}
+
+/// Returns the weighted squares of complex numbers that errors leave, over their largest sum by errors alone. Each counts as one degree of
+/// freedom: a parameter of the twin changes it along one direction, errors of vectors along two.
+pub(super) fn over_largest(squares: f64, numbers: usize) -> f64 {
+    let freedom = numbers.max(1) as f64;
+    squares / freedom / largest_chi_square(freedom)
+}
