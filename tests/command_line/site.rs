@@ -120,3 +120,33 @@ fn a_spall_is_found_beside_it() {
     assert_eq!(kinds(&outcome), ["outer-race"], "{findings:#?}");
     assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
 }
+
+/// A machine that was never recorded in good order has the errors of its scene, and none of them is a fault.
+#[test]
+fn errors_of_a_scene_without_a_baseline_are_no_fault() {
+    let sandbox = scenes();
+    let scene = sandbox.read("scene.toml");
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + TURNS), |_, _, _| 0.0));
+    for factor in [0.9, 1.1] {
+        let clearance = |um: f64| format!("diametral_clearance = \"{um} um\"");
+        sandbox.put("scene.toml", scene.replace(&clearance(10.0), &clearance(10.0 * factor)));
+        let outcome = sandbox.replay("scene.toml", &["--no-report"]);
+        assert!(kinds(&outcome).iter().all(|kind| *kind == "other"), "{factor}: {:#}", outcome["findings"]);
+    }
+}
+
+/// A wave that the baseline has not shown, but that a sound bearing may have, is part of the sound machine, and is named.
+#[test]
+fn a_wave_of_a_sound_bearing_is_no_fault() {
+    let sandbox = site();
+    let wave = "{ surface = \"outer\", order = 17, amplitude = \"0.12 um\", phase = \"70 deg\" },";
+    let wavy = sandbox.read("sound.toml").replacen("waviness = [", &format!("waviness = [{wave}"), 1);
+    sandbox.put("wavy.toml", &wavy);
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "wavy.toml", 33..33 + TURNS), |_, _, _| 0.0));
+    let outcome = outcome(&sandbox);
+    assert!(kinds(&outcome).is_empty(), "{:#}", outcome["findings"]);
+    let notes = list(&outcome, "notes");
+    let named =
+        |note: &Value| note.as_str().is_some_and(|note| note.ends_with("waviness of order 17 on outer race of A."));
+    assert!(notes.iter().any(named), "{notes:#?}");
+}

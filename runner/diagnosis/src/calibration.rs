@@ -6,7 +6,7 @@ use super::fit::{Fitted, Limits, MODEL_ERROR, Prior, changed, evaluate, fit_whol
 use super::machine::Machine;
 use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
-use super::residual::site::{DEPENDENT, UNEXPLAINED};
+use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
 use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
@@ -411,7 +411,11 @@ pub(super) fn calibrate(
             value: unknown.get(&now.machine),
             deviation: {
                 let dependent = if scene_deviation(*name).is_some() { dependent.sqrt() } else { 1.0 };
-                dependent * place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i))
+                // A length of a site is known no better than the gain of its probes.
+                let is_length = of.site.is_some() && unknown.is(&CLEARANCE);
+                let by_gain = if is_length { GAIN_ERROR * unknown.get(&now.machine) } else { 0.0 };
+                let fitted = place(unknown).map_or(prior.deviation(*unknown), |i| inflation * deviation(i));
+                (dependent * fitted).hypot(by_gain)
             },
         })
         .collect();
