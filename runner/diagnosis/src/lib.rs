@@ -67,6 +67,8 @@ pub(crate) const MIN_REVOLUTIONS: f64 = 16.0;
 const HIGHEST_OVER_NATURAL: f64 = 3.0;
 /// Highest line over the sampling rate: the force is evaluated at the samples, so its spectrum repeats at the rate.
 const HIGHEST_OVER_RATE: f64 = 0.16;
+/// Least gap that shows a site, m: a fault may move the shaft by less.
+const SHOWN_GAP: f64 = 10e-6;
 /// Band about a carrier, in orders of the shaft.
 const BAND_ORDERS: f64 = 3.5;
 
@@ -236,16 +238,18 @@ pub fn diagnose(
     of: &DiagnosisInput,
     progress: &dyn Fn(f64),
 ) -> std::result::Result<Option<DiagnosisResult>, BuildError> {
-    // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, as its faults
-    // are those of a machine that is known without error.
+    // A baseline of a site is compared with recordings of that site; without one, an exact world must explain everything, or the readings
+    // must show the errors of a site.
     if world(of) == World::Site {
-        return diagnose_in(World::Site, of, MAX_FAULTS, progress);
+        return diagnose_in(World::Site, of, (MAX_FAULTS, None), progress);
     }
-    let exact = diagnose_in(World::Exact, of, MAX_FAULTS, &|share| progress(0.5 * share))?;
+    let exact = diagnose_in(World::Exact, of, (MAX_FAULTS, None), &|share| progress(0.5 * share))?;
     if exact.as_ref().is_none_or(DiagnosisResult::explains) {
         return Ok(exact);
     }
-    let site = diagnose_in(World::Site, of, MAX_FAULTS, &|share| progress(0.5 + 0.5 * share))?;
+    // What accuses without a proof is no reason to disregard a site.
+    let least_gap = exact.as_ref().filter(|exact| !exact.accuses_without_proof()).map(|_| SHOWN_GAP);
+    let site = diagnose_in(World::Site, of, (MAX_FAULTS, least_gap), &|share| progress(0.5 + 0.5 * share))?;
     Ok(site.or(exact))
 }
 
@@ -264,11 +268,12 @@ fn world(of: &DiagnosisInput) -> World {
     if is_site { World::Site } else { World::Exact }
 }
 
-/// Diagnoses a recording in a world with at most `most` faults; `None` if the rotor or its probes do not allow it.
+/// Diagnoses a recording in a world with at most `most` faults; `None` as well where the readings show no errors of a site, with a gap of
+/// `least_gap` or another one, that they have to.
 fn diagnose_in(
     world: World,
     of: &DiagnosisInput,
-    most: usize,
+    (most, least_gap): (usize, Option<f64>),
     progress: &dyn Fn(f64),
 ) -> Result<Option<DiagnosisResult>> {
     let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
@@ -276,6 +281,11 @@ fn diagnose_in(
         return Ok(None);
     };
     progress(0.1);
+    if let (Some(site), Some(least_gap)) = (&prepared.site, least_gap)
+        && !site.shows_errors(least_gap)
+    {
+        return Ok(None);
+    }
     let faults = hypothesis::diagnose(&mut prepared, most, progress)?;
     Ok(Some(result::diagnosis(of, &prepared, &faults)?))
 }
@@ -333,6 +343,6 @@ pub fn calibrate(
         return exact_to_end(exact);
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
-    let with_fault = diagnose_in(World::Exact, &alone, 1, &|_| {})?;
+    let with_fault = diagnose_in(World::Exact, &alone, (1, None), &|_| {})?;
     if with_fault.is_some_and(|result| result.explains()) { exact_to_end(exact) } else { Ok(site) }
 }

@@ -55,6 +55,15 @@ impl DiagnosisResult {
     pub(super) fn explains(&self) -> bool {
         self.outcome.chi_square_after < EXPLAINED
     }
+
+    /// Returns true where the strongest diagnosis names a fault that explains too little of the unexplained motion, or beside which more is left
+    /// than the error of a model.
+    pub(super) fn accuses_without_proof(&self) -> bool {
+        let Some(first) = self.diagnoses.first().filter(|first| first.kind != FaultKind::Other) else { return false };
+        let FaultParameters { explained, unexplained_motion, .. } = &first.parameters;
+        let is_proven = unexplained_motion.as_ref().is_some_and(|motion| motion.explained > PROVEN);
+        !is_proven || explained.unwrap_or(0.0) < DECIDED[0] || self.outcome.chi_square_after > UNEXPLAINED
+    }
 }
 
 /// Angle and speed of one cage.
