@@ -175,6 +175,13 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             unseen.join(" and ")
         ));
     }
+    if e.is_without_baseline() && diagnoses.is_empty() {
+        notes.push(
+            "Without a baseline, what errors of the scene, of the probes and of sound bearings may be hides a fault of that size; a recording of \
+             the machine in good order (--learn) shows smaller ones."
+                .to_owned(),
+        );
+    }
     if !of.deviations.is_empty() {
         let names: Vec<String> = of.deviations.iter().map(|fault| fault.name(e.plant)).collect();
         notes.push(format!(
