@@ -135,6 +135,30 @@ fn errors_of_a_scene_without_a_baseline_are_no_fault() {
     }
 }
 
+/// The gaps are unknown, so that a clearance and the position of the rotor are found together: what is learned from a scene that is off holds the
+/// true clearance in its interval.
+#[test]
+fn a_learned_clearance_is_no_surer_than_the_position() {
+    let sandbox = scenes();
+    let of = |text: &str, um: f64| {
+        let text = swap(text, "mass = \"20 kg\"", "mass = \"4.5 kg\"");
+        text.replace("diametral_clearance = \"10 um\"", &format!("diametral_clearance = \"{um} um\""))
+    };
+    let scene = sandbox.read("scene.toml");
+    sandbox.put("sound.toml", of(&sandbox.read("sound.toml"), 16.0));
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + TURNS), |_, _, _| 0.0));
+    for factor in [0.85, 1.15] {
+        sandbox.put("scene.toml", of(&scene, 16.0 * factor));
+        let learned = sandbox.replay("scene.toml", &["--no-report", "--learn", "b.json"]);
+        let all = list(&learned["learning"], "parameters");
+        let is_clearance = |one: &&Value| one["name"].as_str().is_some_and(|name| name.ends_with("clearance"));
+        for one in all.iter().filter(is_clearance) {
+            let [low, high] = ["/low", "/high"].map(|end| number(one, end));
+            assert!(low < 16.0 && 16.0 < high, "{factor}: {one}");
+        }
+    }
+}
+
 /// A wave that the baseline has not shown, but that a sound bearing may have, is part of the sound machine, and is named.
 #[test]
 fn a_wave_of_a_sound_bearing_is_no_fault() {

@@ -8,7 +8,7 @@ use super::parameter::{DAMPING, MODULUS, Unknown};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
 use super::site::{SiteRecording, UNBALANCE_ERROR};
-use super::{Prepared, Result, cage};
+use super::{Prepared, Result, SHOWN_GAP, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
 use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings};
 use ballrace_scene::Scene;
@@ -35,8 +35,8 @@ const DONE: f64 = 0.01;
 /// Rounds after which chi-squared per value is at most so much, or the calibration ends early.
 const HOPEFUL: (usize, f64) = (3, 6.0);
 
-/// Least gap that shows a site, m: the parameters of a machine are fitted so that they leave less of a position.
-const SHOWN_GAP: f64 = 1.5e-6;
+/// Least gap of a site, m: the parameters of a machine are fitted so that they leave less of a position.
+const LEAST_GAP: f64 = 1.5e-6;
 
 /// Distance of two lines that are one, in orders of the shaft.
 const SAME_LINE: f64 = 0.02;
@@ -61,6 +61,8 @@ pub struct Calibrated {
     pub(crate) ended_early: bool,
     /// True where the readings have the errors of a site.
     pub(crate) shows_errors: bool,
+    /// True where these are larger than a fault may pretend.
+    pub(crate) shows_site: bool,
 }
 
 /// Bounds and progress of a calibration.
@@ -361,6 +363,8 @@ pub(super) fn calibrate(
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !unknown.is(&MODULUS));
         now = fit_whole(&of.evidence, &now, &unknowns, &loose, Limits { end, ..Limits::iterations(ITERATIONS) })?;
+        // The gaps are found anew, so that the readings give the position.
+        now.machine.position = Default::default();
         of.remeasure(&now.machine)?;
         of.evidence.weight_for(&now.machine)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &now.machine, SLIPS)?;
@@ -382,7 +386,8 @@ pub(super) fn calibrate(
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
     let fitted =
         fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })?;
-    let now = with_known_damping(&of.evidence, fitted, &prior, end)?;
+    let mut now = with_known_damping(&of.evidence, fitted, &prior, end)?;
+    now.machine.position = Default::default();
     let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
         (Some(limit), _) => Some(format!(
             "the search does not converge because its time has ended: {} s, in round {rounds} of at most {MAX_ROUNDS}, expected more time \
@@ -433,7 +438,8 @@ pub(super) fn calibrate(
     let known = earlier.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();
     readings.iter_mut().zip(known).for_each(|(readings, known)| unite(readings, known));
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
-    let shows_errors = of.site.as_ref().is_some_and(|site| site.shows_errors(SHOWN_GAP));
+    let [shows_errors, shows_site] =
+        [LEAST_GAP, SHOWN_GAP].map(|gap| of.site.as_ref().is_some_and(|site| site.shows_errors(gap)));
     let is_plausible = of.site.as_ref().is_none_or(SiteRecording::is_plausible);
     let not_converged = not_converged.or_else(|| {
         (!is_plausible).then(|| {
@@ -442,7 +448,15 @@ pub(super) fn calibrate(
                 .to_owned()
         })
     });
-    Ok(Calibrated { calibration, values: now.residual.len(), rounds, not_converged, ended_early, shows_errors })
+    Ok(Calibrated {
+        calibration,
+        values: now.residual.len(),
+        rounds,
+        not_converged,
+        ended_early,
+        shows_errors,
+        shows_site,
+    })
 }
 
 #[cfg(test)]

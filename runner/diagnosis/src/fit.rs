@@ -52,12 +52,12 @@ pub fn evaluate(e: &Evidence, machine: &Machine) -> Result<Fitted> {
 pub fn changed(e: &Evidence, before: &Fitted, machine: &Machine) -> Result<Fitted> {
     let mut spectra = before.spectra.clone();
     for (i, (old, new)) in before.machine.bearings.iter().zip(&machine.bearings).enumerate() {
-        if old != new {
+        if old != new || before.machine.position != machine.position {
             spectra = e.changed(&spectra, machine, ForceSource::Bearing(i))?;
         }
     }
     // What is neither of a bearing nor of a reading is of the rotor.
-    let of_rotor = |Machine { bearings: _, readings: _, load, damping, unbalance, coupling }: &Machine| {
+    let of_rotor = |Machine { bearings: _, readings: _, position: _, load, damping, unbalance, coupling }: &Machine| {
         (*load, *damping, *unbalance, *coupling)
     };
     if of_rotor(&before.machine) != of_rotor(machine) {
@@ -231,8 +231,15 @@ impl Problem for Fit<'_, '_> {
     fn moved(&self, from: &Fitted, unknowns: &[f64]) -> Result<Fitted> {
         let mut machine = from.machine.clone();
         self.unknowns.iter().zip(unknowns).for_each(|(unknown, x)| unknown.set(&mut machine, *x));
-        let next = changed(self.e, from, &machine)?;
-        if self.weights == Weights::Own { self.weighted(next) } else { Ok(next) }
+        let mut next = changed(self.e, from, &machine)?;
+        if self.weights == Weights::Given {
+            return Ok(next);
+        }
+        if self.e.site.is_some() {
+            self.e.keep_mean_force(&mut machine, &next.spectra, &from.spectra)?;
+            next = changed(self.e, &next, &machine)?;
+        }
+        self.weighted(next)
     }
 
     fn longest_step(&self, unknown: usize) -> f64 {

@@ -338,9 +338,14 @@ pub fn calibrate(
         _ => Ok(exact),
     };
     let site = in_world(World::Site, true)?;
-    let is_site = |calibrated: &Calibrated| calibrated.shows_errors && calibrated.learning(of.scene).taken;
-    if !site.as_ref().is_some_and(is_site) {
+    let Some(calibrated) = site.as_ref().filter(|calibrated| calibrated.learning(of.scene).taken) else {
         return exact_to_end(exact);
+    };
+    if !calibrated.shows_errors {
+        return exact_to_end(exact);
+    }
+    if calibrated.shows_site {
+        return Ok(site);
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
     let with_fault = diagnose_in(World::Exact, &alone, (1, None), &|_| {})?;

@@ -65,6 +65,8 @@ pub struct Machine {
     pub coupling: CouplingForce,
     /// Errors of the probes' readings beyond those that are expected.
     pub readings: Vec<ReadingError>,
+    /// Position of the rotor beyond that of the readings, m and rad: gaps of the probes that are unknown.
+    pub position: [f64; D],
 }
 
 impl Machine {
@@ -87,7 +89,15 @@ impl Machine {
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
         let probes = scene.recording.as_ref().map_or(0, |recording| recording.probes.len());
         let readings = vec![[0.0; COEFFICIENTS]; probes];
-        Some(Self { bearings, load: rotor.load, damping, unbalance, coupling: CouplingForce::default(), readings })
+        Some(Self {
+            bearings,
+            load: rotor.load,
+            damping,
+            unbalance,
+            coupling: CouplingForce::default(),
+            readings,
+            position: [0.0; D],
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! The force that a machine leaves unexplained, as a residual at the probes in units of their noise; `weights` has that noise.
 
 mod axial;
+mod position;
 pub mod site;
 mod weights;
 
@@ -275,6 +276,11 @@ impl<'a> Evidence<'a> {
         }))
     }
 
+    /// Returns true if a probe measures the axial motion.
+    pub fn has_axial_probe(&self) -> bool {
+        self.weighting.has_axial_probe
+    }
+
     /// Returns true if the axial motion is computed: no probe measures it, and the rotor is rigid.
     pub(crate) fn follows_axially(&self) -> bool {
         !self.weighting.has_axial_probe && !self.is_elastic()
@@ -336,6 +342,15 @@ impl<'a> Evidence<'a> {
 
     /// Returns the displacement of the rotor at bearing `b`: unbalance and load of the machine bend an elastic rotor.
     fn displaced(&self, machine: &Machine, b: usize) -> Arc<Vec<Displacement<f64>>> {
+        let displaced = self.displaced_by_loads(machine, b);
+        if machine.position == [0.0; D] {
+            return displaced;
+        }
+        let moved = self.shaft.dynamics.displacements(&[machine.position])[b][0];
+        Arc::new(displaced.iter().map(|u| *u + moved).collect())
+    }
+
+    fn displaced_by_loads(&self, machine: &Machine, b: usize) -> Arc<Vec<Displacement<f64>>> {
         let (unbalance, load) = &self.given;
         if (machine.unbalance, machine.load) == (*unbalance, *load) {
             return self.displaced[b].clone();
@@ -391,14 +406,17 @@ impl<'a> Evidence<'a> {
                 })
         };
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
-        let force_slopes = self.force_slopes(spectra, machine, unknowns)?;
-        let with_force: Vec<(&Unknown, &[Vec<C>; D])> = unknowns.iter().zip(&force_slopes).collect();
-        let slope = |(unknown, force_slope): &(&Unknown, &[Vec<C>; D])| {
+        let mut force_slopes = self.force_slopes(spectra, machine, unknowns)?;
+        let moved_by = self.keep_mean_forces(spectra, machine, &mut force_slopes)?;
+        let with_force: Vec<(&Unknown, (&[Vec<C>; D], [f64; D]))> =
+            unknowns.iter().zip(force_slopes.iter().zip(moved_by)).collect();
+        let slope = |(unknown, (force_slope, moved_by)): &(&Unknown, (&[Vec<C>; D], [f64; D]))| {
             let mut slope = (*force_slope).clone();
             if unknown.parameter.changes_stiffness {
                 let mut other = machine.clone();
                 let h = unknown.parameter.step;
                 unknown.set(&mut other, unknown.get(machine) + h);
+                other.position.iter_mut().zip(moved_by).for_each(|(x, moved)| *x += h * moved);
                 let other = self.mean_stiffness(&other)?;
                 for ((k, w), moved) in self.transform.lines.iter().enumerate().zip(&moved) {
                     let change = self.dynamic_stiffness(&other, k, *w) - self.dynamic_stiffness(&own, k, *w);
@@ -533,7 +551,7 @@ impl<'a> Evidence<'a> {
     pub(crate) fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
         let left = self.left_by_baseline();
-        let mut slopes = self.slopes(spectra, machine, unknowns)?;
+        let mut slopes = self.slopes_of_uncertain(spectra, machine, unknowns)?;
         for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
             let reference = self.tolerated(reference.clone());
             slope.iter_mut().zip(reference).for_each(|(slope, x)| *slope -= x);
@@ -563,6 +581,19 @@ impl<'a> Evidence<'a> {
     /// Returns the change of the residual by each unknown.
     pub fn slopes(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
         let slopes = self.force_slopes(spectra, machine, unknowns)?;
+        Ok(parallel::map(&slopes, |slope| self.at_probes(slope)))
+    }
+
+    /// Returns the standard deviation to which a parameter was known before; 0 where it is taken as exact.
+    pub fn known_deviation(&self, unknown: Unknown) -> f64 {
+        let Some((unknowns, root)) = &self.uncertain else { return 0.0 };
+        unknowns.iter().position(|own| *own == unknown).map_or(0.0, |i| root.row(i).norm())
+    }
+
+    /// Returns the change of the residual by each parameter that is not exactly known: at a site the rotor moves with it.
+    fn slopes_of_uncertain(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
+        let mut slopes = self.force_slopes(spectra, machine, unknowns)?;
+        self.keep_mean_forces(spectra, machine, &mut slopes)?;
         Ok(parallel::map(&slopes, |slope| self.at_probes(slope)))
     }
 

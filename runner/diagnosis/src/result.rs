@@ -20,6 +20,8 @@ use std::f64::consts::TAU;
 
 /// Largest odds that are reported: beyond it, the model error dominates.
 const LARGEST_ODDS: f64 = 1e12;
+/// Confidence of a diagnosis that names no cause.
+const UNDECIDED: f64 = 0.5;
 /// Least odds against another kind of fault, or another bearing, for one to be named: it is right in 19 of 20 cases.
 const LEAST_ODDS: f64 = 19.0;
 /// Mean square of the residual, in units of its noise, beyond which a recording is not explained.
@@ -166,6 +168,7 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         chi_square_after: after,
         cages: estimates.cages(&of.observable),
         readings: site.as_ref().map(SiteRecording::outcomes).unwrap_or_default(),
+        is_without_baseline: e.is_without_baseline(),
     };
     let mut notes = vec![];
     let unseen: Vec<&str> = outcome.cages.iter().filter(|c| !c.observable).map(|c| c.bearing.as_str()).collect();
@@ -174,13 +177,6 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
             "Cage angle and slip of {} are not observable in this recording: no figure depends on them.",
             unseen.join(" and ")
         ));
-    }
-    if e.is_without_baseline() && diagnoses.is_empty() {
-        notes.push(
-            "Without a baseline, what errors of the scene, of the probes and of sound bearings may be hides a fault of that size; a recording of \
-             the machine in good order (--learn) shows smaller ones."
-                .to_owned(),
-        );
     }
     if !of.deviations.is_empty() {
         let names: Vec<String> = of.deviations.iter().map(|fault| fault.name(e.plant)).collect();
@@ -246,6 +242,7 @@ fn possible(first: Diagnosis, alone: bool, e: &Evidence, healthy: &Fitted) -> Di
         lines: unexplained_lines(e, healthy),
         parameters: FaultParameters { log_likelihood_gain, odds_to_next, explained, ..FaultParameters::default() },
         figures: FaultFigures::default(),
+        confidence: UNDECIDED,
         ..first
     }
 }
@@ -268,6 +265,7 @@ fn undecided(first: Diagnosis, fault: AnyFault, other: AnyFault, e: &Evidence, h
         lines: unexplained_lines(e, healthy),
         parameters: FaultParameters { log_likelihood_gain, odds_to_next, explained, ..FaultParameters::default() },
         figures: FaultFigures::default(),
+        confidence: UNDECIDED,
         ..first
     }
 }
@@ -364,7 +362,7 @@ impl Estimates<'_, '_> {
             line_hz,
             order,
             level_db: 10.0 * after.max(1.0).log10(),
-            confidence: 0.5,
+            confidence: UNDECIDED,
             evidence: vec![EvidenceSource::ShaftMotion],
             vibration: None,
             parameters: FaultParameters::default(),

@@ -19,8 +19,6 @@ use std::sync::Arc;
 const ROUNDS: usize = 5;
 /// Largest change of a gap at which the rounds end, m.
 const CLOSE: f64 = 3e-8;
-/// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
-const SAG: f64 = 20e-6;
 /// Standard deviation of a scene's unbalance over it, and of that of a baseline.
 pub const UNBALANCE_ERROR: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
@@ -111,8 +109,6 @@ impl<'a> SiteRecording<'a> {
     /// Returns the recording for a machine, after the errors that the machine does not explain have been found; `None` if the rotor cannot be
     /// diagnosed. The next call must be [`Evidence::weight_for`].
     pub fn evidence(&mut self, machine: &Machine) -> Result<Option<Evidence<'a>>> {
-        let mass = self.input.scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass);
-        let least = mass * 9.81 / SAG;
         let unbalance = if self.known.learned.is_empty() { UNBALANCE_ERROR } else { UNBALANCE_LATER };
         for round in 0..ROUNDS {
             let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
@@ -125,7 +121,7 @@ impl<'a> SiteRecording<'a> {
                 // A probe that drifts in the record has drifted before it.
                 deviations[GAP] = deviations[GAP].hypot(error[DRIFT]);
             }
-            let mut found = e.reading_errors(machine, &self.known, &basis, &removed, (least, unbalance))?;
+            let mut found = e.reading_errors(machine, &self.known, &basis, &removed, unbalance)?;
             // A hum beside a line of a bearing may be that line: it stays in the noise alone.
             let hidden = self.hidden_hums();
             found.iter_mut().for_each(|error| hidden.iter().for_each(|j| error[*j] = 0.0));

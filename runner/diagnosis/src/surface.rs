@@ -242,6 +242,7 @@ impl Compliance {
 
 /// Normal equations of the complex amplitudes of one harmonic of a family, l from -L to L; conjugated amplitudes where the
 /// carrier turns backward.
+#[derive(Clone)]
 struct Harmonic {
     normal: [[C; WIDTH]; WIDTH],
     right: [C; WIDTH],
@@ -249,6 +250,7 @@ struct Harmonic {
 }
 
 /// A family of lines fitted to the unexplained force at one slip.
+#[derive(Clone)]
 pub(crate) struct Family {
     pub component: Component,
     pub bearing: usize,
@@ -521,9 +523,20 @@ fn half_sine(m: f64, w: f64) -> f64 {
 
 /// Peaks of the scan of slips about which further slips are tried.
 const REFINED: usize = 2;
+/// Distance of two slips from which they are two starts of a fit, in lines of the highest harmonic.
+const APART: f64 = 8.0;
 
-/// Returns the family at the slip that explains most.
-pub(crate) fn best_family(
+/// Families of the lines of a surface at the slips that explain most.
+pub(crate) struct Families {
+    /// By all harmonics together, as those of a spall.
+    pub of_spall: Family,
+    /// By the strongest of them, as that of a wave; best first. Where the lines of the sound machine hide part of a line, its neighbours may
+    /// seem to be the line of another slip.
+    pub of_wave: Vec<Family>,
+}
+
+/// Returns the families of the lines of a surface at the slips that explain most.
+pub(crate) fn best_families(
     e: &Evidence,
     band: &Baseband,
     from: &Fitted,
@@ -531,7 +544,7 @@ pub(crate) fn best_family(
     component: Component,
     range: [f64; 2],
     observable: bool,
-) -> Family {
+) -> Families {
     let bearing = compliance.bearing;
     let slip = from.machine.bearings[bearing].cage.slip;
     let bin = e.transform.lines[1];
@@ -540,9 +553,10 @@ pub(crate) fn best_family(
         // Balls that roll in a slipping cage slip with it.
         let cage_slip = if observable { slip } else { tried };
         let family = Family::new(e, band, &from.residual, compliance, component, tried, cage_slip);
-        (family.gain(), family)
+        let wave = family.wave().map_or(0.0, |(gain, ..)| gain);
+        ([family.gain(), wave], family)
     };
-    let mut best: Vec<(f64, Family)> = if observable && component != Component::Ball {
+    let mut tried: Vec<([f64; 2], Family)> = if observable && component != Component::Ball {
         vec![at(slip)]
     } else {
         let mut peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
@@ -552,21 +566,31 @@ pub(crate) fn best_family(
         }
         peaks.into_iter().map(at).collect()
     };
-    let sort = |all: &mut Vec<(f64, Family)>| all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    sort(&mut best);
     // The lines of the better peaks, between the steps of the scan.
-    if best.len() > 1 {
-        let peaks: Vec<f64> = best.iter().take(REFINED).map(|(_, family)| family.slip).collect();
+    if tried.len() > 1 {
+        tried.sort_by(|a, b| b.0[0].total_cmp(&a.0[0]));
+        let mut peaks: Vec<f64> = tried.iter().take(REFINED).map(|(_, family)| family.slip).collect();
+        peaks.extend(largest(&tried, 1).map(|family| family.slip).filter(|slip| !peaks.contains(slip)));
         for peak in peaks {
-            best.extend([-2, -1, 1, 2].map(|i| at(peak + 0.7 * step * f64::from(i))));
+            tried.extend([-2, -1, 1, 2].map(|i| at(peak + 0.7 * step * f64::from(i))));
         }
-        sort(&mut best);
     }
-    let best = best.into_iter().next();
-    best.map_or_else(
-        || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] },
-        |(_, family)| family,
-    )
+    let none = || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] };
+    let of_spall = largest(&tried, 0).cloned().unwrap_or_else(none);
+    let mut of_wave: Vec<Family> = vec![];
+    tried.sort_by(|a, b| b.0[1].total_cmp(&a.0[1]));
+    for (_, family) in tried {
+        let is_apart = |other: &Family| (other.slip - family.slip).abs() > APART * step;
+        if of_wave.len() < REFINED && of_wave.iter().all(is_apart) {
+            of_wave.push(family);
+        }
+    }
+    Families { of_spall, of_wave }
+}
+
+/// Returns the family with the largest of one of its gains.
+fn largest(tried: &[([f64; 2], Family)], score: usize) -> Option<&Family> {
+    tried.iter().max_by(|a, b| a.0[score].total_cmp(&b.0[score])).map(|(_, family)| family)
 }
 
 /// Returns a spall with a half-sine profile.

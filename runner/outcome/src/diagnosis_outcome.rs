@@ -20,6 +20,8 @@ pub struct DiagnosisOutcome {
     /// Errors of the readings of a site beyond those of its baseline, in the order of the probes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub readings: Vec<ReadingOutcome>,
+    /// True at a site whose machine was not recorded in good order before.
+    pub is_without_baseline: bool,
 }
 
 /// What the readings of a probe have besides the motion of the shaft, as far as the recording shows it.

@@ -69,14 +69,14 @@ fn named_errors(readings: &[ReadingOutcome]) -> Vec<String> {
 }
 
 /// Returns the verdict as a sentence: why there is none, else the strongest diagnosis, else whether the twin follows. `undiagnosed` is
-/// the reason why the shaft motion was not diagnosed, `readings` the errors of the readings that the diagnosis of a site found.
+/// the reason why the shaft motion was not diagnosed, `diagnosed` are the figures of its diagnosis.
 #[must_use]
 pub fn verdict(
     diagnoses: &[Diagnosis],
     (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
     implausible: &[Implausibility],
     not_judged: &[String],
-    (undiagnosed, readings): (Option<&str>, &[ReadingOutcome]),
+    (undiagnosed, diagnosed): (Option<&str>, Option<&DiagnosisOutcome>),
     out_of_range: u64,
 ) -> String {
     if !implausible.is_empty() {
@@ -97,7 +97,7 @@ pub fn verdict(
         1 => " 1 sample with a reading out of range is omitted.".to_owned(),
         count => format!(" {count} samples with a reading out of range are omitted."),
     };
-    let verdict = judged(diagnoses, (twin, probes), undiagnosed, readings);
+    let verdict = judged(diagnoses, (twin, probes), undiagnosed, diagnosed);
     format!("{verdict}{left_out}")
 }
 
@@ -110,7 +110,7 @@ fn judged(
     diagnoses: &[Diagnosis],
     (twin, probes): (&ComparedTwin, &[ProbeOutcome]),
     undiagnosed: Option<&str>,
-    readings: &[ReadingOutcome],
+    diagnosed: Option<&DiagnosisOutcome>,
 ) -> String {
     if let Some(worst) = diagnoses.first() {
         if is_of_vibration_alone(worst) {
@@ -119,17 +119,21 @@ fn judged(
         return format!("The machine departs from its twin. {}", worst.sentence);
     }
     let residual = rms(probes, |p| Some(p.residual_rms_um)).unwrap_or(0.0);
-    if !readings.is_empty() {
-        let named = named_errors(readings);
+    if let Some(of_site) = diagnosed.filter(|diagnosed| !diagnosed.readings.is_empty()) {
+        let named = named_errors(&of_site.readings);
         let errors = match named.is_empty() {
             true => String::new(),
             false => format!(" Errors of the measurement, no fault of the machine: {}.", named.join("; ")),
         };
-        let means = moved_means(readings);
-        return format!(
+        let means = moved_means(&of_site.readings);
+        let found = if of_site.is_without_baseline {
+            "Not decided: no fault exceeds what errors of the scene and of the probes, and sound bearings, may do; with a recording of the machine \
+             in good order as a baseline (--learn), smaller faults are found."
+        } else {
             "No fault is found: the motion of the shaft is that of the machine in good order, with the gaps and run-out of its probes and what \
-             sound bearings do.{means}{errors} Residual of the twin {residual:.3} um rms."
-        );
+             sound bearings do."
+        };
+        return format!("{found}{means}{errors} Residual of the twin {residual:.3} um rms.");
     }
     let faults = undiagnosed.map_or_else(
         || "no fault is found".to_owned(),
@@ -183,27 +187,31 @@ mod tests {
         let probes = [ProbeOutcome { residual_rms_um: 3.0, noise_um: Some(0.03), ..ProbeOutcome::default() }];
         let spread = TwinSpread { probe: "DE".to_owned(), difference_um: 3.1, time_s: 4.0 };
         let free = ComparedTwin { synchronised: false, spread: Some(spread.clone()) };
-        let sentence = verdict(&[], (&free, &probes), &[], &[], (None, &[]), 0);
+        let sentence = verdict(&[], (&free, &probes), &[], &[], (None, None), 0);
         assert!(sentence.ends_with("the comparison has no meaning; no fault is found."), "{sentence}");
         assert!(follows(&free, &probes));
         let synchronised = ComparedTwin { synchronised: true, spread: Some(spread) };
-        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], (None, &[]), 0);
+        let sentence = verdict(&[], (&synchronised, &probes), &[], &[], (None, None), 0);
         assert!(
             sentence.starts_with("The motion of this machine does not repeat. The synchronised twin"),
             "{sentence}"
         );
-        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], (None, &[]), 0).starts_with("The twin "));
+        assert!(verdict(&[], (&ComparedTwin::default(), &probes), &[], &[], (None, None), 0).starts_with("The twin "));
     }
 
     /// Drift and hum are errors of the measurement; a mean that has moved may be the shaft.
     #[test]
     fn a_site_names_what_its_readings_have() {
-        let of = |gap_um: f64, drift_um: f64| {
+        let of = |gap_um: f64, drift_um: f64, is_without_baseline: bool| {
             let probe = "DE".to_owned();
-            let readings = [ReadingOutcome { probe, gap_um, drift_um, ..ReadingOutcome::default() }];
-            verdict(&[], (&ComparedTwin::default(), &[]), &[], &[], (None, &readings), 0)
+            let readings = vec![ReadingOutcome { probe, gap_um, drift_um, ..ReadingOutcome::default() }];
+            let diagnosed = DiagnosisOutcome { readings, is_without_baseline, ..DiagnosisOutcome::default() };
+            verdict(&[], (&ComparedTwin::default(), &[]), &[], &[], (None, Some(&diagnosed)), 0)
         };
-        let [usual, moved, drifting] = [of(0.5, 0.1), of(-5.8, 0.1), of(0.5, 1.9)];
+        let [usual, moved, drifting] = [of(0.5, 0.1, false), of(-5.8, 0.1, false), of(0.5, 1.9, false)];
+        let first = of(0.5, 1.9, true);
+        assert!(first.starts_with("Not decided: no fault exceeds"), "{first}");
+        assert!(first.contains("no fault of the machine: DE drifts by +1.9 um."), "{first}");
         assert!(usual.starts_with("No fault is found") && !usual.contains("Not decided") && !usual.contains("Errors"));
         assert!(moved.contains("Not decided: the mean is off, DE by -5.8 um") && !moved.contains("Errors"), "{moved}");
         assert!(drifting.contains("no fault of the machine: DE drifts by +1.9 um."), "{drifting}");

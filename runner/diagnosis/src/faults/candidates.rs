@@ -6,7 +6,7 @@ use super::super::fit::{Fitted, Limits, changed, square};
 use super::super::machine::Machine;
 use super::super::parameter::{ForceSource, Unknown, union};
 use super::super::residual::Evidence;
-use super::super::surface::{Baseband, Compliance, Component, Family, best_family};
+use super::super::surface::{Baseband, Compliance, Component, Families, best_families};
 use super::AnyFault;
 use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
@@ -80,7 +80,7 @@ pub struct Search<'a, 'b> {
     /// Unknowns of the observable cages, free in every fit.
     cages: Vec<Unknown>,
     /// Lines of each surface of each bearing.
-    families: Vec<Family>,
+    families: Vec<Families>,
 }
 
 impl<'a, 'b> Search<'a, 'b> {
@@ -97,7 +97,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let surfaces: Vec<(usize, Component)> =
             bearings.into_iter().flat_map(|b| Component::ALL.map(|component| (b, component))).collect();
         let families = parallel::map(&surfaces, |(b, component)| {
-            best_family(e, band, now, &compliance[*b], *component, SLIPS, locked[*b])
+            best_families(e, band, now, &compliance[*b], *component, SLIPS, locked[*b])
         });
         Ok(Self { e, now, shifted, locked, cages, families })
     }
@@ -112,7 +112,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Returns the lines of a surface.
-    pub fn family(&self, bearing: usize, component: Component) -> &Family {
+    pub fn families(&self, bearing: usize, component: Component) -> &Families {
         &self.families[Component::ALL.len() * bearing + component as usize]
     }
 

@@ -77,7 +77,8 @@ impl Fault for Clearance {
         let geometry = after.machine.bearings[self.bearing].scene.geometry;
         let growth = geometry.map_or(0.0, |g| GROWTH * (g.pitch_diameter - g.ball_diameter));
         let of_site = e.site.as_ref().map_or(0.0, |_| growth.max(SHARE_OF_SITE * old));
-        change > least.max(share * old).max(of_site) && change > e.significant() * after.deviation(unknown)
+        change > least.max(share * old).max(of_site)
+            && change > e.significant() * after.deviation(unknown).hypot(e.known_deviation(unknown))
     }
 
     fn bearing(&self) -> Option<usize> {

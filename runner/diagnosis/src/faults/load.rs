@@ -5,7 +5,7 @@ use super::super::estimates::Estimates;
 use super::super::fault_figures::Contrast;
 use super::super::fit::Fitted;
 use super::super::machine::Machine;
-use super::super::parameter::{Access, LINEAR, Parameter};
+use super::super::parameter::{Access, LINEAR, Parameter, Unknown};
 use super::super::residual::Evidence;
 use super::candidates::{Candidate, Search};
 use super::{AnyFault, Fault};
@@ -41,7 +41,10 @@ impl Fault for Load {
     }
 
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
-        search.linear_shift(AnyFault::Load(*self), &[0, 1, 2].map(|i| LOAD.of_rotor(i))).map(Some)
+        // The axial force is as uncertain as the axial position, which no radial probe of a site shows.
+        let is_shown = |i: &usize| *i != 2 || search.e.site.is_none() || search.e.has_axial_probe();
+        let unknowns: Vec<Unknown> = (0..3).filter(is_shown).map(|i| LOAD.of_rotor(i)).collect();
+        search.linear_shift(AnyFault::Load(*self), &unknowns).map(Some)
     }
 
     fn remove(&self, machine: &mut Machine, before: &Machine) {

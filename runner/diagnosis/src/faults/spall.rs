@@ -87,7 +87,8 @@ impl Fault for Spall {
     }
 
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
-        let (family, is_locked) = (search.family(self.bearing, self.component), search.locked[self.bearing]);
+        let (family, is_locked) =
+            (&search.families(self.bearing, self.component).of_spall, search.locked[self.bearing]);
         let bearing = &search.now.machine.bearings[self.bearing];
         let elements = search.e.plant.bearings[self.bearing].elements;
         let per = if self.component == Component::Ball { 1.0 } else { elements as f64 };

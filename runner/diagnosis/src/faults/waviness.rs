@@ -8,7 +8,7 @@ use super::super::parameter::{Access, CAGE_SLIP, LINEAR, Parameter, SPIN_SLIP, U
 use super::super::residual::Evidence;
 use super::super::residual::site::sound_wave;
 use super::super::surface::Component;
-use super::candidates::{Candidate, Extent, Search};
+use super::candidates::{Candidate, Extent, FAR, Search, closest, evaluated};
 use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultForm, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
@@ -72,31 +72,41 @@ impl Fault for Waviness {
     }
 
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
-        let family = search.family(self.bearing, self.component);
-        let Some((gain, order, _)) = family.wave() else { return Ok(None) };
-        let mut start = search.now.machine.clone();
-        let bearing = &mut start.bearings[self.bearing];
-        let (surface, slip) = match self.component {
+        let families = &search.families(self.bearing, self.component).of_wave;
+        let mut waves = families.iter().filter_map(|family| Some((family.slip, family.wave()?)));
+        let Some((slip, (gain, order, _))) = waves.next() else { return Ok(None) };
+        let other = waves.filter(|(_, (_, other, _))| *other == order).map(|(slip, _)| slip);
+        let (surface, parameter) = match self.component {
             Component::Outer => (Surface::Outer, &CAGE_SLIP),
             Component::Inner => (Surface::Inner, &CAGE_SLIP),
             Component::Ball => (Surface::Ball(0), &SPIN_SLIP),
         };
-        if self.component == Component::Ball {
-            bearing.cage.spin_slip = family.slip;
-        } else {
-            bearing.cage.slip = family.slip;
-        }
-        bearing.scene.waviness.extend(PHASES.map(|phase| Wave { surface, axial: false, order, amplitude: 0.0, phase }));
+        let start = |slip: f64| {
+            let mut start = search.now.machine.clone();
+            let bearing = &mut start.bearings[self.bearing];
+            if self.component == Component::Ball {
+                bearing.cage.spin_slip = slip;
+            } else {
+                bearing.cage.slip = slip;
+            }
+            let wave = |phase| Wave { surface, axial: false, order, amplitude: 0.0, phase };
+            bearing.scene.waviness.extend(PHASES.map(wave));
+            start
+        };
         let [in_phase, quadrature] = self.amplitudes();
-        let own = [in_phase, quadrature, slip.of_bearing(self.bearing)];
-        Ok(Some(search.found(AnyFault::Waviness(Self { order, ..*self }), gain, vec![start], &own)))
+        let own = [in_phase, quadrature, parameter.of_bearing(self.bearing)];
+        let starts = std::iter::once(slip).chain(other).map(start).collect();
+        Ok(Some(search.found(AnyFault::Waviness(Self { order, ..*self }), gain, starts, &own)))
     }
 
     /// The amplitudes are fitted before the angles of the cages.
     fn fit(&self, e: &Evidence, candidate: &Candidate, now: &Fitted, extent: Extent) -> Result<Option<Fitted>> {
-        let Some(start) = candidate.near_start(e, now)? else { return Ok(None) };
-        let first = fit_within(e, &start, &candidate.own_unknowns(), extent.limits(8))?;
-        fit_within(e, &first, &candidate.unknowns, extent.limits(10)).map(Some)
+        let starts = evaluated(e, now, &candidate.starts)?;
+        let fitted = starts.iter().filter(|start| start.chi_square < FAR * now.chi_square).map(|start| {
+            let first = fit_within(e, start, &candidate.own_unknowns(), extent.limits(8))?;
+            fit_within(e, &first, &candidate.unknowns, extent.limits(10))
+        });
+        Ok(closest(fitted.collect::<Result<Vec<_>>>()?.into_iter()))
     }
 
     fn remove(&self, machine: &mut Machine, _: &Machine) {

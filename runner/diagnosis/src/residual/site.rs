@@ -66,6 +66,9 @@ pub const DEPENDENT: f64 = 100.0;
 /// Mean square of the residual, in units of its noise with what is expected, beyond which a recording of a site is not explained.
 pub const UNEXPLAINED: f64 = 1.25;
 
+/// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
+const SAG: f64 = 20e-6;
+
 /// Standard deviations of a change of a site that is significant.
 const SIGNIFICANT: f64 = 4.0;
 
@@ -198,19 +201,25 @@ impl Evidence<'_> {
         Ok(())
     }
 
-    /// Returns the spectrum of the error of each probe's readings that would explain what a machine does not explain; `least` is the least
-    /// stiffness of translations at which the mean is taken, N/m: without contact, a bearing has none.
-    pub fn unexplained_readings(&self, spectra: &Spectra, least: f64) -> Vec<Vec<C>> {
+    /// Returns the least stiffness of the rotor in its bearings by which a mean force moves it, N/m and N m/rad: without contact, a bearing has
+    /// none.
+    pub(super) fn least_stiffness(&self) -> [f64; D] {
+        let mass = self.scene.rotor.as_ref().map_or(0.0, |rotor| rotor.mass);
+        let least = mass * 9.81 / SAG;
+        let probes = &self.weighting.probes;
+        let span = probes.iter().map(|probe| probe.station * probe.station).sum::<f64>() / probes.len().max(1) as f64;
+        [least, least, least, least * span, least * span]
+    }
+
+    /// Returns the spectrum of the error of each probe's readings that would explain what a machine does not explain, the mean at a stiffness that
+    /// is larger by `least`.
+    pub fn unexplained_readings(&self, spectra: &Spectra, least: &[f64; D]) -> Vec<Vec<C>> {
         let force = self.force(spectra);
-        let span = self.weighting.probes.iter().map(|probe| probe.station * probe.station).sum::<f64>()
-            / self.weighting.probes.len().max(1) as f64;
         let mut out = vec![Vec::with_capacity(self.transform.lines.len()); self.weighting.probes.len()];
         for k in 0..self.transform.lines.len() {
             let mut stiffness = self.held(self.reference_lines[k]);
             if k < MEAN_LINES {
-                for i in 0..D {
-                    stiffness[(i, i)] += C::new(if i < 3 { least } else { least * span }, 0.0);
-                }
+                (0..D).for_each(|i| stiffness[(i, i)] += C::new(least[i], 0.0));
             }
             let force = SVector::<C, D>::from_fn(|i, _| force[i][k]);
             let caused = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
@@ -226,7 +235,7 @@ impl Evidence<'_> {
 
     /// Returns the sum of the squares of the motion of all probes that a machine does not explain.
     pub fn unexplained_square(&self, spectra: &Spectra) -> f64 {
-        self.unexplained_readings(spectra, 0.0).iter().flatten().map(C::norm_sqr).sum()
+        self.unexplained_readings(spectra, &[0.0; D]).iter().flatten().map(C::norm_sqr).sum()
     }
 
     /// Returns the posterior mean of the errors of the readings from what a machine does not explain; the motion lacks those that are
@@ -237,9 +246,9 @@ impl Evidence<'_> {
         known: &SiteKnowledge,
         basis: &ReadingBasis,
         subtracted: &[ReadingError],
-        (least, uncertain_unbalance): (f64, f64),
+        uncertain_unbalance: f64,
     ) -> Result<Vec<ReadingError>> {
-        let mut unexplained = self.unexplained_readings(&self.spectra(machine)?, least);
+        let mut unexplained = self.unexplained_readings(&self.spectra(machine)?, &self.least_stiffness());
         for (sum, subtracted) in unexplained.iter_mut().zip(subtracted) {
             sum.iter_mut().zip(basis.spectrum(subtracted)).for_each(|(sum, x)| *sum += x);
         }
@@ -318,7 +327,7 @@ impl Evidence<'_> {
 
     /// Returns the square of each line of each probe's reading that the machine describes: the largest of the lines about it.
     fn modelled_readings(&self, machine: &Machine) -> Result<Vec<Vec<f64>>> {
-        let unexplained = self.unexplained_readings(&self.spectra(machine)?, 0.0);
+        let unexplained = self.unexplained_readings(&self.spectra(machine)?, &[0.0; D]);
         let probe = |(p, unexplained): (usize, &Vec<C>)| {
             let row = probes::row(&self.weighting.probes[p]);
             let square = |k: usize| {
@@ -391,7 +400,7 @@ impl Evidence<'_> {
                 .collect();
             lines
         };
-        self.unexplained_readings(spectra, 0.0).iter().enumerate().map(of).collect()
+        self.unexplained_readings(spectra, &[0.0; D]).iter().enumerate().map(of).collect()
     }
 }
 

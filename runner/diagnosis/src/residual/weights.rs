@@ -98,7 +98,7 @@ impl Evidence<'_> {
         let none = (vec![], DMatrix::zeros(0, 0));
         let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
         let spectra = self.spectra(machine)?;
-        let mut slopes = self.slopes(&spectra, machine, unknowns)?;
+        let mut slopes = self.slopes_of_uncertain(&spectra, machine, unknowns)?;
         let of_uncertain = slopes.clone();
         slopes.extend(self.elasticity_slope(&spectra, machine)?);
         slopes.extend(self.instant_slope(&spectra, machine)?);

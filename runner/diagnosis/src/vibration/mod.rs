@@ -112,7 +112,7 @@ pub fn replay(
     let overridden = if options.force_diagnosis { std::mem::take(&mut implausible) } else { vec![] };
     let diagnoses = if implausible.is_empty() { found.diagnoses } else { vec![] };
     let verdict = match (implausible.is_empty(), &found.not_judged) {
-        (false, _) => verdict(&[], (&ComparedTwin::default(), &[]), &implausible, &[], (None, &[]), 0),
+        (false, _) => verdict(&[], (&ComparedTwin::default(), &[]), &implausible, &[], (None, None), 0),
         (true, Some(reason)) => format!("No verdict: {reason}."),
         (true, None) => {
             let sentence = diagnoses.first().map_or(SOUND, |diagnosis| &diagnosis.sentence);
