@@ -5,6 +5,7 @@ use super::super::Result;
 use super::super::machine::Machine;
 use super::super::motion::{C, D};
 use super::{Evidence, Spectra};
+use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Step of a difference quotient of the position, m and rad.
@@ -20,8 +21,8 @@ struct ByPosition {
 impl Evidence<'_> {
     /// Returns the changes of the unexplained force of a machine by the position of the rotor.
     fn by_position(&self, spectra: &Spectra, machine: &Machine) -> Result<ByPosition> {
-        let measured = (0..D).filter(|i| *i != 2 || self.weighting.has_axial_probe);
-        let of = |i: usize| {
+        let measured: Vec<usize> = (0..D).filter(|i| *i != 2 || self.weighting.has_axial_probe).collect();
+        let of = |&i: &usize| {
             let mut moved = machine.clone();
             moved.position[i] += STEP[i];
             let mut change = self.no_force();
@@ -35,7 +36,8 @@ impl Evidence<'_> {
         };
         let mean = self.constant[0].re;
         let least = self.least_stiffness().map(|x| -x * mean);
-        Ok(ByPosition { changes: measured.map(of).collect::<Result<_>>()?, least })
+        let changes = parallel::map(&measured, of).into_iter().collect::<Result<_>>()?;
+        Ok(ByPosition { changes, least })
     }
 
     /// Adds to changes of the unexplained force, at a site, those of the positions of the rotor that keep its mean; returns these.
