@@ -14,7 +14,7 @@ mod tests;
 
 pub use clearance::ClearanceClass;
 pub use data::{BearingKind, Entry, Provenance, PublishedFactors, all};
-pub(crate) use defaults::roller_keys;
+pub(crate) use defaults::line_contact_keys;
 pub use defaults::{SceneKey, clearance_range, scene_keys};
 
 use ballrace_base::printable;
