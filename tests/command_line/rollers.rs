@@ -120,3 +120,23 @@ fn check_aligns_its_columns() {
         text.lines().skip_while(|line| !line.contains("designation")).take(3).map(|line| line.len()).collect();
     assert!(ends.len() == 3 && ends.iter().all(|end| *end == ends[0]), "{text}");
 }
+
+/// A baseline has the clearance of the rollers of its machine.
+#[test]
+fn the_clearance_of_rollers_is_learned() {
+    let changes = [
+        ("\"1500 rpm\"", "\"3000 rpm\""),
+        ("\"60 g mm\"", "\"900 g mm\""),
+        ("probes = [", "probes = [\n{ column = \"A\", unit = \"um\", axial = true, noise = \"0.05 um\" },"),
+        ("damping =", "load = [0, \"-600 N\", \"60 N\", 0, 0]\ndamping ="),
+    ];
+    let machine = changes.iter().fold(SCENE.to_owned(), |text, (from, to)| swap(&text, from, to));
+    let sandbox = recorded(&machine);
+    sandbox.put("scene.toml", swap(&machine, "\"8 um\"", "\"8.6 um\""));
+    sandbox.done(&["replay", "scene.toml", "--learn", "b.json"]);
+    let learned: serde_json::Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
+    let of_rollers = |p: &&serde_json::Value| p["name"] == "diametral_clearance" && p["bearing"] == "NDE";
+    let clearance = learned.pointer("/calibration/parameters").unwrap().as_array().unwrap().iter().find(of_rollers);
+    let found = number(clearance.unwrap(), "/value");
+    assert!((found - 16e-6).abs() < 0.1e-6, "{found}");
+}

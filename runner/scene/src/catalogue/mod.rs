@@ -53,7 +53,9 @@ impl UnknownBearing {
         } else {
             ""
         };
-        format!("a bearing of the catalogue, such as {similar}{class} (ballrace new --list prints all), or the keys of its geometry in place of bearing")
+        format!(
+            "a bearing of the catalogue, such as {similar}{class} (ballrace new --list prints all), or the keys of its geometry in place of bearing"
+        )
     }
 }
 
