@@ -188,8 +188,21 @@ fn scenes_without_firmware_constants_are_rejected() {
         let scene = DIRECT.replacen("radial_play = \"2 um\"", &format!("radial_play = \"2 um\"\n{ring}"), 1);
         let scene = scene.lines().filter(|line| !line.starts_with("defect")).collect::<Vec<_>>().join("\n");
         sandbox.put("scene.toml", scene);
-        let message = "bearing A: model with a displaced housing, a bending outer ring, balls that move or two rows: lumped, expected any other";
+        let message = "bearing A: an outer ring that is displaced or bends has no constants in bake: model lumped, expected a rigid one";
         sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &[message]);
+    }
+    for (keys, message) in [
+        (
+            "bearing = \"22210\"",
+            "two rows of rollers have no constants in bake: model roller, expected model = \"linear\" with linearise = \"roller\"",
+        ),
+        (
+            "bearing = \"NU210\"\nmodel = \"quasi-static\"",
+            "rollers in equilibrium have no constants in bake: model quasi-static-roller, expected model = \"roller\"",
+        ),
+    ] {
+        sandbox.put("scene.toml", format!("shaft.speed = \"1500 rpm\"\n[[bearing]]\nname = \"A\"\n{keys}\n"));
+        sandbox.refused(&["bake", "scene.toml", "-o", "out.rs"], 2, &[&format!("bearing A: {message}")]);
     }
     assert!(!sandbox.files().contains(&"out.rs".to_owned()));
 }

@@ -203,7 +203,7 @@ fn rollers_beyond_their_static_limit() {
             bearing("B", "100 mm")
         )
     };
-    let catalogue = "bearing = \"NU206\"";
+    let catalogue = "bearing = \"NU206\"\nmodel = \"lumped\"";
     let most = |scene: &str| {
         let found = settled(scene, &[]);
         let element =

@@ -63,6 +63,7 @@ mod prometheus;
 mod published_rotors;
 mod repeatability;
 mod replay;
+mod rollers;
 mod run_in;
 mod scenes;
 mod significance;

@@ -120,10 +120,12 @@ fn of_bearing(b: usize) -> [(ParameterName, Unknown); 2] {
 
 /// Returns all parameters of a machine, with the bearing of each.
 fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)> {
-    let of_bearings =
-        machine.bearings.iter().enumerate().filter(|(_, b)| b.scene.geometry.is_some()).flat_map(|(b, _)| {
-            of_bearing(b).into_iter().map(move |(parameter, unknown)| (parameter, Some(b), unknown))
-        });
+    let of_bearings = machine.bearings.iter().enumerate().flat_map(|(b, bearing)| {
+        // Rollers have a clearance and no modulus of their own.
+        let exists = |unknown: &Unknown| bearing.scene.geometry.is_some() || unknown.get(machine) > 0.0;
+        let own = of_bearing(b).into_iter().filter(move |(_, unknown)| exists(unknown));
+        own.map(move |(parameter, unknown)| (parameter, Some(b), unknown))
+    });
     let of_rotor = OF_ROTOR.into_iter().map(|(parameter, unknown)| (parameter, None, unknown));
     // Damping that the scene does not have stays 0.
     let exists = |unknown: &Unknown| !unknown.is(&DAMPING) || unknown.get(machine) > 0.0;

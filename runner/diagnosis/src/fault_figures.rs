@@ -157,7 +157,7 @@ impl<'a, 'b> Contrast<'a, 'b> {
         let pass = mean_pass(instants, mounted.elements, component, harmonics)?;
         let first = mounted.element_azimuths.first().map_or(0.0, |a| a.radians());
         let start = if frame == ReferenceFrame::Cage { 0.0 } else { self.cage_angle(b, self.middle_turn()) };
-        let geometry = self.machine.bearings[b].scene.geometry;
+        let diameters = self.machine.bearings[b].scene.diameters();
         Some(ForceRose {
             frame,
             energy: energy(&pass),
@@ -166,7 +166,7 @@ impl<'a, 'b> Contrast<'a, 'b> {
             peak_n: pass.iter().map(|f| f.norm()).fold(0.0, f64::max),
             passes: order * (self.grid.turns[self.grid.turns.len() - 1] - self.grid.turns[0]).abs(),
             element_azimuths: mounted.element_azimuths.iter().map(|a| start + a.radians() - first).collect(),
-            ball_over_pitch: geometry.map_or(USUAL_BALL, |g| g.ball_diameter / g.pitch_diameter),
+            ball_over_pitch: diameters.map_or(USUAL_BALL, |[element, pitch]| element / pitch),
         })
     }
 

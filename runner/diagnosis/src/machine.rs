@@ -12,7 +12,7 @@ use ballrace_base::parallel;
 use ballrace_models::bearing_model;
 use ballrace_models::build::{self, AnyBearing};
 use ballrace_plant::{Plant, unbalance_planes};
-use ballrace_scene::{Bearing as BearingScene, Defect, FreeAngle, Scene, Surface, Unbalance};
+use ballrace_scene::{Bearing as BearingScene, Defect, Scene, Surface, Unbalance};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -110,6 +110,7 @@ impl Machine {
         let mut scene = scene.clone();
         for (to, from) in scene.bearings.iter_mut().zip(&self.bearings) {
             to.geometry = from.scene.geometry;
+            to.law = from.scene.law;
         }
         if let Some(rotor) = &mut scene.rotor {
             let [a, b] = match self.bearings.as_slice() {
@@ -439,13 +440,7 @@ fn left_by_play(displacement: [f64; 2], play: f64) -> ([f64; 2], [[f64; 2]; 2]) 
 
 /// Returns the diametral clearance of a bearing, m.
 pub fn clearance(of: &BearingScene) -> f64 {
-    let Some(g) = &of.geometry else { return 0.0 };
-    match g.fit {
-        FreeAngle::DiametralClearance(s) => s,
-        FreeAngle::ContactAngle(a) => {
-            2.0 * (g.inner_conformity + g.outer_conformity - 1.0) * g.ball_diameter * (1.0 - a.cos())
-        }
-    }
+    of.clearance().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ impl BearingModel for RollerModel {
     }
     /// Firmware has bearings with one row.
     fn firmware(&self, of: &BearingScene) -> Option<&'static dyn FirmwareModel> {
-        let has_two_rows = of.rollers.as_ref().is_some_and(|rollers| rollers.kind == RollerKind::Spherical);
+        let has_two_rows = of.rollers.as_ref().is_some_and(|rollers| rollers.kind.rows() > 1);
         if has_two_rows { None } else { Some(&Self) }
     }
     fn counted_row(&self, _of: &BearingScene) -> Result<&'static str, NotCounted> {
@@ -121,15 +121,15 @@ impl BearingModel for QuasiStaticRollerModel {
 
 /// Builds rollers with both contacts in series.
 pub fn build<T: Scalar, M: Math<T>, H: BearingHandle<T>>(_: &Scene, of: &BearingScene) -> Result<H, BuildError> {
-    let row = Row::<T, M>::new(of, 1.0)?;
-    if rollers(of)?.kind == RollerKind::Spherical {
-        let other = Row::<T, M>::new(of, -1.0)?;
-        return Ok(match uneven::<T, M>(of).zip(uneven::<T, M>(of)) {
+    let row = Row::<T, H::Registers<M>>::new(of, 1.0)?;
+    if rollers(of)?.kind.rows() > 1 {
+        let other = Row::<T, H::Registers<M>>::new(of, -1.0)?;
+        return Ok(match uneven::<T, H::Registers<M>>(of).zip(uneven::<T, H::Registers<M>>(of)) {
             None => facing(of, H::dispatched(Combined(row, other))),
             Some((a, b)) => facing(of, H::dispatched(Combined(row.with_surface(a), other.with_surface(b)))),
         });
     }
-    Ok(match uneven::<T, M>(of) {
+    Ok(match uneven::<T, H::Registers<M>>(of) {
         None => facing(of, H::dispatched(row)),
         Some(surface) => facing(of, H::dispatched(row.with_surface(surface))),
     })
@@ -337,7 +337,7 @@ pub fn roller_states(scene: &Scene, of: &BearingScene) -> Result<Option<BearingR
         let solved = QuasiStaticRoller::try_new(row, &inertia(scene, of)?).map_err(|error| named(of, error))?;
         Ok(Box::new(solved))
     };
-    let (count, states): (usize, Box<dyn RollerStates>) = if rollers.kind == RollerKind::Spherical {
+    let (count, states): (usize, Box<dyn RollerStates>) = if rollers.kind.rows() > 1 {
         (2 * of.elements, Box::new(TwoRows([row(1.0)?, row(-1.0)?], of.elements)))
     } else {
         (of.elements, row(1.0)?)

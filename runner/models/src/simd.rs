@@ -137,7 +137,8 @@ impl<T: Scalar, M: Math<T>> Math<T> for OnWideRegisters<M> {
     }
     #[inline(always)]
     fn ninth_root(x: T) -> T {
-        M::ninth_root(x)
+        // Most laminae of a loaded roller bearing carry nothing: a branch costs less than their roots.
+        if x > T::ZERO { M::ninth_root(x) } else { M::ninth_root(T::ZERO) }
     }
     #[inline(always)]
     fn sin_cos(angle: Phase) -> (T, T) {

@@ -20,12 +20,12 @@ pub fn text(checked: &Checked) -> String {
     if let Some(drawing) = &checked.drawing {
         let _ = write!(out, "\n{}", sketch(drawing));
     }
-    let _ = writeln!(out, "\nBearing    designation  model         Z   outer   inner    cage");
+    let _ = writeln!(out, "\nBearing    designation  model                Z   outer   inner    cage");
     for bearing in &checked.bearings {
         let [outer, inner, cage] = bearing.orders.map(|order| fixed(order, 4));
         let designation = bearing.designation.as_deref().unwrap_or("-");
         let (name, model, z) = (&bearing.name, bearing.model, bearing.elements);
-        let _ = writeln!(out, "{name:<10} {designation:<12} {model:<12} {z:>2} {outer:>7} {inner:>7} {cage:>7}");
+        let _ = writeln!(out, "{name:<10} {designation:<12} {model:<19} {z:>2} {outer:>7} {inner:>7} {cage:>7}");
     }
     if let Some(recording) = &checked.recording {
         out.push_str(&of_recording(recording));

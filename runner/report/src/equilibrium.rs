@@ -24,13 +24,7 @@ pub fn text(settled: &StaticEquilibrium) -> String {
     let rpm = settled.speed * 60.0 / std::f64::consts::TAU;
     line(&mut out, &format!("{}: equilibrium at {} rpm", settled.scene, alone(rpm)));
     if !settled.is_in_equilibrium() {
-        let part = settled.residual * 100.0;
-        line(
-            &mut out,
-            &format!(
-                "NOT IN EQUILIBRIUM: {part:.2e} % of the load is unbalanced; the rotor is unsupported in some direction."
-            ),
-        );
+        line(&mut out, &format!("NOT IN EQUILIBRIUM: {}", unbalanced(settled)));
     }
     for b in &settled.bearings {
         let [u, v, w, thu, thv] = b.displacement;
@@ -81,6 +75,13 @@ pub fn text(settled: &StaticEquilibrium) -> String {
     line(&mut out, "");
     line(&mut out, &format!("Solved in {:.3} ms.", settled.solving_seconds * 1e3));
     out
+}
+
+/// Returns the part of the load that is not balanced, and the directions in which nothing holds the rotor.
+fn unbalanced(settled: &StaticEquilibrium) -> String {
+    let directions = settled.unsupported();
+    let at = if directions.is_empty() { "in some direction".to_owned() } else { directions.join(", ") };
+    format!("{} % of the load is unbalanced; the rotor is unsupported {at}.", alone(settled.residual * 100.0))
 }
 
 fn line(out: &mut String, text: &str) {
@@ -258,15 +259,20 @@ fn pressure_along(out: &mut String, element: &Element) {
         alone(roller.largest_lamina_load)
     );
     line(out, &heading);
-    let shown = pressures.len().min(PRESSURE_LINES);
-    for i in 0..shown {
-        // The first and the last lamina are shown in any case.
-        let lamina = if shown > 1 { i * (pressures.len() - 1) / (shown - 1) } else { 0 };
+    for lamina in shown_laminae(pressures.len()) {
         let pressure = pressures.get(lamina).copied().unwrap_or(0.0);
         let filled = if most > 0.0 { (pressure / most * BAR as f64).round() as usize } else { 0 };
         let text = format!("  {:>3} {:>6.0} MPa {}", lamina + 1, pressure / 1e6, "#".repeat(filled.min(BAR)));
         line(out, text.trim_end());
     }
+}
+
+/// Returns the laminae that are shown of `count`: the first, the last and some between, with each also that at the same distance from the other
+/// end.
+fn shown_laminae(count: usize) -> Vec<usize> {
+    let shown = count.min(PRESSURE_LINES);
+    let from_begin = |i: usize| if shown > 1 { i * (count - 1) / (shown - 1) } else { 0 };
+    (0..shown).map(|i| if 2 * i < shown { from_begin(i) } else { count - 1 - from_begin(shown - 1 - i) }).collect()
 }
 
 fn effect_table(out: &mut String, effects: &[EffectShare]) {
@@ -305,7 +311,7 @@ fn verdict(settled: &StaticEquilibrium) -> Verdict {
         return Verdict {
             level: Level::Red,
             word: "NOT IN EQUILIBRIUM",
-            sentence: format!("{:.2e} % of the load is unbalanced.", settled.residual * 100.0),
+            sentence: unbalanced(settled),
             action: "support the rotor in the direction in which it has none, or reduce the load.".to_owned(),
         };
     }

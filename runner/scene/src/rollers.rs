@@ -36,6 +36,15 @@ impl RollerKind {
         matches!(self, Self::Cylindrical | Self::Needle)
     }
 
+    /// Returns the number of rows.
+    #[must_use]
+    pub const fn rows(self) -> usize {
+        match self {
+            Self::Spherical => 2,
+            Self::Cylindrical | Self::Needle | Self::Tapered => 1,
+        }
+    }
+
     /// Returns the coefficient of the logarithmic profile over the diameter of the roller (ISO/TS 16281).
     #[must_use]
     pub const fn profile_ratio(self) -> f64 {

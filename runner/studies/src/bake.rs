@@ -25,7 +25,7 @@ use ballrace_models::model::rust::displacement_text;
 use ballrace_models::model::{Constants, FirmwareModel};
 use ballrace_plant::Plant;
 use ballrace_plant::error::{BakeError, Result};
-use ballrace_scene::{Bearing, Scene};
+use ballrace_scene::{Bearing, Model, Scene};
 use certificate::ConstantBytes;
 use std::fmt::Write;
 
@@ -103,7 +103,21 @@ struct Selected<'a> {
 impl<'a> Selected<'a> {
     /// Rejects models without constants.
     fn try_new(scene: &Scene, of: &'a Bearing) -> Result<Self, BakeError> {
-        let error = || BakeError::Model { file: scene.path.clone(), bearing: of.name.clone(), found: of.model.name() };
+        let error = || {
+            let rows = of.rollers.as_ref().map_or(1, |rollers| rollers.kind.rows());
+            let (what, expected) = match of.model {
+                _ if rows > 1 => {
+                    ("two rows of rollers have no constants in bake", "model = \"linear\" with linearise = \"roller\"")
+                }
+                Model::QuasiStaticRoller => ("rollers in equilibrium have no constants in bake", "model = \"roller\""),
+                model if model.properties().moving_elements => {
+                    ("elements that move have no constants in bake", "any other model")
+                }
+                _ => ("an outer ring that is displaced or bends has no constants in bake", "a rigid one"),
+            };
+            let (file, bearing) = (scene.path.clone(), of.name.clone());
+            BakeError::Model { file, bearing, what, found: of.model.name(), expected }
+        };
         Ok(Self { of, firmware: bearing_model(of.model).firmware(of).ok_or_else(error)? })
     }
 }

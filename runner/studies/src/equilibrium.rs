@@ -74,6 +74,13 @@ impl StaticEquilibrium {
     pub fn is_in_equilibrium(&self) -> bool {
         self.residual <= LARGEST_RESIDUAL
     }
+
+    /// Returns the directions in which nothing has a stiffness: along `X`, `Y`, `Z`, about `X`, `Y`.
+    #[must_use]
+    pub fn unsupported(&self) -> Vec<&'static str> {
+        let names = ["along X", "along Y", "along Z", "about X", "about Y"];
+        names.into_iter().enumerate().filter(|(i, _)| self.stiffness[*i][*i] == 0.0).map(|(_, name)| name).collect()
+    }
 }
 
 /// Equilibrium of one bearing.

@@ -20,7 +20,10 @@ pub static CLEARANCE: Parameter = Parameter {
     access: Access::Bearing {
         get: |bearing, _| clearance(&bearing.scene),
         set: |bearing, _, x| {
-            if let Some(g) = &mut bearing.scene.geometry {
+            let scene = &mut bearing.scene;
+            if let Some(play) = scene.law.as_mut().and_then(|law| law.radial_play.as_mut()) {
+                *play = 0.5 * x.max(0.0);
+            } else if let Some(g) = &mut scene.geometry {
                 g.fit = FreeAngle::DiametralClearance(x.max(0.0));
             }
         },
@@ -74,8 +77,8 @@ impl Fault for Clearance {
         let [old, new] = [before, after].map(|of| unknown.get(&of.machine));
         let (least, share) = TOLERANCE;
         let change = (new - old).abs();
-        let geometry = after.machine.bearings[self.bearing].scene.geometry;
-        let growth = geometry.map_or(0.0, |g| GROWTH * (g.pitch_diameter - g.ball_diameter));
+        let diameters = after.machine.bearings[self.bearing].scene.diameters();
+        let growth = diameters.map_or(0.0, |[element, pitch]| GROWTH * (pitch - element));
         let of_site = e.site.as_ref().map_or(0.0, |_| growth.max(SHARE_OF_SITE * old));
         change > least.max(share * old).max(of_site)
             && change > e.significant() * after.deviation(unknown).hypot(e.known_deviation(unknown))

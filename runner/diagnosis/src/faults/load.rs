@@ -26,9 +26,16 @@ const TOLERANCE: f64 = 1.0;
 /// The same over the weight of the rotor, between recordings of a site.
 const SHARE_OF_WEIGHT: f64 = 0.2;
 
-/// Returns the basic static radial rating of a ball bearing, N (ISO 76: `f0 i Z D^2 cos(alpha)` with the largest factor, 15 N/mm^2).
+/// Returns the basic static radial rating of a bearing, N (ISO 76): of balls `f0 i Z D^2 cos(alpha)` with the largest factor, 15 N/mm^2, of
+/// rollers `44 N/mm^2 (1 - gamma) i Z L D cos(alpha)`.
 fn static_rating(bearing: &ballrace_scene::Bearing) -> f64 {
-    bearing.geometry.map_or(f64::INFINITY, |g| 15e6 * bearing.elements as f64 * g.ball_diameter * g.ball_diameter)
+    let elements = bearing.elements as f64;
+    let of_rollers = bearing.rollers.as_ref().map(|rollers| {
+        let area = rollers.diameter * rollers.length * rollers.contact_angle.cos();
+        44e6 * (1.0 - rollers.gamma()) * rollers.kind.rows() as f64 * elements * area
+    });
+    let of_balls = || bearing.geometry.map(|g| 15e6 * elements * g.ball_diameter * g.ball_diameter);
+    of_rollers.or_else(of_balls).unwrap_or(f64::INFINITY)
 }
 
 /// Constant load other than the scene's.

@@ -42,7 +42,7 @@ impl Evidence<'_> {
     /// Returns false, with the axial coordinate as it was, where the axial motion leaves the bearings: at the measured radial motion
     /// they do not carry the load.
     fn move_axially(&mut self, machine: &Machine, [mass, stiffness]: [f64; 2]) -> Result<bool> {
-        let diameters = machine.bearings.iter().filter_map(|b| b.scene.geometry.map(|g| g.ball_diameter));
+        let diameters = machine.bearings.iter().filter_map(|b| b.scene.diameters().map(|[element, _]| element));
         let farthest = diameters.reduce(f64::max).unwrap_or(f64::MAX);
         let bearings = (0..machine.bearings.len()).map(|b| self.evaluated(machine, b)).collect::<Result<Vec<_>>>()?;
         let constant = machine.load[2] + self.gravity[2];

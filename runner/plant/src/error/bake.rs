@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub enum BakeError {
     /// A model without constants.
     #[error(
-        "{}: bearing {bearing}: model with a displaced housing, a bending outer ring, balls that move or two rows: {found}, expected any other in bake",
+        "{}: bearing {bearing}: {what}: model {found}, expected {expected}",
         file.display()
     )]
     Model {
@@ -15,8 +15,12 @@ pub enum BakeError {
         file: PathBuf,
         /// Name of the bearing.
         bearing: String,
+        /// Part of the bearing that has none.
+        what: &'static str,
         /// Its model.
         found: &'static str,
+        /// Scene that has constants.
+        expected: &'static str,
     },
     /// Content of a scene for which the library of C has no struct and a blob no constants.
     #[error("{}: {place}: {found} with --language {language}, expected {expected}", file.display())]

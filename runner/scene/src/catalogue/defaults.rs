@@ -29,15 +29,15 @@ pub fn clearance_range(listed: &Listed) -> Option<[f64; 2]> {
     range(listed.entry, listed.class)
 }
 
-/// Returns the scene keys of a bearing of the catalogue before mounting; of a cylindrical-roller bearing those of its line contact.
+/// Returns the scene keys of a bearing of the catalogue before mounting.
 #[must_use]
 pub fn scene_keys(listed: &Listed) -> Vec<SceneKey> {
-    keys(listed, false)
+    keys(listed, true)
 }
 
-/// Returns the scene keys of a bearing with rollers by laminae.
-pub(crate) fn roller_keys(listed: &Listed) -> Vec<SceneKey> {
-    keys(listed, true)
+/// Returns the scene keys of a bearing whose cylindrical rollers are line contacts.
+pub(crate) fn line_contact_keys(listed: &Listed) -> Vec<SceneKey> {
+    keys(listed, false)
 }
 
 fn keys(listed: &Listed, by_laminae: bool) -> Vec<SceneKey> {

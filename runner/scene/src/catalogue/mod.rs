@@ -14,7 +14,7 @@ mod tests;
 
 pub use clearance::ClearanceClass;
 pub use data::{BearingKind, Entry, Provenance, PublishedFactors, all};
-pub(crate) use defaults::roller_keys;
+pub(crate) use defaults::line_contact_keys;
 pub use defaults::{SceneKey, clearance_range, scene_keys};
 
 use ballrace_base::printable;
@@ -53,7 +53,9 @@ impl UnknownBearing {
         } else {
             ""
         };
-        format!("a bearing of the catalogue, such as {similar}{class} (ballrace new --list prints all)")
+        format!(
+            "a bearing of the catalogue, such as {similar}{class} (ballrace new --list prints all), or the keys of its geometry in place of bearing"
+        )
     }
 }
 

@@ -110,3 +110,23 @@ fn every_entry_gives_a_scene() {
         }
     }
 }
+
+/// The designation of a cylindrical-roller bearing gives rollers by laminae, and a line contact where the scene names it or a key of it.
+#[test]
+fn cylindrical_rollers_are_laminae_unless_the_scene_has_a_line_contact() {
+    use crate::Model;
+    use crate::read::read_str;
+    let axial = "axial = { stiffness = 1e9, play = 0, radius = \"15 mm\" }";
+    for (keys, model) in [
+        ("", Model::Roller),
+        ("stiffness = 4e8", Model::Roller),
+        ("model = \"quasi-static\"", Model::QuasiStaticRoller),
+        ("model = \"lumped\"", Model::Lumped),
+        (axial, Model::Lumped),
+        ("exponent = 1.1", Model::Lumped),
+    ] {
+        let text = format!("shaft.speed = 100\n[[bearing]]\nname = \"A\"\nbearing = \"NU205\"\n{keys}\n");
+        let scene = read_str(&text, std::path::Path::new("nu.toml")).unwrap();
+        assert_eq!(scene.bearings[0].model, model, "{keys}");
+    }
+}

@@ -50,15 +50,10 @@ impl FidelityLevel {
     pub fn all(scene: &Scene) -> Vec<Self> {
         let effects = named(scene);
         let springs_alone = scene.bearings.iter().all(given_as_springs);
-        let have_rollers = |all: bool| {
-            let mut rollers = scene.bearings.iter().map(|of| of.rollers.is_some());
-            if all { rollers.all(|has| has) } else { rollers.any(|has| has) }
-        };
-        // Balls and rollers have models of their own.
-        let fits = |model: &Model| match model.properties().input {
-            ModelInput::ContactAngle => !have_rollers(true),
-            ModelInput::Rollers => have_rollers(false),
-            ModelInput::Orders | ModelInput::Stiffness | ModelInput::Law => true,
+        let has = |model: Model| scene.bearings.iter().any(|of| level_of(model, of) == Some(model));
+        let fits = |model: &Model| match model {
+            Model::QuasiStaticRoller => has(*model) && !has(Model::QuasiStatic),
+            model => has(*model),
         };
         let is_own = |model: Model| scene.bearings.iter().any(|of| of.model == model);
         let mut models: Vec<Model> =
@@ -112,11 +107,11 @@ impl FidelityLevel {
             if given_as_springs(of) || !chosen(i) {
                 continue;
             }
-            let has = |key: &str| table.contains_key(key);
-            let (geometry, film) = (has("ball_diameter"), has("lubricant"));
+            let Some(level) = level_of(self.model, of) else { continue };
+            let (geometry, film) = (of.geometry.is_some(), table.contains_key("lubricant"));
             let rollers = of.rollers.is_some();
-            let model = self.model.properties();
-            let others = Model::ALL.into_iter().filter(|other| *other != self.model);
+            let model = level.properties();
+            let others = Model::ALL.into_iter().filter(|other| *other != level);
             let mut gone = vec!["solver_steps", "linearise"];
             gone.extend(others.flat_map(Model::own_keys));
             if !model.effects {
@@ -145,7 +140,7 @@ impl FidelityLevel {
                     }),
                 );
             }
-            if let Some(steps) = self.options.steps {
+            if let Some(steps) = self.options.steps.filter(|_| model.solver_steps) {
                 table.insert("solver_steps", value(i64::from(steps)));
             }
             if let Some(laminae) = self.options.laminae.filter(|_| rollers) {
@@ -180,6 +175,20 @@ impl FidelityLevel {
     /// Returns an error if the edited scene is invalid.
     pub(crate) fn scene_with_one(&self, text: &str, scene: &Scene, i: usize) -> Result<Scene> {
         Ok(read_str(&self.written_for(text, scene, |bearing| bearing == i)?, &scene.path)?)
+    }
+}
+
+/// Returns the model of a bearing at the level of `model`; `None` where it keeps its own. Balls and rollers have models of their own, and those with
+/// elements in equilibrium are one level, of which inclined rollers have the model in series.
+fn level_of(model: Model, of: &Bearing) -> Option<Model> {
+    let kind = of.rollers.as_ref().map(|rollers| rollers.kind);
+    match (model.properties().input, kind) {
+        (ModelInput::ContactAngle, Some(kind)) => {
+            let solved = if kind.is_radial() { Model::QuasiStaticRoller } else { Model::Roller };
+            (model == Model::QuasiStatic).then_some(solved)
+        }
+        (ModelInput::Rollers, None) => None,
+        _ => Some(model),
     }
 }
 
