@@ -408,15 +408,14 @@ impl<'a> Evidence<'a> {
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
         let mut force_slopes = self.force_slopes(spectra, machine, unknowns)?;
         let moved_by = self.keep_mean_forces(spectra, machine, &mut force_slopes)?;
-        let with_force: Vec<(&Unknown, (&[Vec<C>; D], [f64; D]))> =
-            unknowns.iter().zip(force_slopes.iter().zip(moved_by)).collect();
-        let slope = |(unknown, (force_slope, moved_by)): &(&Unknown, (&[Vec<C>; D], [f64; D]))| {
-            let mut slope = (*force_slope).clone();
+        let all: Vec<usize> = (0..unknowns.len()).collect();
+        let slope = |&i: &usize| {
+            let (unknown, mut slope) = (unknowns[i], force_slopes[i].clone());
             if unknown.parameter.changes_stiffness {
                 let mut other = machine.clone();
                 let h = unknown.parameter.step;
                 unknown.set(&mut other, unknown.get(machine) + h);
-                other.position.iter_mut().zip(moved_by).for_each(|(x, moved)| *x += h * moved);
+                other.position.iter_mut().zip(moved_by[i]).for_each(|(x, moved)| *x += h * moved);
                 let other = self.mean_stiffness(&other)?;
                 for ((k, w), moved) in self.transform.lines.iter().enumerate().zip(&moved) {
                     let change = self.dynamic_stiffness(&other, k, *w) - self.dynamic_stiffness(&own, k, *w);
@@ -426,7 +425,7 @@ impl<'a> Evidence<'a> {
             }
             Ok(whitened(&whitening, &slope))
         };
-        parallel::map(&with_force, slope).into_iter().collect()
+        parallel::map(&all, slope).into_iter().collect()
     }
 
     /// Adds the force that another mean stiffness requires for the part of the displacement that the filter removed.
