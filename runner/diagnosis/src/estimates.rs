@@ -109,7 +109,10 @@ impl Estimates<'_, '_> {
     /// Returns an unknown whose size the model changes by a relative standard deviation of `model_error`.
     pub fn estimate(&self, unknown: Unknown, unit: f64, model_error: f64) -> Estimate {
         let value = unknown.get(&self.last.machine) / unit;
-        around(value, (self.deviation(unknown) / unit.abs()).hypot(self.scale_error(model_error) * value))
+        // At a site, what was not known of it in the baseline is not known now.
+        let known = if self.e.site.is_some() { self.e.known_deviation(unknown) } else { 0.0 };
+        let deviation = self.deviation(unknown).hypot(known) / unit.abs();
+        around(value, deviation.hypot(self.scale_error(model_error) * value))
     }
 
     /// Returns an unknown as [`Estimates::estimate`], with the ends of its interval by the profile of chi-squared.

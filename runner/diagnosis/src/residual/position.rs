@@ -11,6 +11,10 @@ use nalgebra::{DMatrix, DVector, SVector};
 /// Step of a difference quotient of the position, m and rad.
 const STEP: [f64; D] = [1e-9, 1e-9, 1e-9, 1e-8, 1e-8];
 
+/// Share of the least stiffness of the rotor that bounds its motion without contact: far below the stiffness of bearings that carry any load, which
+/// determines the position.
+const BOUND: f64 = 1e-3;
+
 /// Changes of the unexplained force by each coordinate of the position that probes measure.
 struct ByPosition {
     changes: Vec<(usize, [Vec<C>; D])>,
@@ -35,7 +39,7 @@ impl Evidence<'_> {
             Ok((i, change))
         };
         let mean = self.constant[0].re;
-        let least = self.least_stiffness().map(|x| -x * mean);
+        let least = self.least_stiffness().map(|x| -BOUND * x * mean);
         let changes = parallel::map(&measured, of).into_iter().collect::<Result<_>>()?;
         Ok(ByPosition { changes, least })
     }
@@ -66,7 +70,7 @@ impl Evidence<'_> {
         let change = SVector::<C, D>::from_fn(|i, _| (after[i][0] - before[i][0]) / mean);
         let mut stiffness = self.held(self.dynamic_stiffness(&self.mean_stiffness(machine)?, 0, 0.0));
         let least = self.least_stiffness();
-        (0..D).for_each(|i| stiffness[(i, i)] += C::new(least[i], 0.0));
+        (0..D).for_each(|i| stiffness[(i, i)] += C::new(BOUND * least[i], 0.0));
         let moved = stiffness.lu().solve(&change).filter(|moved| moved.iter().all(|x| x.re.is_finite()));
         if let Some(moved) = moved {
             machine.position.iter_mut().zip(moved.iter()).for_each(|(x, moved)| *x += moved.re);
