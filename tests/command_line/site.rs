@@ -174,3 +174,41 @@ fn a_wave_of_a_sound_bearing_is_no_fault() {
         |note: &Value| note.as_str().is_some_and(|note| note.ends_with("waviness of order 17 on outer race of A."));
     assert!(notes.iter().any(named), "{notes:#?}");
 }
+
+/// A foot that is loose lets the housing of a bearing move: the support is named with its stiffness, and no bearing.
+#[test]
+fn a_yielding_support_is_no_fault_of_a_bearing() {
+    let sandbox = site();
+    let support = |y: &str| {
+        format!(
+            "name = \"A\"\nsupport = {{ mass = \"2 kg\", stiffness_x = \"8e8 N/m\", stiffness_y = \"{y}\", damping = \"300 N s/m\" }}\n"
+        )
+    };
+    sandbox.put("loose.toml", swap(&sandbox.read("sound.toml"), "name = \"A\"\n", &support("2e7 N/m")));
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "loose.toml", 33..33 + TURNS), |_, _, _| 0.0));
+    let outcome = outcome(&sandbox);
+    let findings = list(&outcome, "findings");
+    assert_eq!(kinds(&outcome), ["support"], "{findings:#?}");
+    assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
+    let stiffness = &findings[0]["support_stiffness_n_um"];
+    let [low, high] = ["/low", "/high"].map(|end| number(stiffness, end));
+    assert!(low < 20.0 && 20.0 < high && high - low < 10.0, "{stiffness}");
+}
+
+/// The lines of bearings of one kind coincide: a wave is named on the bearing that has it.
+#[test]
+fn a_wave_is_named_on_its_bearing() {
+    let sandbox = site();
+    let sound = sandbox.read("sound.toml");
+    let wave = "{ surface = \"outer\", order = 10, amplitude = \"0.8 um\", phase = \"70 deg\" },";
+    let of_a = sound.replacen("waviness = [", &format!("waviness = [{wave}"), 1);
+    let of_b = swap(&sound, "name = \"B\"\n", &format!("name = \"B\"\nwaviness = [{wave}]\n"));
+    for (bearing, wavy) in [("A", of_a), ("B", of_b)] {
+        sandbox.put("wavy.toml", wavy);
+        sandbox.put("recording.csv", readings(&motion(&sandbox, "wavy.toml", 33..33 + TURNS), |_, _, _| 0.0));
+        let outcome = outcome(&sandbox);
+        let findings = list(&outcome, "findings");
+        assert_eq!(kinds(&outcome), ["outer-race"], "{bearing}: {findings:#?}");
+        assert_eq!(findings[0]["bearing"], bearing, "{findings:#?}");
+    }
+}

@@ -21,13 +21,33 @@ pub(crate) struct IdentifiedFault {
     pub gain: f64,
     /// Second-best candidate, and the logarithm of the odds against it.
     pub next: Option<(AnyFault, f64)>,
-    /// Largest fall of chi-squared by a fault of another kind or bearing, over its own.
+    /// Logarithm of the odds against a fault of another kind or bearing, where one error of the model changes many values together.
     pub rival: f64,
+    /// Share of the unexplained motion that it explains: of a surface of a site, of that at its own lines.
+    pub explained: f64,
+    /// Values of the residual that it changes.
+    values: f64,
     pub fitted: Fitted,
     /// False for a fault of a site that moves the shaft, but explains less than half of the motion.
     explains_motion: bool,
     /// Bearings whose cage can be observed with it.
     observable: Vec<bool>,
+}
+
+impl IdentifiedFault {
+    /// Finds the share that it explains, against a machine without it.
+    fn explain(&mut self, e: &Evidence, without: &Machine) -> Result<()> {
+        if e.site.is_none() || self.fault.surface().is_none() {
+            let left = (self.fitted.chi_square - self.fitted.residual.len() as f64).max(0.0);
+            self.explained = (self.gain / (self.gain + left)).clamp(0.0, 1.0);
+            return Ok(());
+        }
+        let lacking = evaluate(e, &self.fault.removed(&self.fitted.machine, without))?;
+        let left = &self.fitted.residual;
+        let change: Vec<f64> = lacking.residual.iter().zip(left).map(|(a, b)| a - b).collect();
+        AtLines { explained: self.explained, values: self.values } = AtLines::new(&change, left, 2 * e.rows);
+        Ok(())
+    }
 }
 
 /// Scored candidate fault.
@@ -49,7 +69,7 @@ impl Scored<'_> {
     }
 
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
-    fn fit_further(&mut self, of: &Prepared) -> Result<()> {
+    fn fit_further(&mut self, of: &Prepared, now: &Fitted) -> Result<()> {
         let IdentifiedFault { fault, fitted, observable, gain, .. } = &mut self.identified;
         let unknowns = union(cage::unknowns(observable, &fitted.machine), &fitted.unknowns);
         let evidence = self.evidence.as_ref().unwrap_or(&of.evidence);
@@ -58,7 +78,31 @@ impl Scored<'_> {
         *fitted = further;
         self.tolerated = tolerated(evidence, fitted)?;
         self.prior += precision_of_slip(*fault, fitted);
-        Ok(())
+        self.identified.explain(self.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)
+    }
+}
+
+/// What a fault changes, line by line.
+struct AtLines {
+    /// Mean of the shares that it explains of each line, where the lines count by what it changes of them. What is left of a line counts
+    /// beyond its noise.
+    explained: f64,
+    /// Number of values of as many equal lines.
+    values: f64,
+}
+
+impl AtLines {
+    /// Compares the change by a fault with what it leaves, with so many values in a line.
+    fn new(change: &[f64], left: &[f64], values: usize) -> Self {
+        let mut sums = [0.0; 3];
+        for (change, left) in change.chunks(values).zip(left.chunks(values)) {
+            let square = dot(change, change);
+            let left = (dot(left, left) - left.len() as f64).max(0.0);
+            let explained = square * square / (square + left).max(f64::MIN_POSITIVE);
+            sums.iter_mut().zip([explained, square, square * square]).for_each(|(sum, x)| *sum += x);
+        }
+        let [explained, square, fourth] = sums.map(|sum| sum.max(f64::MIN_POSITIVE));
+        Self { explained: explained / square, values: square * square / fourth * values as f64 }
     }
 }
 
@@ -112,8 +156,13 @@ const FEWER_THAN_NOISE: f64 = 5.0;
 const MEASURED: f64 = 0.7;
 /// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
 const EXPLAINED_MOTION: f64 = 0.5;
-/// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it.
+/// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it, and that the first
+/// fault of a surface of a site does: of what another cause leaves at all lines, such a fault explains some by chance.
 const MIN_SHARE: f64 = 0.3;
+const MIN_SHARE_OF_SITE: f64 = 0.2;
+
+/// Spreads of the sum of the lines of a surface that a fault of it exceeds.
+const SPREADS: f64 = 2.0;
 
 /// Fits along the axial motion of the fit before, at least and at most, and the share of chi-squared by which one more has to lower it.
 const AXIAL_ROUNDS: [usize; 2] = [2, 6];
@@ -146,10 +195,11 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             |fault: &AnyFault| faults.iter().any(|other| other.fault == *fault) || of.deviations.contains(fault);
         list.retain(|candidate| !known(&candidate.fault));
         progress(0.3 + 0.2 * faults.len() as f64);
-        let round = Round { of, now: &now, shifted, least, first_excess };
+        let is_first = faults.is_empty();
+        let round = Round { of, now: &now, shifted, least, is_first, first_excess };
         let Some(Scored { mut identified, mut evidence, is_sound, .. }) = round.selected(&list)? else { break };
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
-            evidence = moved_axially(of, &mut identified)?;
+            evidence = moved_axially(of, &now.machine, &mut identified)?;
         }
         now = identified.fitted.clone();
         of.observable.clone_from(&identified.observable);
@@ -201,6 +251,8 @@ struct Round<'a, 'b> {
     shifted: (&'b Evidence<'a>, &'b Fitted),
     /// Least gain of a fault.
     least: f64,
+    /// No fault has been found.
+    is_first: bool,
     /// Excess of chi-squared of the healthy machine.
     first_excess: f64,
 }
@@ -217,7 +269,7 @@ impl<'a> Round<'a, '_> {
     /// Returns the candidates that compete, fitted, and those that are not fitted.
     fn tried<'c>(&self, list: &'c [Candidate], top: f64) -> Result<(Vec<Scored<'a>>, Vec<&'c Candidate>)> {
         let (of, excess) = (self.of, excess(self.now));
-        let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * self.least);
+        let is_likely = |c: &&Candidate| c.gain > (FITTED.1 * top).max(0.6 * self.least_of(&c.fault));
         let (likely, others): (Vec<&Candidate>, _) = list.iter().partition(is_likely);
         // Where the likeliest candidate explains the recording, the others are fitted as far as they compete with it.
         let mut likely = likely.into_iter().take(FITTED.0);
@@ -245,17 +297,31 @@ impl<'a> Round<'a, '_> {
         Ok((tried, not_fitted))
     }
 
+    /// Returns true for the first fault of a site where it is one of a surface: its lines are compared alone, whatever else departs.
+    fn is_at_lines(&self, fault: &AnyFault) -> bool {
+        self.is_first && self.of.site.is_some() && fault.surface().is_some()
+    }
+
+    fn least_of(&self, fault: &AnyFault) -> f64 {
+        if self.is_at_lines(fault) { MIN_GAIN.max(MIN_SHARE_OF_SITE * excess(self.now)) } else { self.least }
+    }
+
     /// Returns true where a candidate explains more than an error of the model, and the motion that it has to explain.
     fn is_significant(&self, Scored { identified, .. }: &Scored) -> bool {
         // What moves the shaft is compared in the shape of all lines: it must exceed the spread of their sum by noise. The lines of a sound
         // surface change from one recording to the next, those of one error of the model together.
-        let spread = if self.of.site.is_some() { (2.0 * self.now.residual.len() as f64).sqrt() } else { 0.0 };
+        let spread = |values: f64| if self.of.site.is_some() { (2.0 * values).sqrt() } else { 0.0 };
         let of_kind = match (identified.fault.moves_shaft(), identified.fault.surface()) {
-            (true, _) => spread,
-            (false, Some(_)) => spread * DEPENDENT.sqrt(),
+            (true, _) => spread(self.now.residual.len() as f64),
+            (false, Some(_)) => SPREADS * spread(DEPENDENT * identified.values),
             (false, None) => 0.0,
         };
-        identified.gain > self.least.max(of_kind) && identified.explains_motion
+        let explains = if self.is_at_lines(&identified.fault) {
+            identified.explained > MIN_SHARE
+        } else {
+            identified.explains_motion
+        };
+        identified.gain > self.least_of(&identified.fault).max(of_kind) && explains
     }
 
     fn is_fault(&self, scored: &Scored) -> bool {
@@ -285,7 +351,7 @@ impl<'a> Round<'a, '_> {
         let is_near = |scored: &Scored| scored.chi_square() < nearly + scored.identified.fault.nearly() * best;
         if tried.iter().filter(|scored| is_near(scored)).count() > 1 {
             for scored in tried.iter_mut().filter(|scored| is_near(scored)) {
-                scored.fit_further(of)?;
+                scored.fit_further(of, self.now)?;
             }
         }
         let equal = closest(&tried) + left;
@@ -301,16 +367,17 @@ impl<'a> Round<'a, '_> {
             }
             _ => None,
         };
+        let Some((first, others)) = tried.split_first() else { return Ok(None) };
         let place = |fault: &AnyFault| (fault.kind(), fault.bearing());
-        let gains = tried.iter().map(|Scored { identified, .. }| (&identified.fault, identified.gain));
-        let gains = gains.chain(not_fitted.iter().map(|candidate| (&candidate.fault, candidate.gain)));
-        let first = tried.first().map(|scored| place(&scored.identified.fault));
-        let others = gains.filter(|(fault, _)| Some(place(fault)) != first);
-        let rival = others.map(|(_, gain)| gain).fold(0.0, f64::max);
-        let Some(mut scored) = tried.into_iter().next() else { return Ok(None) };
-        scored.identified.next = next;
-        scored.identified.rival = rival / scored.identified.gain.max(f64::MIN_POSITIVE);
-        Ok(Some(scored))
+        let is_other = |fault: &AnyFault| place(fault) != place(&first.identified.fault);
+        let fitted = others.iter().filter(|other| is_other(&other.identified.fault)).map(&score);
+        let not_fitted = not_fitted.iter().filter(|candidate| is_other(&candidate.fault));
+        let not_fitted = not_fitted.map(|candidate| self.now.chi_square - GAIN_OVER_EXPECTED * candidate.gain - equal);
+        let rival = (fitted.chain(not_fitted).fold(f64::INFINITY, f64::min) - score(first)) / (2.0 * DEPENDENT);
+        Ok(tried.into_iter().next().map(|mut scored| {
+            (scored.identified.next, scored.identified.rival) = (next, rival);
+            scored
+        }))
     }
 
     /// Fits candidates and scores them.
@@ -423,18 +490,29 @@ fn scored<'a>(
         _ => true,
     };
     let is_sound = !fault.exceeds_tolerance(&of.evidence, now, &fitted);
-    Ok(Scored {
-        is_sound,
-        identified: IdentifiedFault { fault, gain, next: None, rival: 0.0, fitted, explains_motion, observable },
-        prior,
-        tolerated: 0.0,
-        evidence,
-    })
+    let identified = IdentifiedFault {
+        fault,
+        gain,
+        next: None,
+        rival: f64::INFINITY,
+        explained: 0.0,
+        values: 0.0,
+        fitted,
+        explains_motion,
+        observable,
+    };
+    let mut scored = Scored { is_sound, identified, prior, tolerated: 0.0, evidence };
+    scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
+    Ok(scored)
 }
 
 /// Fits a machine with a fault of a surface along the axial motion that the fault causes, where no probe measures it; returns the recording
 /// with that motion. Until then the axial motion is that of the machine without the fault, and what the fault adds is linear.
-fn moved_axially<'a>(of: &Prepared<'a>, identified: &mut IdentifiedFault) -> Result<Option<Evidence<'a>>> {
+fn moved_axially<'a>(
+    of: &Prepared<'a>,
+    without: &Machine,
+    identified: &mut IdentifiedFault,
+) -> Result<Option<Evidence<'a>>> {
     let mut evidence = of.evidence.clone();
     let mut fitted = identified.fitted.clone();
     let [least, most] = AXIAL_ROUNDS;
@@ -451,6 +529,7 @@ fn moved_axially<'a>(of: &Prepared<'a>, identified: &mut IdentifiedFault) -> Res
     }
     identified.gain += identified.fitted.chi_square - fitted.chi_square;
     identified.fitted = fitted;
+    identified.explain(&evidence, without)?;
     Ok(Some(evidence))
 }
 

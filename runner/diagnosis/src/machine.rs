@@ -49,6 +49,8 @@ pub(crate) struct MachineBearing {
     pub tilt: [f64; 2],
     /// Diametral play of a ring in its seat, m.
     pub seat_play: f64,
+    /// Compliance of the support along X and Y beyond the scene's, m/N.
+    pub compliance: [f64; 2],
 }
 
 /// A machine under a hypothesis.
@@ -83,7 +85,13 @@ impl Machine {
         let bearings = scene
             .bearings
             .iter()
-            .map(|b| MachineBearing { scene: b.clone(), cage: Cage::default(), tilt: [0.0; 2], seat_play: 0.0 })
+            .map(|b| MachineBearing {
+                scene: b.clone(),
+                cage: Cage::default(),
+                tilt: [0.0; 2],
+                seat_play: 0.0,
+                compliance: [0.0; 2],
+            })
             .collect();
         // The damping of a flexible or supported rotor is part of its equations of motion.
         let damping = if is_rigid(scene) { rotor.damping } else { [0.0; D] };
@@ -144,6 +152,9 @@ const MIN_RADIAL: f64 = 0.01;
 
 /// Samples at which the force is evaluated together: much more work than the start of a thread.
 const TOGETHER: usize = 2048;
+/// Most steps in which the displacement of a support is found, and the step at which it is, m.
+const SUPPORT_STEPS: usize = 8;
+const SUPPORT_CLOSE: f64 = 1e-12;
 /// Instants in a sample period at which a pulse of a spall is evaluated.
 const PARTS: usize = 4;
 
@@ -163,6 +174,8 @@ pub struct Evaluated {
     tilt: [f64; 2],
     /// Radial play of a ring in its seat, m.
     seat_play: f64,
+    /// Compliance of the support along X and Y, m/N.
+    compliance: [f64; 2],
     cage: Cage,
     /// Cage speed over shaft speed by the scene.
     cage_ratio: f64,
@@ -232,6 +245,7 @@ impl Evaluated {
             offset: plant.bearings[i].offset,
             tilt: of.tilt,
             seat_play: 0.5 * of.seat_play,
+            compliance: of.compliance,
             displaced,
             cage: of.cage,
             cage_ratio: kinematics.cage_ratio,
@@ -256,10 +270,35 @@ impl Evaluated {
     }
 
     /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
-    fn displacement(&self, of_rotor: &Displacement<f64>) -> Displacement<f64> {
+    fn displacement(&self, of_rotor: &Displacement<f64>, state: &BearingKinematicState<f64>) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
         let ([x, y], _) = left_by_play([u.u, u.v], self.seat_play);
-        Displacement { u: x, v: y, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u }
+        let u = Displacement { u: x, v: y, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u };
+        if self.is_supported() { self.on_support(u, state) } else { u }
+    }
+
+    fn is_supported(&self) -> bool {
+        self.compliance != [0.0; 2]
+    }
+
+    /// Returns the displacement of the inner ring against an outer ring whose support yields to the force, from that of the inner ring. The
+    /// force grows with the displacement, so that Newton's method converges from the stiffer side.
+    fn on_support(&self, of_inner: Displacement<f64>, state: &BearingKinematicState<f64>) -> Displacement<f64> {
+        let [cx, cy] = self.compliance;
+        let mut u = of_inner;
+        for _ in 0..SUPPORT_STEPS {
+            let (reaction, k) = self.bearing.reaction_and_stiffness(&u, state);
+            let w = reaction.wrench;
+            let (rx, ry) = (u.u - of_inner.u - cx * w.fx, u.v - of_inner.v - cy * w.fy);
+            let (a, b, c, d) = (1.0 + cx * k[(0, 0)], cx * k[(0, 1)], cy * k[(1, 0)], 1.0 + cy * k[(1, 1)]);
+            let determinant = a * d - b * c;
+            let (dx, dy) = ((d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant);
+            u = Displacement { u: u.u - dx, v: u.v - dy, ..u };
+            if dx.abs().max(dy.abs()) < SUPPORT_CLOSE {
+                break;
+            }
+        }
+        u
     }
 
     /// Returns the force on the rotor of the bearing with its spalls, at its own station, at every sample.
@@ -300,7 +339,7 @@ impl Evaluated {
         let piece = |from: &usize| {
             let piece = *from..self.displaced.len().min(from + TOGETHER);
             let at: Vec<_> = piece.clone().map(state).collect();
-            let u: Vec<_> = piece.map(|t| self.displacement(&of_rotor(t))).collect();
+            let u: Vec<_> = piece.zip(&at).map(|(t, at)| self.displacement(&of_rotor(t), at)).collect();
             let mut reactions = vec![Reaction::default(); u.len()];
             self.bearing.reactions(&u, &at, &mut reactions);
             reactions.iter().map(|reaction| reaction.wrench.to_array()).collect::<Vec<_>>()
@@ -378,7 +417,7 @@ impl Evaluated {
     }
 
     fn wrench(&self, of: &AnyBearing<f64>, at: &Displacement<f64>, state: &BearingKinematicState<f64>) -> [f64; D] {
-        of.reaction(&self.displacement(at), state).wrench.to_array()
+        of.reaction(&self.displacement(at, state), state).wrench.to_array()
     }
 
     /// Returns the cosine of the contact angle, weighted by the loads along the motion: the component of a radial deviation of a groove
@@ -387,7 +426,8 @@ impl Evaluated {
         let (mut radial, mut axial, mut projected, mut total) = (0.0, 0.0, 0.0, 0.0);
         let mut loads = vec![0.0; self.azimuths.len()];
         for t in (0..motion.len()).step_by((motion.len() / 500).max(1)) {
-            let (u, state) = (self.displacement(&self.displaced[t]), self.state(motion, t));
+            let state = self.state(motion, t);
+            let u = self.displacement(&self.displaced[t], &state);
             self.bearing.element_loads(&u, &state, &mut loads);
             let force = self.bearing.reaction(&u, &state).wrench;
             let (mut x, mut y) = (0.0, 0.0);
@@ -411,14 +451,23 @@ impl Evaluated {
     /// Returns the tangent stiffness at sample `t`, at the bearing's own station.
     pub fn tangent(&self, motion: &Motion, t: usize) -> Tangent {
         let of_rotor = self.displaced[t] + self.offset;
-        let u = self.displacement(&self.displaced[t]);
-        let (_, k) = self.bearing.reaction_and_stiffness(&u, &self.state(motion, t));
+        let state = self.state(motion, t);
+        let u = self.displacement(&self.displaced[t], &state);
+        let (_, k) = self.bearing.reaction_and_stiffness(&u, &state);
         let (_, by_rotor) = left_by_play([of_rotor.u, of_rotor.v], self.seat_play);
         let mut moved = Tangent::identity();
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             moved[(i, j)] = by_rotor[i][j];
         }
-        Tangent::from_fn(|i, j| k[(i, j)]) * moved
+        let k = Tangent::from_fn(|i, j| k[(i, j)]);
+        let on_support = || {
+            let mut yielding = Tangent::identity();
+            for (i, compliance) in self.compliance.into_iter().enumerate() {
+                (0..D).for_each(|j| yielding[(i, j)] += compliance * k[(i, j)]);
+            }
+            yielding.try_inverse().unwrap_or_else(Tangent::identity)
+        };
+        if self.is_supported() { k * on_support() * moved } else { k * moved }
     }
 }
 
@@ -449,6 +498,9 @@ mod tests {
     use super::super::faults::{CLEARANCE, UNBALANCE};
     use super::super::parameter::DAMPING;
     use super::*;
+    use ballrace_plant::probes::PoseSolver;
+    use ballrace_recording::Row;
+    use ballrace_recording::Sample;
     use ballrace_scene::read::read_str;
     use std::path::Path;
 
@@ -491,6 +543,45 @@ mod tests {
         }
         assert_eq!(left_by_play([1e-6, 2e-6], play), ([0.0; 2], [[0.0; 2]; 2]));
         assert_eq!(left_by_play(at, 0.0).0, at);
+    }
+
+    /// The force moves the outer ring by the compliance, and the stiffness of both is the derivative of the force.
+    #[test]
+    fn a_support_yields_to_the_force() {
+        let probe = |name: &str, station: &str, angle: u32| {
+            format!("{{ column = \"{name}\", unit = \"um\", station = \"{station}\", angle = \"{angle} deg\" }}, ")
+        };
+        let probes = [("a", "-100 mm", 0), ("b", "-100 mm", 90), ("c", "100 mm", 0), ("d", "100 mm", 90)];
+        let probes: String = probes.iter().map(|(name, station, angle)| probe(name, station, *angle)).collect();
+        let text = format!("{SCENE}\n[recording]\nfile = \"a.csv\"\nrate = \"1 kHz\"\nprobes = [{probes}]\n");
+        let scene = read_str(&text, Path::new("scene.toml")).unwrap();
+        let plant = Plant::try_new(&scene).unwrap();
+        let stations: Vec<f64> = scene.bearings.iter().map(|bearing| bearing.station).collect();
+        let solver = PoseSolver::try_new(&scene.recording.as_ref().unwrap().probes, &stations).unwrap();
+        let samples = vec![Sample { row: Row { probes: vec![0.0; 4], ..Row::default() }, ..Sample::default() }; 2];
+        let motion = Motion::new(&samples, 1e-3, &solver, 0.0);
+        let compliance = [2e-8, 5e-8];
+        let bearing = MachineBearing { compliance, ..Machine::new(&scene).unwrap().bearings[0].clone() };
+        let at = |x: f64, y: f64| {
+            let displaced = vec![Displacement { u: x, v: y, w: 2e-6, ..Displacement::default() }; 2];
+            Evaluated::new(&scene, &plant, 0, &bearing, Arc::new(displaced)).unwrap()
+        };
+        let [x, y] = [7e-6, -16e-6];
+        let yielding = at(x, y);
+        let (state, force) = (yielding.state(&motion, 0), yielding.forces(&motion)[0]);
+        let left = yielding.displacement(&yielding.displaced[0], &state);
+        assert!(force[0].abs() > 10.0 && force[1].abs() > 10.0, "{force:?}");
+        assert!((left.u - x - compliance[0] * force[0]).abs() < 1e-12);
+        assert!((left.v - y - compliance[1] * force[1]).abs() < 1e-12);
+        let k = yielding.tangent(&motion, 0);
+        let step = 1e-10;
+        for (j, [dx, dy]) in [[step, 0.0], [0.0, step]].into_iter().enumerate() {
+            let [with, against] = [1.0, -1.0].map(|sign| at(x + sign * dx, y + sign * dy).forces(&motion)[0]);
+            for i in 0..D {
+                let quotient = -(with[i] - against[i]) / (2.0 * step);
+                assert!((k[(i, j)] - quotient).abs() < 1e-4 * k[(1, 1)].abs(), "{i} {j}: {} and {quotient}", k[(i, j)]);
+            }
+        }
     }
 
     #[test]

@@ -30,8 +30,8 @@ const UNEXPLAINED: f64 = 9.0;
 const EXPLAINED: f64 = 1.5;
 /// Share of the unexplained motion from which a fault of a site is named without "possibly", and one that moves the shaft.
 const DECIDED: [f64; 2] = [0.6, 0.8];
-/// The same from which a fault is named that no other one explains, and the largest share of its gain by another one.
-const ALONE: (f64, f64) = (0.4, 0.33);
+/// The same from which a fault is named that no other one explains.
+const ALONE: f64 = 0.4;
 /// Share of the square of the unexplained motion at a probe that a fault which moves the shaft of a site explains at least.
 const PROVEN: f64 = 0.5;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
@@ -127,6 +127,10 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     let mut diagnoses: Vec<Diagnosis> = vec![];
     for (i, identified) in faults.iter().enumerate() {
         let fault = identified.fault;
+        // Beside the faults that were found after it, no more of it may be left than a sound machine has.
+        if e.site.is_some() && faults.len() > 1 && !fault.exceeds_tolerance(e, &of.healthy, &last) {
+            continue;
+        }
         let lacking = fault.removed(&last.machine, &of.healthy.machine);
         let contrast = Contrast::new(input, e, &last, &lacking, fault.surface(), fault.bearing())?;
         let diagnosis = estimates.diagnosis(identified, i == 0).with_figures(fault.figures(&contrast));
@@ -204,8 +208,7 @@ impl IdentifiedFault {
 
     /// Returns true for a fault that nothing else explains, and for an error of a reading, which accuses nothing.
     fn is_alone(&self, explained: f64) -> bool {
-        let (least, rival) = ALONE;
-        self.fault.is_of_measurement() || explained > least && self.rival < rival
+        self.fault.is_of_measurement() || explained > ALONE && self.rival > LEAST_ODDS.ln()
     }
 
     /// Returns the second-best candidate if it is another kind of fault, or on another bearing, and the recording does not decide
@@ -307,14 +310,13 @@ impl Estimates<'_, '_> {
     }
 
     fn diagnosis(&self, identified: &IdentifiedFault, is_first: bool) -> Diagnosis {
-        let IdentifiedFault { fault, gain, fitted, .. } = identified;
+        let IdentifiedFault { fault, gain, explained, .. } = identified;
         let bearing = fault.bearing().map(|b| self.e.plant.bearings[b].name.clone());
         let odds = identified.odds();
-        let explained = gain / (gain + (fitted.chi_square - fitted.residual.len() as f64).max(0.0));
         let mut parameters = fault.parameters(self);
         parameters.log_likelihood_gain = Some(0.5 * gain);
         parameters.odds_to_next = Some(odds.unwrap_or(LARGEST_ODDS));
-        parameters.explained = Some(explained.clamp(0.0, 1.0));
+        parameters.explained = Some(*explained);
         let order = fault.order(self);
         let next = identified.next.map_or(String::new(), |(next, _)| {
             format!(
@@ -329,9 +331,10 @@ impl Estimates<'_, '_> {
         });
         let place = fault.sentence(self, &parameters);
         let sentence = format!(
-            "{place}. It explains {:.0} % of {}{next}.",
-            100.0 * explained.clamp(0.0, 1.0),
-            if is_first { "the unexplained motion" } else { "what the other diagnoses leave" }
+            "{place}. It explains {:.0} % of {}{}{next}.",
+            100.0 * explained,
+            if is_first { "the unexplained motion" } else { "what the other diagnoses leave" },
+            if self.e.site.is_some() && fault.surface().is_some() { " at its lines" } else { "" },
         );
         Diagnosis {
             kind: fault.kind(),
@@ -340,7 +343,7 @@ impl Estimates<'_, '_> {
             line_hz: order * self.e.motion.mean_speed().abs() / TAU,
             order,
             level_db: 10.0 * (gain / MIN_GAIN).log10(),
-            confidence: explained.clamp(0.0, 1.0) * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
+            confidence: explained * odds.map_or(1.0, |odds| odds / (1.0 + odds)),
             evidence: vec![EvidenceSource::ShaftMotion],
             vibration: None,
             parameters,

@@ -82,8 +82,8 @@ mod tests {
 
     #[test]
     fn a_fault_that_is_no_failure_of_a_bearing_has_no_mode() {
-        use FaultKind::{Clearance, Coupling, Element, InnerRace, Load, Looseness, Other, RunOut, Unbalance};
-        for kind in [Unbalance, Clearance, Load, Looseness, Coupling, RunOut, Other] {
+        use FaultKind::{Clearance, Coupling, Element, InnerRace, Load, Looseness, Other, RunOut, Support, Unbalance};
+        for kind in [Unbalance, Clearance, Load, Looseness, Support, Coupling, RunOut, Other] {
             assert_eq!(FailureMode::of(kind, None), []);
         }
         assert_eq!(FailureMode::of(Element, Some(FaultForm::Waviness)), []);

@@ -26,6 +26,8 @@ pub enum FaultKind {
     Load,
     /// A ring that is loose in its seat: no damage of the bearing.
     Looseness,
+    /// A support that yields more than in the sound machine: no damage of the bearing.
+    Support,
     /// A misaligned coupling: no fault of a bearing.
     Coupling,
     /// Changed run-out of the shaft's surface under a probe: no fault of the machine.
@@ -71,6 +73,11 @@ impl FaultKind {
                 "looseness",
                 "looseness",
                 "Check the fit of the rings on shaft and in housing, the lock nut, and the bolts of housing and foot. No bearing is to be ordered.",
+            ],
+            Self::Support => [
+                "support",
+                "yielding support",
+                "Check the bolts of feet and housing, shims and grout for a gap (soft foot), and the base for cracks. No bearing is to be ordered.",
             ],
             Self::Coupling => [
                 "coupling",
@@ -174,6 +181,9 @@ pub struct FaultParameters {
     /// Diametral play of a ring in its seat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seat_play_um: Option<Estimate>,
+    /// Stiffness of a yielding support, along the softer of X and Y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support_stiffness_n_um: Option<Estimate>,
     /// Largest force of a coupling during a turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling_force_n: Option<Estimate>,
@@ -260,7 +270,7 @@ pub type FaultField = NumericField<FaultParameters, Option<Estimate>>;
 
 impl FaultParameters {
     /// Estimated fields in the order of texts.
-    pub const FIELDS: [(EstimateKind, FaultField); 12] = {
+    pub const FIELDS: [(EstimateKind, FaultField); 13] = {
         use EstimateKind::{MachineSize, Place, Size};
         [
             (Place, FaultField::new("azimuth_deg", "at", "deg", |p| p.azimuth_deg).decimals(1)),
@@ -271,6 +281,13 @@ impl FaultParameters {
             (Place, FaultField::new("axis_deg", "axis at", "deg from +X", |p| p.axis_deg).decimals(0)),
             (MachineSize, FaultField::new("clearance_um", "diametral clearance", "um", |p| p.clearance_um).decimals(2)),
             (Size, FaultField::new("seat_play_um", "play in the seat", "um", |p| p.seat_play_um).decimals(1)),
+            (
+                Size,
+                FaultField::new("support_stiffness_n_um", "stiffness of the support", "N/um", |p| {
+                    p.support_stiffness_n_um
+                })
+                .decimals(1),
+            ),
             (Size, FaultField::new("coupling_force_n", "force", "N", |p| p.coupling_force_n).decimals(1)),
             (Size, FaultField::new("moment_g_mm", "moment", "g mm", |p| p.moment_g_mm).decimals(1)),
             (Place, FaultField::new("angle_deg", "at", "deg from the keyphasor mark", |p| p.angle_deg).decimals(1)),

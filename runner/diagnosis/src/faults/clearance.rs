@@ -42,6 +42,8 @@ const TOLERANCE: (f64, f64) = (3e-7, 0.03);
 const GROWTH: f64 = 5.0 * 12e-6;
 /// Least change over the clearance between such recordings.
 const SHARE_OF_SITE: f64 = 0.25;
+/// Standard deviations of the baseline's clearance that it exceeds: one value is compared with one, without alternatives.
+const KNOWN: f64 = 3.0;
 
 /// Clearance of a bearing other than the scene's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,8 +82,10 @@ impl Fault for Clearance {
         let diameters = after.machine.bearings[self.bearing].scene.diameters();
         let growth = diameters.map_or(0.0, |[element, pitch]| GROWTH * (pitch - element));
         let of_site = e.site.as_ref().map_or(0.0, |_| growth.max(SHARE_OF_SITE * old));
+        let significant = e.significant();
         change > least.max(share * old).max(of_site)
-            && change > e.significant() * after.deviation(unknown).hypot(e.known_deviation(unknown))
+            && change
+                > (significant * after.deviation(unknown)).hypot(significant.min(KNOWN) * e.known_deviation(unknown))
     }
 
     fn bearing(&self) -> Option<usize> {

@@ -11,6 +11,7 @@ mod looseness;
 mod misalignment;
 mod run_out;
 mod spall;
+mod support;
 mod unbalance;
 mod waviness;
 
@@ -162,6 +163,7 @@ registry!(
     load::Load,
     clearance::Clearance,
     looseness::Looseness,
+    support::Support,
     misalignment::Misalignment,
     coupling::Coupling,
     run_out::RunOut,

@@ -30,10 +30,13 @@ static AMPLITUDE: Parameter = Parameter {
 const PHASES: [f64; 2] = [0.0, -0.5 * PI];
 /// Least amplitude, m.
 const TOLERANCE: f64 = 1e-8;
-/// Waves of sound bearings, over which one is a fault at a site.
+/// Waves of sound bearings, over which one is a fault at a site: those of a machine with a baseline are in its lines.
 const EXCEEDS: f64 = 3.0;
 /// Least amplitude of a wave that is a fault there, m: elements of sound bearings of ordinary class differ by up to 0.1 um.
 const LEAST_OF_SITE: f64 = 0.15e-6;
+/// Orders of a surface that are compared: another slip of its cage, with another order, may explain more until it is fitted, and the lines of
+/// bearings of one kind coincide.
+const RANKS: usize = 2;
 /// Share of the largest gain by which a wave may be worse and is fitted further: where its line coincides with that of another, a first fit and
 /// uncertain parameters leave as much.
 const NEARLY: f64 = 0.02;
@@ -47,6 +50,8 @@ pub struct Waviness {
     order: u32,
     /// Index of the first of its two waves among those of the bearing.
     index: usize,
+    /// 0 for the most likely order of the surface, 1 for the next.
+    rank: usize,
 }
 
 /// Waves of one order on a surface are the same fault, whatever their index.
@@ -66,16 +71,22 @@ impl Waviness {
 impl Fault for Waviness {
     fn of_machine(machine: &Machine) -> Vec<Self> {
         let of = |(bearing, index): (usize, usize)| {
-            Component::ALL.map(|component| Self { bearing, component, order: 0, index })
+            let ranks = move |component| (0..RANKS).map(move |rank| Self { bearing, component, order: 0, index, rank });
+            Component::ALL.into_iter().flat_map(ranks)
         };
         machine.bearings.iter().map(|bearing| bearing.scene.waviness.len()).enumerate().flat_map(of).collect()
     }
 
     fn candidate(&self, search: &Search) -> Result<Option<Candidate>> {
         let families = &search.families(self.bearing, self.component).of_wave;
-        let mut waves = families.iter().filter_map(|family| Some((family.slip, family.wave()?)));
-        let Some((slip, (gain, order, _))) = waves.next() else { return Ok(None) };
-        let other = waves.filter(|(_, (_, other, _))| *other == order).map(|(slip, _)| slip);
+        let waves: Vec<(f64, f64, u32)> = families
+            .iter()
+            .filter_map(|family| family.wave().map(|(gain, order, _)| (family.slip, gain, order)))
+            .collect();
+        let is_first = |i: &usize| waves[..*i].iter().all(|(.., order)| *order != waves[*i].2);
+        let Some(first) = (0..waves.len()).filter(is_first).nth(self.rank) else { return Ok(None) };
+        let (slip, gain, order) = waves[first];
+        let other = waves[first + 1..].iter().filter(|(.., other)| *other == order).map(|(slip, ..)| *slip);
         let (surface, parameter) = match self.component {
             Component::Outer => (Surface::Outer, &CAGE_SLIP),
             Component::Inner => (Surface::Inner, &CAGE_SLIP),
@@ -115,8 +126,9 @@ impl Fault for Waviness {
 
     fn exceeds_tolerance(&self, e: &Evidence, _: &Fitted, after: &Fitted) -> bool {
         let [x, y] = self.amplitudes().map(|amplitude| amplitude.get(&after.machine));
+        let exceeds = if e.is_without_baseline() { EXCEEDS } else { 1.0 };
         let least =
-            e.site.as_ref().map_or(TOLERANCE, |_| LEAST_OF_SITE.max(EXCEEDS * sound_wave(f64::from(self.order))));
+            e.site.as_ref().map_or(TOLERANCE, |_| LEAST_OF_SITE.max(exceeds * sound_wave(f64::from(self.order))));
         (x * x + y * y).sqrt() > least
     }
 

@@ -60,6 +60,11 @@ pub fn orders_of_bearing(bearing: &MountedBearing) -> impl Iterator<Item = (usiz
     })
 }
 
+/// Returns the range of the order of each line of the first harmonic.
+fn first_orders_of_bearing(bearing: &MountedBearing) -> impl Iterator<Item = [f64; 2]> {
+    orders_of_bearing(bearing).filter(|(harmonic, _)| *harmonic == 1).map(|(_, range)| range)
+}
+
 /// Values of a residual of a site that one error of the model changes together: those of all probes at the lines about one motion. A value
 /// is evidence of so much less.
 pub const DEPENDENT: f64 = 100.0;
@@ -90,9 +95,15 @@ impl Evidence<'_> {
             self.transform.lines.iter().map(|w| w / self.motion.mean_speed().abs().max(f64::MIN_POSITIVE)).collect();
         let apart = orders.get(1).copied().unwrap_or(0.0);
         let products = self.products();
+        // The first ball passes move by the whole slip: they are far from one another and hide little.
+        let first: Vec<[f64; 2]> = self.plant.bearings.iter().flat_map(first_orders_of_bearing).collect();
+        let moved = |order: f64| {
+            let is_first = first.iter().any(|[low, high]| (low - apart..=high + apart).contains(&order));
+            order * if is_first { SLIPS[1] } else { MOVED }
+        };
         let probe = |(p, _): (usize, &ballrace_scene::Probe)| {
             let learned = |k: usize| {
-                let near = |line: &&[f64; 2]| (line[0] - orders[k]).abs() < (MOVED * line[0]).max(2.5 * apart);
+                let near = |line: &&[f64; 2]| (line[0] - orders[k]).abs() < moved(line[0]).max(2.5 * apart);
                 let lines = known.learned.get(p).map(|learned| learned.lines.as_slice()).unwrap_or_default();
                 let amplitude = lines.iter().filter(near).map(|line| line[1]).fold(0.0, f64::max);
                 (amplitude * 0.5 * sum).powi(2)
