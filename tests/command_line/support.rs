@@ -78,7 +78,7 @@ pub fn head(recording: &str, samples: usize) -> String {
 }
 
 /// Samples of the demonstration that are enough for a diagnosis.
-pub const DIAGNOSED: usize = 20 * TURN;
+pub const DIAGNOSED: usize = 17 * TURN;
 
 /// The demonstration's first turns with each cell of a row changed.
 pub fn changed(samples: usize, change: impl Fn(usize, usize, f64) -> f64) -> String {
