@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-const TURNS: usize = 60;
+const TURNS: usize = 30;
 const RATE: f64 = 12_800.0;
 /// Reading of each radial probe with the shaft in the middle, um.
 const GAPS: [f64; 4] = [7.0, -11.0, 3.0, 14.0];
