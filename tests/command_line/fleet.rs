@@ -1,6 +1,6 @@
 //! `ballrace fleet`: a table of machines to a table of outcomes, whatever is wrong with one of them and whenever it is stopped.
 
-use crate::support::{Answer, DEMO_SCENE, Sandbox, TURN, numbers, recorded, scene, short_recording};
+use crate::support::{Answer, DEMO_SCENE, DIAGNOSED, Sandbox, TURN, numbers, recorded, scene, short_recording};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
@@ -60,7 +60,7 @@ fn evaluated(answer: &Answer) -> [usize; 2] {
 fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     let sandbox = Sandbox::rig();
     sandbox.put("spall.csv", std::fs::read(recorded("outer-spall.csv")).unwrap());
-    sandbox.put("twenty.csv", short_recording(20 * TURN));
+    sandbox.put("twenty.csv", short_recording(DIAGNOSED));
     sandbox.put("limited.toml", DEMO_SCENE.to_owned() + &limit("0.01 um"));
     sandbox.put("broken.toml", scene(&[("mass = \"6 kg\"", "mass = \"6 kgs\"")]));
     sandbox.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"9000 rpm\"")]));

@@ -36,13 +36,13 @@ probes = [
 ]
 "#;
 
-/// A sandbox with the scene and a recording of `machine`.
+/// A sandbox with the scene and a recording of `machine`: twenty turns at 1500 rpm.
 fn recorded(machine: &str) -> Sandbox {
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", SCENE);
     sandbox.put("machine.toml", machine);
     let args =
-        ["simulate", "machine.toml", "--as-recording", "--duration", "1.2 s", "--settle", "0.4 s", "-o", "run.csv"];
+        ["simulate", "machine.toml", "--as-recording", "--duration", "0.8 s", "--settle", "0.4 s", "-o", "run.csv"];
     sandbox.done(&args);
     sandbox
 }
