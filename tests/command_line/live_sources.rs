@@ -106,8 +106,10 @@ fn a_source_behind_a_dead_link_is_given_up() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_source_that_reads_no_acknowledgements_stays_connected() {
-    use crate::frames_source::{RATE, Rig};
+    use crate::frames_source::{RATE, Rig, scene};
     let rig = Rig::new(&["--state", "state", "--events", "events.jsonl"]);
+    // A machine whose outer rings turn is not diagnosed, which spares the processor.
+    rig.sandbox.put("scene.toml", swap(&scene(), "[shaft]\n", "[shaft]\nouter_speed = \"1 rpm\"\n"));
     let child = rig.start();
     drop(rig.connect());
     let stream = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None).unwrap();
@@ -116,15 +118,15 @@ fn a_source_that_reads_no_acknowledgements_stays_connected() {
     let mut stream = TcpStream::from(stream);
     let since = Instant::now();
     let mut index = 0;
-    // For longer than a vanished source stays connected, at four times real time.
+    // For longer than a vanished source stays connected, at twice real time.
     while since.elapsed() < Duration::from_secs(45) {
-        let sent = (index..index + RATE / 25).try_for_each(|sample| stream.write_all(&rig.frame(sample)));
+        let sent = (index..index + RATE / 50).try_for_each(|sample| stream.write_all(&rig.frame(sample)));
         if let Err(error) = sent {
             let (after, events) = (since.elapsed(), rig.sandbox.read("events.jsonl"));
             terminate(child.id());
             panic!("{error} after {after:?}: {events}{:?}", crate::live_start::ended(child));
         }
-        index += RATE / 25;
+        index += RATE / 50;
         std::thread::sleep(Duration::from_millis(10));
     }
     terminate(child.id());

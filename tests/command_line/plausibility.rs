@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::path::Path;
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, changed, head, list, number, numbers, scene, short_recording, swap,
+    DEMO_SCENE, Sandbox, TURN, changed, head, list, number, numbers, scene, short_recording, sound, swap,
 };
 
 /// Replays what is not plausible and returns the outcome.
@@ -84,8 +84,8 @@ fn a_speed_column_without_a_plausible_speed() {
 
 #[test]
 fn the_demonstration_is_plausible() {
-    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
-    assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
+    let outcome = sound();
+    assert_eq!((list(outcome, "implausible").len(), list(outcome, "not_judged").len()), (0, 0));
 }
 
 /// A keyphasor that fails: its part of the recording is flagged and the machine has no verdict.

@@ -1,6 +1,6 @@
 //! Machines whose motion does not repeat: which twin is compared, and what the verdict says.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, swap};
+use crate::support::{Sandbox, list, number, sound, swap};
 use serde_json::Value;
 
 /// A rotor that rattles in the clearance of its bearings, with radial probes only.
@@ -122,9 +122,9 @@ fn a_spalled_fan_rotor_that_rattles_is_diagnosed() {
 
 #[test]
 fn a_motion_that_repeats_is_compared_with_the_free_twin() {
-    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    let outcome = sound();
     assert_eq!(outcome["twin"], serde_json::json!({ "synchronised": false, "spread": null }));
-    assert!(text(&outcome, "verdict").starts_with("The twin follows the machine"));
+    assert!(text(outcome, "verdict").starts_with("The twin follows the machine"));
 }
 
 /// A monitor compares with the twin of the baseline, and the baseline states which one that is.

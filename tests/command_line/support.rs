@@ -105,6 +105,17 @@ pub fn with_cell(row: &str, column: usize, cell: &str) -> String {
     cells.join(",")
 }
 
+/// The outcome of the demonstration's machine in good order on its scene, and that of its built-in spall. All tests share them.
+pub fn sound() -> &'static Value {
+    static OUTCOME: OnceLock<Value> = OnceLock::new();
+    OUTCOME.get_or_init(|| Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]))
+}
+
+pub fn spalled() -> &'static Value {
+    static OUTCOME: OnceLock<Value> = OnceLock::new();
+    OUTCOME.get_or_init(|| Sandbox::empty().replay("", &[]))
+}
+
 /// Writes the recordings of the demonstration without and with a trial mass, `before.csv` and `trial.csv`.
 pub fn put_trial(sandbox: &Sandbox) {
     let trial = "unbalance = [{ moment = \"60 g mm\", angle = \"90 deg\", station = \"20 mm\" }, ";
