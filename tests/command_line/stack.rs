@@ -95,7 +95,7 @@ fn quick_commands() -> Vec<Vec<&'static str>> {
         vec!["scenes"],
         vec!["fleet", "machines.csv", "-o", "fleet"],
         vec!["equilibrium", "newmark.toml"],
-        vec!["campbell", "newmark.toml", "--speeds", "3000rpm..6000rpm:2"],
+        vec!["campbell", "newmark.toml", "--speeds", "3000rpm"],
         vec![
             "sweep",
             "verlet.toml",
