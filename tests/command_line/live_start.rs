@@ -131,9 +131,9 @@ fn a_signal_ends_a_monitor_that_is_behind() {
     let since = Instant::now();
     terminate(child.id());
     // It goes on for 20 s by the clock. To spare the processor it stands still for most of them.
-    std::thread::sleep(Duration::from_secs(3));
+    std::thread::sleep(Duration::from_secs(5));
     signal(&child, "STOP");
-    std::thread::sleep(Duration::from_secs(15));
+    std::thread::sleep(Duration::from_secs(13));
     signal(&child, "CONT");
     let outcome = outcome(child);
     println!("ended after {:?}", since.elapsed());
