@@ -61,8 +61,8 @@ fn the_declared_rust_version_is_enough_for_every_dependency() {
     assert!(seen.len() > 5, "{} packages looked at", seen.len());
 }
 
-/// Crates on which a package depends, with the sets of features that it takes them with.
-fn features_of_dependencies(package: &str) -> HashMap<String, HashSet<String>> {
+/// Crates on which a package depends, with the sets of features that it takes them with where it has these features itself.
+fn features_of_dependencies(package: &str, own: &str) -> HashMap<String, HashSet<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let output = Command::new(env!("CARGO"))
         .args([
@@ -76,6 +76,8 @@ fn features_of_dependencies(package: &str) -> HashMap<String, HashSet<String>> {
             "{p} [{f}]",
             "-p",
             package,
+            "--features",
+            own,
         ])
         .current_dir(root)
         .output()
@@ -94,12 +96,26 @@ fn features_of_dependencies(package: &str) -> HashMap<String, HashSet<String>> {
 /// Program and Python package take their common dependencies with the same features, so that these are compiled once.
 #[test]
 fn common_dependencies_have_one_set_of_features() {
-    let (program, python) = (features_of_dependencies("ballrace-runner"), features_of_dependencies("ballrace-python"));
+    let program = features_of_dependencies("ballrace-runner", "");
+    let python = features_of_dependencies("ballrace-python", "");
     let common: Vec<&String> = program.keys().filter(|name| python.contains_key(*name)).collect();
     assert!(common.len() > 50, "{} common dependencies", common.len());
     for name in common {
         let (one, other) = (&program[name], &python[name]);
         assert_eq!(one, other, "{name}: add the features to runner/features/Cargo.toml");
+    }
+}
+
+/// The tests of the program have Sparkplug, whose crates ask for no other features of what the twin library is compiled with.
+#[test]
+fn the_twin_is_compiled_once_for_program_and_tests() {
+    let program = features_of_dependencies("ballrace-runner", "");
+    let tested = features_of_dependencies("ballrace-runner", "sparkplug");
+    let twin = features_of_dependencies("ballrace-twin", "");
+    assert!(twin.len() > 50, "{} dependencies", twin.len());
+    for name in twin.keys() {
+        let (one, other) = (&program[name], &tested[name]);
+        assert!(one.is_subset(other), "{name}: {one:?}, {other:?}: add the features to runner/features/Cargo.toml");
     }
 }
 

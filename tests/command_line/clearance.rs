@@ -1,6 +1,6 @@
 //! Operating clearance by fits and temperatures, from the scene and from a temperature channel.
 
-use crate::support::{DEMO_SCENE, Sandbox, TURN, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, DIAGNOSED, Sandbox, number, short_recording, swap};
 use serde_json::Value;
 
 const CLEARANCE: &str = "diametral_clearance = \"10 um\"\n";
@@ -20,7 +20,7 @@ fn notes(outcome: &Value) -> String {
 fn every_command_reports_the_operating_clearance() {
     let fit = "fit = { shaft_interference = \"5 um\", bore = \"25 mm\", outside_diameter = \"52 mm\" }\n\
                temperatures = { inner = \"55 degC\", outer = \"45 degC\" }";
-    let sandbox = Sandbox::with(&scene(fit), &short_recording(20 * TURN));
+    let sandbox = Sandbox::with(&scene(fit), &short_recording(DIAGNOSED));
     let [by_fits, by_temperature] = [5.0 * 25.0 / 31.1, 12e-6 * 39.04e3 * 10.0];
     let expected = 16.0 - by_fits - by_temperature;
     for command in ["check", "equilibrium"] {
@@ -50,7 +50,7 @@ fn a_channel_corrects_the_clearance_of_a_replay() {
         0 => format!("{line},T_outer,T_inner\n"),
         _ => format!("{line},42.81,{}\n", 42.81 + 6.0 / (12e-6 * 39.04e3)),
     };
-    let recording: String = short_recording(20 * TURN).lines().enumerate().map(add).collect();
+    let recording: String = short_recording(DIAGNOSED).lines().enumerate().map(add).collect();
     let sandbox = Sandbox::with(&cold, &recording);
     // At equal temperatures the bearing would carry no load.
     assert_eq!(sandbox.run(&["replay", "scene.toml", "--report", "r.html"]).code, Some(4));

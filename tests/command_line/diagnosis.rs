@@ -14,6 +14,8 @@ const CAGES: [&str; 2] = [
     "cage_ratio = 0.37739\nfirst_element_azimuth = \"17 deg\"\n",
     "cage_ratio = 0.37472\nfirst_element_azimuth = \"-31 deg\"\n",
 ];
+/// Turns of a recording, enough for every finding here.
+const TURNS: usize = 28;
 const AZIMUTH: f64 = -70.0;
 const DEPTH: f64 = 3.0;
 
@@ -28,9 +30,9 @@ fn sandbox(defect: &str, turns: usize) -> Sandbox {
     sandbox
 }
 
-/// The diagnoses on 40 turns, and the HTML report.
+/// The diagnoses on these turns, and the HTML report.
 fn diagnoses(defect: &str) -> (Vec<Value>, String) {
-    let sandbox = sandbox(defect, 40);
+    let sandbox = sandbox(defect, TURNS);
     let diagnoses = list(&sandbox.replay("scene.toml", &["--report", "report.html"]), "findings").to_vec();
     (diagnoses, sandbox.read("report.html"))
 }
@@ -126,7 +128,7 @@ fn a_wave_beside_one_of_the_scene_has_its_own_size() {
     let wave = |order: i32, amplitude: f64| {
         format!("{{ surface = \"outer\", order = {order}, amplitude = \"{amplitude} um\", phase = \"40 deg\" }}")
     };
-    let sandbox = sandbox(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), 40);
+    let sandbox = sandbox(&format!("waviness = [{}, {}]\n", wave(9, 0.1), wave(16, 0.4)), TURNS);
     sandbox.put("scene.toml", rotor("angular", &format!("waviness = [{}]\n", wave(9, 0.1)), "Z"));
     let outcome = sandbox.replay("scene.toml", &[]);
     let [diagnosis] = list(&outcome, "findings") else { panic!("expected one diagnosis: {outcome:#}") };
@@ -168,10 +170,10 @@ fn waves_of_the_balls_are_plausible() {
 /// Both bearings are damaged: the cages that the healthy machine shows are wrong at first.
 #[test]
 fn spalls_on_both_outer_races_are_named() {
-    let sandbox = sandbox(&spall(), 40);
+    let sandbox = sandbox(&spall(), TURNS);
     let of_b = spall().replace(&format!("azimuth = \"{AZIMUTH} deg\""), "azimuth = \"60 deg\"");
     sandbox.put("generating.toml", swap(&sandbox.read("generating.toml"), CAGES[1], &format!("{}{of_b}", CAGES[1])));
-    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..60), TURN));
+    sandbox.put("recording.csv", recording(&motion(&sandbox, "generating.toml", 20..20 + TURNS), TURN));
     let outcome = sandbox.replay("scene.toml", &[]);
     let mut named: Vec<(&str, &str, f64)> = list(&outcome, "findings")
         .iter()
@@ -191,7 +193,7 @@ fn deviations(sandbox: &Sandbox, baseline: &str) -> Vec<f64> {
 
 #[test]
 fn a_further_recording_refines_the_calibration_of_a_baseline() {
-    let sandbox = sandbox("", 40);
+    let sandbox = sandbox("", TURNS);
     sandbox.done(&["replay", "scene.toml", "--learn", "first.json"]);
     sandbox.done(&["replay", "scene.toml", "--baseline", "first.json", "--learn", "second.json"]);
     let (first, second) = (deviations(&sandbox, "first.json"), deviations(&sandbox, "second.json"));
@@ -207,7 +209,7 @@ fn a_further_recording_refines_the_calibration_of_a_baseline() {
 /// Clearances a quarter larger than those of the machine, with which no ball touches its race, and another modulus and damping.
 #[test]
 fn a_rough_scene_is_calibrated() {
-    let sandbox = sandbox("", 40);
+    let sandbox = sandbox("", TURNS);
     let rough = sandbox
         .read("scene.toml")
         .replace("diametral_clearance = \"10 um\"", "diametral_clearance = \"12.5 um\"\nyoungs_modulus = \"190 GPa\"")
@@ -328,7 +330,7 @@ fn the_instant_of_a_mark_is_no_fault() {
 
 /// Replays a simulated recording of the sandbox's scene.
 fn replay_of_simulation(sandbox: &Sandbox) -> Value {
-    let recorded = ["--settle", "1 s", "--duration", "1 s", "--as-recording", "-o", "sound.csv"];
+    let recorded = ["--settle", "0.5 s", "--duration", "0.5 s", "--as-recording", "-o", "sound.csv"];
     sandbox.done(&[&["simulate", "scene.toml"], &recorded[..]].concat());
     sandbox.done(&["replay", "scene.toml", "--recording", "sound.csv", "--format", "json"]).json()
 }

@@ -1,6 +1,6 @@
 //! The help of each command: examples that run as they stand, exit codes, and only options that the command has.
 
-use crate::support::{DEMO_SCENE, Sandbox, TURN, program, put_trial, short_recording};
+use crate::support::{DEMO_SCENE, DIAGNOSED, Sandbox, program, put_trial, short_recording};
 use std::process::{Command, Stdio};
 
 /// Commands of the program without `help`, by the list of its help.
@@ -21,7 +21,7 @@ fn examples(help: &str) -> Vec<String> {
 fn examples_of_every_help_run() {
     let sandbox = Sandbox::empty();
     // Long enough to be diagnosed.
-    let recording = short_recording(20 * TURN);
+    let recording = short_recording(DIAGNOSED);
     for (name, content) in [
         ("machine.toml", DEMO_SCENE),
         ("healthy.csv", &recording),
@@ -41,7 +41,8 @@ fn examples_of_every_help_run() {
         assert!(!own.is_empty() && own.iter().all(is_own), "{name}: {own:?}");
         assert!(help.contains("Exit codes:\n  0    done\n"), "{name}: {help}");
         // A monitor needs a terminal and does not end.
-        of_all.extend(own.into_iter().filter(|line| !line.starts_with("ballrace watch")));
+        let again = own.into_iter().filter(|line| !line.starts_with("ballrace watch") && !of_all.contains(line));
+        of_all.extend(again.collect::<Vec<_>>());
     }
     let folder = program().parent().unwrap();
     let path = std::env::join_paths(

@@ -1,6 +1,6 @@
 //! `ballrace fleet`: a table of machines to a table of outcomes, whatever is wrong with one of them and whenever it is stopped.
 
-use crate::support::{Answer, DEMO_SCENE, Sandbox, TURN, numbers, recorded, scene, short_recording};
+use crate::support::{Answer, DEMO_SCENE, DIAGNOSED, Sandbox, TURN, numbers, recorded, scene, short_recording};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
@@ -60,7 +60,7 @@ fn evaluated(answer: &Answer) -> [usize; 2] {
 fn states_are_those_of_replay_and_a_bad_machine_stops_no_other() {
     let sandbox = Sandbox::rig();
     sandbox.put("spall.csv", std::fs::read(recorded("outer-spall.csv")).unwrap());
-    sandbox.put("twenty.csv", short_recording(20 * TURN));
+    sandbox.put("twenty.csv", short_recording(DIAGNOSED));
     sandbox.put("limited.toml", DEMO_SCENE.to_owned() + &limit("0.01 um"));
     sandbox.put("broken.toml", scene(&[("mass = \"6 kg\"", "mass = \"6 kgs\"")]));
     sandbox.put("fast.toml", scene(&[("speed = \"3000 rpm\"", "speed = \"9000 rpm\"")]));
@@ -211,8 +211,8 @@ fn a_killed_run_continues_without_a_lost_or_doubled_row() {
 }
 
 /// The first turns of the demonstration with a forward 1X of this amplitude added.
-fn unbalanced(amplitude_um: f64) -> String {
-    let (header, rows) = numbers(&short_recording(17 * TURN));
+fn unbalanced(amplitude_um: f64, turns: usize) -> String {
+    let (header, rows) = numbers(&short_recording(turns * TURN));
     let mut text = header.join(",") + "\n";
     for (i, row) in rows.iter().enumerate() {
         let (sin, cos) = (TAU * i as f64 / TURN as f64).sin_cos();
@@ -233,13 +233,13 @@ fn a_growing_unbalance_crosses_its_limit_on_the_right_day() {
     sandbox.put("scene.toml", DEMO_SCENE.to_owned() + &limit("3 um"));
     let mut table = "machine,scene,recording,time\n".to_owned();
     // The order of the table does not matter.
-    for day in (1..=4).rev() {
-        sandbox.put(&format!("day{day}.csv"), unbalanced(0.9 * f64::from(day)));
-        if day >= 2 {
-            table += &format!("grows,scene.toml,day{day}.csv,2026-03-{day:02}\n");
-        }
-        if day <= 3 {
-            table += &format!("will cross,scene.toml,day{day}.csv,2026-03-{day:02}\n");
+    // Seventeen turns are enough for a diagnosis; limits and trends of indicators need none.
+    let machines = [("grows", 2..=4, 17), ("will cross", 1..=3, 8)];
+    for (machine, days, turns) in machines {
+        for day in days.rev() {
+            let name = format!("{machine} {day}.csv");
+            sandbox.put(&name, unbalanced(0.9 * f64::from(day), turns));
+            table += &format!("{machine},scene.toml,{name},2026-03-{day:02}\n");
         }
     }
     sandbox.put("machines.csv", table);

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Answer, DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, numbers, scene, swap};
+use crate::support::{Answer, DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, list, number, numbers, scene, swap};
 
 /// The demonstration's scene and its first `samples` rows, with `add` to each cell: row, share of the record, column.
 fn sandbox(scene: &str, samples: usize, add: impl Fn(f64, usize) -> f64) -> Sandbox {
@@ -85,7 +85,7 @@ fn a_drifting_probe_is_no_parameter() {
 #[test]
 fn a_fault_is_no_parameter() {
     let spall: String =
-        include_str!("../../runner/demo/outer-spall.csv").split_inclusive('\n').take(1 + 6400).collect();
+        include_str!("../../runner/demo/outer-spall.csv").split_inclusive('\n').take(1 + DIAGNOSED).collect();
     let sandbox = Sandbox::with(DEMO_SCENE, &spall);
     let outcome: Value = learn(&sandbox, &["--format", "json"]).json();
     let learning = &outcome["learning"];

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Sandbox, TURN, recorded};
+use crate::support::{DIAGNOSED, Sandbox, head, recorded};
 
 fn sandbox(scene: &str, limits: &str) -> Sandbox {
     let sandbox = Sandbox::empty();
@@ -67,7 +67,7 @@ fn growth_over_a_baseline() {
     let sandbox = sandbox("healthy", "");
     for name in ["healthy.csv", "outer-spall.csv"] {
         let text = std::fs::read_to_string(recorded(name)).unwrap();
-        sandbox.put(name, text.split_inclusive('\n').take(1 + 20 * TURN).collect::<String>());
+        sandbox.put(name, head(&text, DIAGNOSED));
     }
     sandbox.replay("scene.toml", &["--recording", "healthy.csv", "--learn", "b.json"]);
     sandbox.put("scene.toml", sandbox.read("scene.toml") + limits);

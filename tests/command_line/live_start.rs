@@ -1,5 +1,6 @@
 //! The monitor before its twin runs, and where it cannot run: limits, signals, standstill, gaps, implausible rates.
 
+use crate::frames_source::signal;
 use crate::live::{
     acknowledged, connected, endless, frame, kinds, listening, monitor, outcome, port, rows, sandbox, source,
 };
@@ -129,6 +130,11 @@ fn a_signal_ends_a_monitor_that_is_behind() {
     wait_for_event(&sandbox, "events.jsonl", "source-gone");
     let since = Instant::now();
     terminate(child.id());
+    // It goes on for 20 s by the clock. To spare the processor it stands still for most of them.
+    std::thread::sleep(Duration::from_secs(5));
+    signal(&child, "STOP");
+    std::thread::sleep(Duration::from_secs(13));
+    signal(&child, "CONT");
     let outcome = outcome(child);
     println!("ended after {:?}", since.elapsed());
     assert!(since.elapsed() < Duration::from_secs(45));

@@ -71,25 +71,16 @@ fn balls_slide_without_load() {
     assert!((0.1..0.9).contains(&slip), "{found}");
 }
 
-/// Figures of the gallery: the cage falls back by 8 % at 10 000 rpm and by 30 % at 20 000 rpm under 10 N, and rolls under 100 N.
+/// The cage falls back by 8 % at 10 000 rpm under 10 N. What the gallery states of the whole run-up and of 100 N, its test reads.
 #[test]
 fn the_shipped_spindle_skids_as_the_gallery_states() {
-    let slip = |thrust: &str| {
-        let sandbox = Sandbox::empty();
-        sandbox.put("scene.toml", swap(SCENE, "\"10 N\"", thrust));
-        simulated(&sandbox, &["--duration", "0.2 s", "--elements", "elements.csv"]);
-        let (names, rows) = numbers(&sandbox.read("elements.csv"));
-        let column = |name: &str| names.iter().position(|column| column == name).unwrap();
-        let (cage, ball) = (column("front_cage_slip"), column("front_ball_1_inner_slip"));
-        let mean = |range: std::ops::Range<usize>| rows[range].iter().map(|row| row[cage]).sum::<f64>() / 20.0;
-        let fastest = rows.iter().map(|row| row[ball].abs()).fold(0.0, f64::max);
-        ([mean(480..500), mean(980..1000)], fastest)
-    };
-    let ([half, last], fastest) = slip("\"10 N\"");
-    assert!((half - 0.08).abs() < 0.01 && (last - 0.295).abs() < 0.01, "{half} {last}");
-    assert!((9.0..11.0).contains(&fastest), "{fastest} m/s");
-    let ([half, last], fastest) = slip("\"100 N\"");
-    assert!(half < 0.02 && last < 0.02 && fastest < 0.2, "{half} {last} {fastest} m/s");
+    let sandbox = Sandbox::empty();
+    sandbox.put("scene.toml", SCENE);
+    simulated(&sandbox, &["--duration", "0.1 s", "--elements", "elements.csv"]);
+    let (names, rows) = numbers(&sandbox.read("elements.csv"));
+    let cage = names.iter().position(|column| column == "front_cage_slip").unwrap();
+    let slip = rows[480..500].iter().map(|row| row[cage]).sum::<f64>() / 20.0;
+    assert!((slip - 0.08).abs() < 0.01, "{slip}");
 }
 
 /// At moderate load the motion of balls in equilibrium is that of bodies, and `trade` measures the rest.

@@ -49,7 +49,7 @@ fn from_a_designation_to_a_report_in_the_documented_commands() {
 
     let sandbox = Sandbox::empty();
     sandbox.put("run.csv", short_recording(SAMPLES));
-    sandbox.put("today.csv", include_str!("../../runner/demo/outer-spall.csv"));
+    sandbox.put("today.csv", head(include_str!("../../runner/demo/outer-spall.csv"), DIAGNOSED));
     for command in commands {
         let words: Vec<String> = command
             .split('"')

@@ -187,10 +187,10 @@ fn foreign_hosts_methods_and_paths_are_refused() {
 }
 
 /// A stream of states goes on while a thousand clients connect and say nothing: the monitor holds few of their connections, so
-/// that memory is bounded, and the loop keeps its deadlines. Nine thousand that come and go leave nothing behind.
+/// that memory is bounded, and the loop keeps its deadlines. Three thousand that come and go leave nothing behind.
 #[test]
 #[cfg(target_os = "linux")]
-fn ten_thousand_connections_do_not_disturb_the_monitor() {
+fn four_thousand_connections_do_not_disturb_the_monitor() {
     let site = Site::demonstration(&[]);
     // The first diagnosis is over: what it needed does not count.
     site.alarm();
@@ -206,12 +206,12 @@ fn ten_thousand_connections_do_not_disturb_the_monitor() {
     let misses = |state: &Value| state["deadline_misses"].as_u64().unwrap();
     let mut follow = || {
         let (since, mut last) = (Instant::now(), next());
-        while since.elapsed() < Duration::from_secs(5) {
+        while since.elapsed() < Duration::from_secs(3) {
             last = next();
         }
         last
     };
-    // Other programs of this machine delay blocks as well: five seconds without the clients, then with them.
+    // Other programs of this machine delay blocks as well: three seconds without the clients, then with them.
     let first = misses(&follow());
     let before = follow();
     let open = || std::fs::read_dir(format!("/proc/{}/fd", site.child.id())).unwrap().count();
@@ -228,13 +228,13 @@ fn ten_thousand_connections_do_not_disturb_the_monitor() {
     assert!(idle.len() == 1000 && held <= 160, "{held} of {} connections are held", idle.len());
     let last = follow();
     let time = |state: &Value| state["time_s"].as_f64().unwrap();
-    assert!(time(&last) - time(&before) > 3.0, "the monitor goes on");
+    assert!(time(&last) - time(&before) > 2.0, "the monitor goes on");
     let (without, with) = (misses(&before) - first, misses(&last) - misses(&before));
-    println!("{} clients: {with} deadlines missed in 5 s, {without} without them", idle.len());
+    println!("{} clients: {with} deadlines missed in 3 s, {without} without them", idle.len());
     assert!(with <= 3 * without + 50, "{with} deadlines missed, {without} without the clients");
     drop(idle);
-    // Nine thousand more that connect and go, some with half a request.
-    for i in 0..9000 {
+    // Three thousand more that connect and go, some with half a request.
+    for i in 0..3000 {
         let mut client = TcpStream::connect(("127.0.0.1", site.port)).unwrap();
         if i % 3 == 0 {
             let _ = client.write_all(b"GET /f");

@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::path::Path;
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, Sandbox, TURN, changed, list, number, numbers, scene, short_recording, swap,
+    DEMO_SCENE, Sandbox, TURN, changed, head, list, number, numbers, scene, short_recording, sound, swap,
 };
 
 /// Replays what is not plausible and returns the outcome.
@@ -84,8 +84,8 @@ fn a_speed_column_without_a_plausible_speed() {
 
 #[test]
 fn the_demonstration_is_plausible() {
-    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
-    assert_eq!((list(&outcome, "implausible").len(), list(&outcome, "not_judged").len()), (0, 0));
+    let outcome = sound();
+    assert_eq!((list(outcome, "implausible").len(), list(outcome, "not_judged").len()), (0, 0));
 }
 
 /// A keyphasor that fails: its part of the recording is flagged and the machine has no verdict.
@@ -125,9 +125,9 @@ fn a_spike_of_the_keyphasor() {
 #[test]
 fn diagnosis_despite_implausible_data() {
     let wrong = DEMO_SCENE.replace("elements = 9", "elements = 8");
-    let spall = include_str!("../../runner/demo/outer-spall.csv");
-    implausible(&wrong, spall);
-    let outcome = Sandbox::with(&wrong, spall).replay("scene.toml", &["--force"]);
+    let spall = head(include_str!("../../runner/demo/outer-spall.csv"), 40 * TURN);
+    implausible(&wrong, &spall);
+    let outcome = Sandbox::with(&wrong, &spall).replay("scene.toml", &["--force"]);
     // The scene is that of another bearing: the recording proves no fault of it.
     assert!(number(&outcome, "/diagnosis/chi_square_before") > 0.0, "{outcome:#}");
     assert!(list(&outcome, "implausible").is_empty(), "{outcome:#}");

@@ -1,6 +1,6 @@
 //! Machines whose motion does not repeat: which twin is compared, and what the verdict says.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, swap};
+use crate::support::{Sandbox, list, number, sound, swap};
 use serde_json::Value;
 
 /// A rotor that rattles in the clearance of its bearings, with radial probes only.
@@ -26,9 +26,12 @@ pub fn loose(bearings: [&str; 2], load: &str) -> String {
     )
 }
 
+/// Length of a recording: 25 turns.
+const DURATION: &str = "0.5 s";
+
 /// The outcome of a recording of `generating`, replayed on `scene`. The transient is no whole number of turns.
 pub fn outcome(generating: &str, scene: &str) -> Value {
-    outcome_of(generating, scene, "1 s")
+    outcome_of(generating, scene, DURATION)
 }
 
 fn outcome_of(generating: &str, scene: &str, duration: &str) -> Value {
@@ -82,7 +85,7 @@ fn a_motion_that_does_not_repeat_is_compared_with_the_synchronised_twin() {
 fn a_spall_of_a_machine_that_does_not_repeat_is_named() {
     let scene = loose(["6309", "NU206"], AXIAL);
     let spall = "name = \"DE\"\ndefect = [{ surface = \"inner\", azimuth = \"70 deg\", half_width = \"3 deg\", depth = \"4 um\", shape = \"half-sine\" }]\n";
-    let outcome = outcome(&swap(&scene, "name = \"DE\"\n", spall), &scene);
+    let outcome = outcome_of(&swap(&scene, "name = \"DE\"\n", spall), &scene, "1 s");
     let [finding] = list(&outcome, "findings") else { panic!("{}", outcome["findings"]) };
     assert_eq!((&finding["kind"], &finding["bearing"]), (&"inner-race".into(), &"DE".into()));
     let azimuth = number(finding, "/azimuth_deg/value");
@@ -104,7 +107,7 @@ fn a_spalled_fan_rotor_that_rattles_is_diagnosed() {
     ];
     let scene = changes.iter().fold(scene, |text, (from, to)| swap(&text, from, to));
     let spall = "name = \"DE\"\ncage_ratio = 0.3812\nfirst_element_azimuth = \"17 deg\"\ndefect = [{ surface = \"outer\", azimuth = \"-80 deg\", half_width = \"3 deg\", depth = \"4 um\", shape = \"half-sine\" }]\n";
-    let outcome = outcome_of(&swap(&scene, "name = \"DE\"\n", spall), &scene, "3 s");
+    let outcome = outcome_of(&swap(&scene, "name = \"DE\"\n", spall), &scene, "1.2 s");
     assert!(list(&outcome, "implausible").is_empty(), "{}", outcome["implausible"]);
     let [finding] = list(&outcome, "findings") else { panic!("{}", outcome["findings"]) };
     assert_eq!((&finding["kind"], &finding["bearing"]), (&"outer-race".into(), &"DE".into()));
@@ -119,9 +122,9 @@ fn a_spalled_fan_rotor_that_rattles_is_diagnosed() {
 
 #[test]
 fn a_motion_that_repeats_is_compared_with_the_free_twin() {
-    let outcome = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]);
+    let outcome = sound();
     assert_eq!(outcome["twin"], serde_json::json!({ "synchronised": false, "spread": null }));
-    assert!(text(&outcome, "verdict").starts_with("The twin follows the machine"));
+    assert!(text(outcome, "verdict").starts_with("The twin follows the machine"));
 }
 
 /// A monitor compares with the twin of the baseline, and the baseline states which one that is.
@@ -130,7 +133,8 @@ fn a_baseline_states_that_its_twin_is_synchronised() {
     let scene = loose(["6309", "NU206"], AXIAL);
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", &scene);
-    let args = ["simulate", "scene.toml", "--as-recording", "--duration", "1 s", "--settle", "0.4 s", "-o", "run.csv"];
+    let args =
+        ["simulate", "scene.toml", "--as-recording", "--duration", "0.36 s", "--settle", "0.4 s", "-o", "run.csv"];
     sandbox.done(&args);
     sandbox.done(&["replay", "scene.toml", "--learn", "b.json"]);
     let learned: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, SHORT, Sandbox, head, list, number, recorded, short_recording, swap,
+    DEMO_SCENE, DIAGNOSED, SHORT, Sandbox, head, list, number, recorded, short_recording, sound, spalled, swap,
 };
 
 /// On one line, with single spaces: sentences of the text are broken to fit the terminal.
@@ -48,11 +48,11 @@ fn demonstration_in_an_empty_folder() {
     let report = sandbox.read("ballrace-report.html");
     assert!(report.starts_with("<!DOCTYPE html>") && report.trim_end().ends_with("</html>"));
     assert!(text.contains("Report: ballrace-report.html"), "{text}");
-    let outcome = sandbox.replay("", &[]);
+    let outcome = spalled();
     let verdict = outcome["verdict"].as_str().unwrap();
     assert!(!verdict.is_empty() && unbroken(&text).contains(verdict), "{text}");
     assert!(report.contains(verdict));
-    let diagnoses = list(&outcome, "findings");
+    let diagnoses = list(outcome, "findings");
     assert_eq!(diagnoses.len(), 1, "{outcome:#}");
     assert_eq!((diagnoses[0]["kind"].as_str(), diagnoses[0]["bearing"].as_str()), (Some("outer-race"), Some("DE")));
     // The truth of the recording: 270 deg, 3 um.
@@ -61,16 +61,15 @@ fn demonstration_in_an_empty_folder() {
     assert_eq!(list(&diagnoses[0], "failure_modes")[0], "5.1 rolling contact fatigue", "{outcome:#}");
     assert!(unbroken(&text).contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"), "{text}");
     assert!(report.contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"));
-    assert_eq!(list(&outcome, "flaws").len(), 0, "{outcome:#}");
+    assert_eq!(list(outcome, "flaws").len(), 0, "{outcome:#}");
 }
 
 #[test]
 fn demonstration_is_the_scene_and_recording_of_the_source() {
-    let built_in = Sandbox::empty().replay("", &[]);
     let damaged = recorded("outer-spall.csv");
-    let own = Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &["--recording", &damaged]);
+    let own = Sandbox::with(DEMO_SCENE, "").replay("scene.toml", &["--recording", &damaged]);
     for key in ["probes", "bearings", "findings", "flaws", "verdict"] {
-        assert_eq!(built_in[key], own[key], "{key}");
+        assert_eq!(spalled()[key], own[key], "{key}");
     }
 }
 
@@ -186,25 +185,16 @@ fn sound_scene_finds_the_unbalance() {
 
 #[test]
 fn sound_scene_finds_the_spall() {
-    let outcome = sound_scene_on("outer-spall.csv");
-    assert_eq!(diagnoses(&outcome), [("outer-race", Some("DE"))], "{outcome:#}");
-    assert_told(&outcome, 3.599);
+    let outcome = spalled();
+    assert_eq!(diagnoses(outcome), [("outer-race", Some("DE"))], "{outcome:#}");
+    assert_told(outcome, 3.599);
 }
 
 #[test]
 fn sound_scene_finds_nothing_in_sound_recordings() {
-    for recording in ["../../runner/demo/healthy.csv", "run-up.csv"] {
-        let outcome = sound_scene_on(recording);
-        assert_eq!(diagnoses(&outcome), [], "{recording}: {outcome:#}");
-        assert_eq!(list(&outcome, "flaws").len(), 0);
-    }
-}
-
-#[test]
-fn each_recording_is_explained_by_its_own_scene() {
-    for name in ["healthy", "unbalanced", "outer-spall", "run-up"] {
-        let outcome = Sandbox::empty().replay(&recorded(&format!("{name}.toml")), &[]);
-        assert_eq!(diagnoses(&outcome), [], "{name}: {outcome:#}");
+    for outcome in [sound(), &sound_scene_on("run-up.csv")] {
+        assert_eq!(diagnoses(outcome), [], "{outcome:#}");
+        assert_eq!(list(outcome, "flaws").len(), 0);
     }
 }
 
@@ -215,8 +205,7 @@ fn apart(a: f64, b: f64) -> f64 {
 
 #[test]
 fn twin_follows_the_sound_machine() {
-    let outcome = Sandbox::empty().replay(&recorded("healthy.toml"), &[]);
-    for probe in list(&outcome, "probes") {
+    for probe in list(sound(), "probes") {
         let of = |pointer: &str| number(probe, pointer);
         assert!(of("/residual_rms_um") <= 1.5 * of("/noise_um"), "{probe:#}");
         assert!(of("/measured/one_x_um") > 0.01, "a line to compare: {probe:#}");

@@ -36,13 +36,14 @@ probes = [
 ]
 "#;
 
-/// A sandbox with the scene and a recording of `machine`.
+/// A sandbox with the scene and twenty turns of `machine`.
 fn recorded(machine: &str) -> Sandbox {
+    let duration = if machine.contains("3000 rpm") { "0.4 s" } else { "0.8 s" };
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", SCENE);
     sandbox.put("machine.toml", machine);
     let args =
-        ["simulate", "machine.toml", "--as-recording", "--duration", "1.2 s", "--settle", "0.4 s", "-o", "run.csv"];
+        ["simulate", "machine.toml", "--as-recording", "--duration", duration, "--settle", "0.4 s", "-o", "run.csv"];
     sandbox.done(&args);
     sandbox
 }

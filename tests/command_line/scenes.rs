@@ -146,7 +146,7 @@ fn unbalance_combines_with_the_ball_pass() {
 fn moving_balls_without_mass_move_as_the_lumped_model() {
     let heavy = shipped("harsha-clearance", &[]);
     let lumped = swap(&swap(&heavy, "\"dynamic\"", "\"lumped\""), "element_damping = 20\n", "");
-    let at = |scene: &str| settled(scene, 9.0 * 0.398_680_851, 2000.0, 2, 0.5).figures();
+    let at = |scene: &str| settled(scene, 9.0 * 0.398_680_851, 2000.0, 2, 0.3).figures();
     let (lumped, normal) = (at(&lumped), at(&heavy));
     let light = swap(&heavy, "element_damping = 20\n", "element_damping = 0.2\ndensity = 100\n");
     let light = at(&light);

@@ -299,7 +299,7 @@ fn scenes_of_the_documented_speeds_run() {
 /// The twin follows a recording of its own simulation down to the noise of the probes.
 #[test]
 fn a_simulated_recording_is_replayed() {
-    let args = ["simulate", "scene.toml", "--duration", "1 s", "--settle", "0.4 s", "--as-recording", "-o"];
+    let args = ["simulate", "scene.toml", "--duration", "0.5 s", "--settle", "0.4 s", "--as-recording", "-o"];
     let volts = |text: &str| {
         let text = text.replace(
             "\"DE_X_um\", unit = \"um\"",

@@ -1,6 +1,6 @@
 //! Stack use: every command works with a main thread and other threads of 1 MiB, the size that Windows gives a main thread.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program, swap};
+use crate::support::{DEMO_SCENE, DIAGNOSED, Sandbox, program, short_recording, swap};
 use std::fmt::Write;
 use std::process::{Command, Stdio};
 
@@ -38,7 +38,7 @@ fn largest_system(method: &str) -> String {
 }
 
 fn sandbox() -> Sandbox {
-    let sandbox = Sandbox::with(DEMO_SCENE, DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, &short_recording(DIAGNOSED));
     let chain = |own: f64, beside: f64| {
         matrix(move |i, j| {
             if i == j {
@@ -95,7 +95,7 @@ fn quick_commands() -> Vec<Vec<&'static str>> {
         vec!["scenes"],
         vec!["fleet", "machines.csv", "-o", "fleet"],
         vec!["equilibrium", "newmark.toml"],
-        vec!["campbell", "newmark.toml", "--speeds", "3000rpm..6000rpm:2"],
+        vec!["campbell", "newmark.toml", "--speeds", "3000rpm"],
         vec![
             "sweep",
             "verlet.toml",

@@ -5,6 +5,7 @@ mod bearings;
 mod checksum;
 mod damage;
 mod element_loads;
+mod examples;
 mod fast;
 mod general;
 mod indicators;

@@ -61,7 +61,7 @@ def test_a_sweep(scene: ballrace.Scene) -> None:
 
 
 def test_a_trade(scene: ballrace.Scene) -> None:
-    trade = scene.trade(deadline="30 us", clock="170 MHz")
+    trade = scene.trade(deadline="30 us", clock="170 MHz", forces_only=True)
     figure = trade.plot()
     assert {"linear", "lumped", "angular"} & {trace.name for trace in figure.data}
     assert figure.layout.xaxis.type == "log" and "Cortex-M4F" in figure.layout.xaxis.title.text
