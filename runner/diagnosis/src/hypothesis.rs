@@ -161,6 +161,8 @@ const EXPLAINED_MOTION: f64 = 0.5;
 const MIN_SHARE: f64 = 0.3;
 const MIN_SHARE_OF_SITE: f64 = 0.2;
 
+/// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
+const ROUNDS_OF_SITE: usize = 2;
 /// Spreads of the sum of the lines of a surface that a fault of it exceeds.
 const SPREADS: f64 = 2.0;
 
@@ -262,7 +264,10 @@ impl<'a> Round<'a, '_> {
     fn selected(&self, list: &[Candidate]) -> Result<Option<Scored<'a>>> {
         let Some(top) = list.first().map(|candidate| candidate.gain) else { return Ok(None) };
         let (mut tried, not_fitted) = self.tried(list, top)?;
-        tried.retain(|scored| self.is_significant(scored) && !(scored.is_sound && self.of.site.is_none()));
+        let may_be_sound = |fault: &AnyFault| self.of.site.is_some() && fault.is_of_sound_machines();
+        tried.retain(|scored| {
+            self.is_significant(scored) && (!scored.is_sound || may_be_sound(&scored.identified.fault))
+        });
         self.compared(tried, not_fitted)
     }
 
@@ -590,17 +595,30 @@ fn weighted_from<'a>(
     candidate: &Candidate,
     start: &Machine,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    let measured = of.site.as_ref().map(|site| site.clone().evidence(start)).transpose()?;
-    let mut evidence = measured.flatten().unwrap_or_else(|| of.evidence.clone());
-    evidence.uncertain_as(&of.evidence);
-    evidence.weight_for(start)?;
-    let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
+    // The readings of a site lack the errors that this machine leaves.
+    let evidence = |machine: &Machine| -> Result<Evidence<'a>> {
+        let measured = of.site.as_ref().map(|site| site.clone().evidence(machine)).transpose()?;
+        let mut evidence = measured.flatten().unwrap_or_else(|| of.evidence.clone());
+        evidence.uncertain_as(&of.evidence);
+        evidence.weight_for(machine)?;
+        Ok(evidence)
+    };
+    let first = evidence(start)?;
+    let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable, &settled.machine);
     unknowns.extend(candidate.own_unknowns());
-    let closer = fit(&evidence, &settled, &unknowns, 12)?;
-    evidence.weight_for(&closer.machine)?;
-    let fitted = fit(&evidence, &evaluate(&evidence, &closer.machine)?, &unknowns, 12)?;
-    Ok((evidence, fitted, observable))
+    let mut fitted = fit(&first, &settled, &unknowns, 12)?;
+    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
+    let mut last = first;
+    for _ in 0..rounds {
+        let before = fitted.chi_square;
+        last = evidence(&fitted.machine)?;
+        fitted = fit(&last, &evaluate(&last, &fitted.machine)?, &unknowns, 12)?;
+        if (fitted.chi_square - before).abs() < MIN_FALL {
+            break;
+        }
+    }
+    Ok((last, fitted, observable))
 }
 
 #[cfg(test)]

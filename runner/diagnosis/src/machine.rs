@@ -154,7 +154,7 @@ const MIN_RADIAL: f64 = 0.01;
 const TOGETHER: usize = 2048;
 /// Most steps in which the displacement of a support is found, and the step at which it is, m.
 const SUPPORT_STEPS: usize = 8;
-const SUPPORT_CLOSE: f64 = 1e-12;
+const SUPPORT_CLOSE: f64 = 1e-10;
 /// Instants in a sample period at which a pulse of a spall is evaluated.
 const PARTS: usize = 4;
 
@@ -271,21 +271,36 @@ impl Evaluated {
 
     /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
     fn displacement(&self, of_rotor: &Displacement<f64>, state: &BearingKinematicState<f64>) -> Displacement<f64> {
+        self.displacement_after(of_rotor, &mut [0.0; 2], state)
+    }
+
+    /// Returns the same from the displacement of the support at a sample before, and sets it.
+    fn displacement_after(
+        &self,
+        of_rotor: &Displacement<f64>,
+        support: &mut [f64; 2],
+        state: &BearingKinematicState<f64>,
+    ) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
         let ([x, y], _) = left_by_play([u.u, u.v], self.seat_play);
         let u = Displacement { u: x, v: y, thu: u.thu - self.tilt[0], thv: u.thv - self.tilt[1], ..u };
-        if self.is_supported() { self.on_support(u, state) } else { u }
+        if self.is_supported() { self.on_support(u, support, state) } else { u }
     }
 
     fn is_supported(&self) -> bool {
         self.compliance != [0.0; 2]
     }
 
-    /// Returns the displacement of the inner ring against an outer ring whose support yields to the force, from that of the inner ring. The
-    /// force grows with the displacement, so that Newton's method converges from the stiffer side.
-    fn on_support(&self, of_inner: Displacement<f64>, state: &BearingKinematicState<f64>) -> Displacement<f64> {
+    /// Returns the displacement of the inner ring against an outer ring whose support yields to the force, from that of the inner ring, and
+    /// sets that of the support from the one of a sample before. The force grows with the displacement, so that Newton's method converges.
+    fn on_support(
+        &self,
+        of_inner: Displacement<f64>,
+        support: &mut [f64; 2],
+        state: &BearingKinematicState<f64>,
+    ) -> Displacement<f64> {
         let [cx, cy] = self.compliance;
-        let mut u = of_inner;
+        let mut u = Displacement { u: of_inner.u - support[0], v: of_inner.v - support[1], ..of_inner };
         for _ in 0..SUPPORT_STEPS {
             let (reaction, k) = self.bearing.reaction_and_stiffness(&u, state);
             let w = reaction.wrench;
@@ -298,6 +313,7 @@ impl Evaluated {
                 break;
             }
         }
+        *support = [of_inner.u - u.u, of_inner.v - u.v];
         u
     }
 
@@ -339,7 +355,9 @@ impl Evaluated {
         let piece = |from: &usize| {
             let piece = *from..self.displaced.len().min(from + TOGETHER);
             let at: Vec<_> = piece.clone().map(state).collect();
-            let u: Vec<_> = piece.zip(&at).map(|(t, at)| self.displacement(&of_rotor(t), at)).collect();
+            let mut support = [0.0; 2];
+            let u: Vec<_> =
+                piece.zip(&at).map(|(t, at)| self.displacement_after(&of_rotor(t), &mut support, at)).collect();
             let mut reactions = vec![Reaction::default(); u.len()];
             self.bearing.reactions(&u, &at, &mut reactions);
             reactions.iter().map(|reaction| reaction.wrench.to_array()).collect::<Vec<_>>()

@@ -92,6 +92,11 @@ pub trait Fault {
         false
     }
 
+    /// Returns true if sound machines differ in it between recordings: one below the least size of a fault is then part of the sound machine.
+    fn is_of_sound_machines(&self) -> bool {
+        true
+    }
+
     /// Returns the share of the largest gain by which the first fit of a candidate may be worse and is continued.
     fn nearly(&self) -> f64 {
         0.0

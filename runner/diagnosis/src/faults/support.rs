@@ -66,7 +66,7 @@ impl Fault for Support {
         };
         let tried = COMPLIANCES.into_iter().flat_map(|c| [[c, 0.0], [0.0, c], [c, c]]);
         let (gain, start) = search.best_of(self.bearing, tried.map(of))?;
-        Ok(Some(search.found(AnyFault::Support(*self), gain, vec![start], &self.unknowns())))
+        Ok((gain > 0.0).then(|| search.found(AnyFault::Support(*self), gain, vec![start], &self.unknowns())))
     }
 
     fn remove(&self, machine: &mut Machine, before: &Machine) {
@@ -92,6 +92,10 @@ impl Fault for Support {
 
     fn moves_shaft(&self) -> bool {
         true
+    }
+
+    fn is_of_sound_machines(&self) -> bool {
+        false
     }
 
     fn kind(&self) -> FaultKind {
