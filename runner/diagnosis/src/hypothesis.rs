@@ -650,4 +650,22 @@ mod tests {
         assert!((fall_by_uncertain(&changes, &[0.0; 20]) + logarithm).abs() < 1e-9);
         assert!(fall_by_uncertain(&[], &along).abs() < f64::EPSILON);
     }
+
+    /// What another cause leaves at lines that a fault hardly changes does not count against it, what is left at its own does.
+    #[test]
+    fn a_fault_is_compared_at_its_own_lines() {
+        const VALUES: usize = 4;
+        let line = |x: f64| [x; VALUES];
+        let change = [line(10.0), line(10.0), line(0.5)].concat();
+        let explained = |left: [f64; 3]| AtLines::new(&change, &left.map(line).concat(), VALUES);
+        let noise = explained([1.0, 1.0, 1.0]);
+        assert!((noise.explained - 1.0).abs() < 1e-9);
+        // Two equal lines, and one of 1/400 of their square.
+        assert!((noise.values - 2.0 * VALUES as f64).abs() < 0.1, "{}", noise.values);
+        let beside = explained([1.0, 1.0, 300.0]);
+        assert!(beside.explained > 0.998, "{}", beside.explained);
+        // As much is left of the first line as the fault changes, less the noise.
+        let own = explained([10.0, 1.0, 1.0]);
+        assert!((own.explained - 0.75).abs() < 0.01, "{}", own.explained);
+    }
 }
