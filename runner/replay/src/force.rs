@@ -18,7 +18,7 @@ pub(crate) const LIVE_FORCE_RATE: f64 = 3200.0;
 /// Decimation factor of the noise-band computation after the first revolutions, which the figures show; a prime number, so that it meets
 /// all angles of the shaft.
 const NOISE_BAND_DECIMATION: u64 = 31;
-/// Decimation factor of the loads that make the life, which are solved anew for every race; a prime number as that of the noise band.
+/// Decimation factor of the loads that make the life; a prime number as that of the noise band.
 const LIFE_DECIMATION: u64 = 31;
 
 /// Forces of one bearing at one sample: FX, FY, FZ (N), MX, MY (N m) on the inner ring.

@@ -11,7 +11,7 @@ use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Phase};
 use ballrace_models::build::{self, AnyBearing, BearingRollers, ElementContact, Solved, rolling_speed};
 use ballrace_plant::error::Result;
-use ballrace_scene::{Bearing as BearingScene, Lubricant, Scene};
+use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, Scene};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -141,6 +141,17 @@ impl BearingElements {
             element(of, (j + 1, azimuth), load, state, (self.geometry.as_ref(), self.contact.as_ref()), at)
         };
         loads.iter().enumerate().map(element).collect()
+    }
+
+    /// Returns the loads of each element for the ring displacement `u`, as [`Self::at`] and without its angles and pressures: where nothing but the
+    /// races acts on the elements, they follow from the model of the bearing and no ball is solved for.
+    pub(crate) fn loads(&self, u: &Displacement<f64>, at: &BearingKinematicState<f64>) -> Vec<ElementLoads> {
+        if matches!(self.states, ElementStates::Rollers(_)) || self.of.effects != Effects::default() {
+            return self.at(u, at).iter().map(Element::loads).collect();
+        }
+        let mut loads = vec![0.0; self.of.elements];
+        self.bearing.element_loads(u, at, &mut loads);
+        loads.iter().map(|&load| ElementLoads { row: 1, races: [vec![load], vec![load]] }).collect()
     }
 
     /// Returns the rollers by laminae, those of a second row after the first.

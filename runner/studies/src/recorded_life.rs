@@ -1,8 +1,8 @@
 //! Life of a bearing under the loads of its elements along a recording.
 
-use crate::elements::{BearingElements, Element};
+use crate::elements::BearingElements;
 use crate::equilibrium::resting;
-use crate::life::{BearingLife, ElementLoads, MeanLoads, Rated, moving};
+use crate::life::{BearingLife, MeanLoads, Rated, moving};
 use ballrace::{BearingKinematicState, Displacement};
 use ballrace_models::build;
 use ballrace_outcome::LifeOutcome;
@@ -46,9 +46,8 @@ impl RecordedLife {
 
     /// Adds a sample: the displacement of the inner ring against the outer ring with the preload, and the force there.
     pub fn add(&mut self, u: &Displacement<f64>, force: &[f64; 5], at: &BearingKinematicState<f64>) {
-        let loads: Vec<ElementLoads> = self.elements.at(u, at).iter().map(Element::loads).collect();
         let turning = (at.inner_speed - at.outer_speed).abs() / TAU;
-        self.loads.add_elements(&loads, turning);
+        self.loads.add_elements(&self.elements.loads(u, at), turning);
         let rated = self.loads.rated();
         let load = rated.equivalent(&self.of, force);
         self.equivalent = self.equivalent.zip(load).map(|(sum, load)| sum + turning * load.powf(rated.power()));
