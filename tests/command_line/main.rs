@@ -61,6 +61,7 @@ mod page_in_chromium;
 mod plausibility;
 mod prometheus;
 mod published_rotors;
+mod recorded_life;
 mod repeatability;
 mod replay;
 mod rollers;

@@ -1,6 +1,7 @@
 //! Results of one bearing: orders, clearance, forces.
 
 use crate::field::NumericField;
+use crate::life::LifeOutcome;
 use ballrace_scene::OperatingClearance;
 use serde::Serialize;
 
@@ -32,6 +33,8 @@ pub struct BearingOutcome {
     pub contact_lost_samples: u64,
     /// Number of samples with the last valid force because a reading was missing.
     pub held_samples: u64,
+    /// Load ratings and life under the loads at the displacement of `force_estimated`; none where the contacts are not known, and at rest.
+    pub life: Option<LifeOutcome>,
 }
 
 /// One force component over the recording.

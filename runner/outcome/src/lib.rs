@@ -15,6 +15,7 @@ mod fault_figures;
 mod field;
 mod file;
 mod implausibility;
+mod life;
 mod motion;
 mod observer;
 pub mod options;
@@ -44,6 +45,7 @@ pub use fault_figures::{FaultFigures, FaultMotion, ForceRose, ForceSpectrum, Ref
 pub use field::{NumericField, UNIT_OF_SENSOR};
 pub use file::RecordingFile;
 pub use implausibility::Implausibility;
+pub use life::LifeOutcome;
 pub use motion::{BallPassLine, Motion, phase_lag_deg};
 pub use observer::{Observation, ObserverOutcome};
 pub use outcome::Outcome;

@@ -27,6 +27,7 @@ use ballrace_plant::probes::{Plane, reading};
 use ballrace_plant::{AXIAL, Plant, Twin};
 use ballrace_recording::status::SampleStatus;
 use ballrace_scene::{Probe, Scene};
+use ballrace_studies::recorded_life::RecordedLife;
 use std::error::Error as _;
 use std::sync::Arc;
 
@@ -83,6 +84,7 @@ impl<'a> Evaluator<'a> {
         let is_straight = plant.layout.is_given() || plant.layout.is_straight();
         let source = if is_straight { Source::Displacement } else { Source::Observer };
         let forces_file = options.forces.map(|path| ForcesFile::create(path, options.source, bearings)).transpose()?;
+        let lives = scene.bearings.iter().map(|of| RecordedLife::try_new(scene, of)).collect::<Result<_>>()?;
         let names = || probes.iter().map(|p| p.column.clone()).collect();
         let column = |bearing: usize| (0..probes.len()).map(|probe| location.column(&plant, bearing, probe)).collect();
         let columns = (0..bearings.len()).map(column).collect();
@@ -94,7 +96,7 @@ impl<'a> Evaluator<'a> {
             readings: ReadingsStage::new(names(), options.live),
             location,
             displacements: Vec::with_capacity(bearings.len()),
-            force: ForceStage::new(bearings, rate, is_straight, options.live && options.forces.is_none()),
+            force: ForceStage::new(bearings, lives, rate, is_straight, options.live && options.forces.is_none()),
             comparison: Comparison::new(probes.len(), bearings, planes.to_vec()),
             block: Some(Block::default()),
             deflection: MeanDeflection::new(&plant),
@@ -245,6 +247,9 @@ impl<'a> Evaluator<'a> {
             let all = self.plant.bearings.iter().zip(&followed.parts).zip(&self.displacements).zip(&self.columns);
             for (i, (((bearing, &parts), displacements), columns)) in all.enumerate() {
                 let at = bearing.rotation(parts, &shaft);
+                if ForceStage::is_life_due(index) {
+                    self.force.add_life(i, bearing, displacements, &at);
+                }
                 let noise = with_noise.then_some((self.probes, columns.as_slice()));
                 let Some((force, first_load)) = self.force.accumulate(i, bearing, displacements, &at, noise) else {
                     continue;

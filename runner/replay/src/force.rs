@@ -9,6 +9,7 @@ use ballrace_outcome::{BearingOrders, BearingOutcome, ForceFigures};
 use ballrace_plant::MountedBearing;
 use ballrace_recording::status::SampleStatus;
 use ballrace_scene::Probe;
+use ballrace_studies::recorded_life::RecordedLife;
 
 /// Number of azimuth bins around the ring for element loads.
 pub(crate) const AZIMUTH_BINS: usize = 72;
@@ -17,6 +18,8 @@ pub(crate) const LIVE_FORCE_RATE: f64 = 3200.0;
 /// Decimation factor of the noise-band computation after the first revolutions, which the figures show; a prime number, so that it meets
 /// all angles of the shaft.
 const NOISE_BAND_DECIMATION: u64 = 31;
+/// Decimation factor of the loads that make the life; a prime number as that of the noise band.
+const LIFE_DECIMATION: u64 = 31;
 
 /// Forces of one bearing at one sample: FX, FY, FZ (N), MX, MY (N m) on the inner ring.
 #[derive(Clone, Copy, Default)]
@@ -71,6 +74,8 @@ impl Displacements {
 /// Evaluates the forces of a replay and accumulates them.
 pub(super) struct ForceStage {
     bearings: Vec<BearingForces>,
+    /// Lives of the bearings; none where the contacts of a bearing are not known.
+    lives: Vec<Option<RecordedLife>>,
     /// Forces of the current sample; empty where the sample is skipped.
     evaluated: Vec<EvaluatedForce>,
     /// Decimation factor of the forces at the measured displacement.
@@ -84,10 +89,17 @@ pub(super) struct ForceStage {
 impl ForceStage {
     /// Creates the stage. `straight`: the displacements of the bearings are on a straight line between the planes of the probes, or are not derived
     /// from one; `decimated` limits the work in live operation.
-    pub(super) fn new(bearings: &[MountedBearing], rate: f64, straight: bool, decimated: bool) -> Self {
+    pub(super) fn new(
+        bearings: &[MountedBearing],
+        lives: Vec<Option<RecordedLife>>,
+        rate: f64,
+        straight: bool,
+        decimated: bool,
+    ) -> Self {
         let force_decimation = if decimated { (rate / LIVE_FORCE_RATE).ceil() as u64 } else { 1 };
         Self {
             bearings: bearings.iter().map(|b| BearingForces::new(b.elements, straight)).collect(),
+            lives,
             evaluated: Vec::new(),
             force_decimation,
             report_decimation: force_decimation * if decimated { 4 } else { 1 },
@@ -163,6 +175,27 @@ impl ForceStage {
         Some((force, first_load))
     }
 
+    /// Returns true where the sample `index` enters the lives.
+    pub(super) const fn is_life_due(index: u64) -> bool {
+        index.is_multiple_of(LIFE_DECIMATION)
+    }
+
+    /// Adds the loads of bearing `i` to its life: those at the observer's displacement, or at the measured one where the observer is not trusted.
+    pub(super) fn add_life(
+        &mut self,
+        i: usize,
+        bearing: &MountedBearing,
+        displacements: &Displacements,
+        at: &BearingKinematicState<f64>,
+    ) {
+        let displacement = displacements.of(Source::Observer);
+        if let (Some(Some(life)), Some(force)) = (self.lives.get_mut(i), self.evaluated.get(i))
+            && displacement.is_finite()
+        {
+            life.add(&(displacement + bearing.offset), &force.of(Source::Observer), at);
+        }
+    }
+
     /// Returns the sums of every bearing.
     pub(super) fn bearings(&self) -> &[BearingForces] {
         &self.bearings
@@ -170,7 +203,9 @@ impl ForceStage {
 
     /// Returns the outcome of every bearing.
     pub(super) fn outcomes(&self, bearings: &[MountedBearing]) -> Vec<BearingOutcome> {
-        self.bearings.iter().zip(bearings).map(|(forces, bearing)| forces.outcome(bearing)).collect()
+        let life = |life: &Option<RecordedLife>| life.as_ref().and_then(RecordedLife::outcome);
+        let all = self.bearings.iter().zip(&self.lives).zip(bearings);
+        all.map(|((forces, of), bearing)| BearingOutcome { life: life(of), ..forces.outcome(bearing) }).collect()
     }
 }
 
@@ -320,6 +355,7 @@ impl BearingForces {
             largest_element_load_n: self.around.iter().map(LoadSums::largest).fold(0.0, f64::max),
             contact_lost_samples: self.contact_lost,
             held_samples: self.held_samples,
+            life: None,
         }
     }
 }

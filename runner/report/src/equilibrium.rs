@@ -115,14 +115,15 @@ fn kinematics(out: &mut String, b: &BearingEquilibrium) {
     }
 }
 
-/// Longest life in hours that is printed as a number: beyond it, a bearing does not fail by fatigue.
-const LONGEST_HOURS: f64 = 1e6;
-
 /// Returns a life, million revolutions, in words.
 fn lasting(life: Option<f64>, of: &BearingLife) -> String {
     let Some(turns) = life else { return "no load".to_owned() };
     let hours = of.hours(turns).map_or_else(String::new, |hours| {
-        if hours > LONGEST_HOURS { "beyond 1 000 000 h, ".to_owned() } else { format!("{} h, ", count(hours as u64)) }
+        if hours > words::LONGEST_HOURS {
+            "beyond 1 000 000 h, ".to_owned()
+        } else {
+            format!("{} h, ", count(hours as u64))
+        }
     });
     format!("{hours}{} million turns", alone(turns))
 }
@@ -453,7 +454,7 @@ fn lives(bearings: &[BearingEquilibrium]) -> Table {
         let life = b.life.as_ref()?;
         let number = |x: Option<f64>| typeset(&fixed(x.unwrap_or(f64::NAN), 0));
         let hours = |turns: Option<f64>| match turns.and_then(|turns| life.hours(turns)) {
-            Some(hours) if hours > LONGEST_HOURS => "beyond 1 000 000".to_owned(),
+            Some(hours) if hours > words::LONGEST_HOURS => "beyond 1 000 000".to_owned(),
             hours => number(hours),
         };
         Some([

@@ -101,6 +101,21 @@ fn bearing(name: &str, station: f64) -> BearingOutcome {
         largest_element_load_n: 31.4,
         contact_lost_samples: 0,
         held_samples: 12,
+        life: Some(life()),
+    }
+}
+
+fn life() -> LifeOutcome {
+    LifeOutcome {
+        dynamic_rating_n: 4356.0,
+        static_rating_n: 2210.0,
+        reference_load_n: 61.4,
+        reference_life_h: Some(2.1e6),
+        viscosity_ratio: Some(1.62),
+        modification_factor: None,
+        modified_life_h: Some(187_400.0),
+        equivalent_load_n: Some(48.2),
+        basic_life_h: Some(743_210.0),
     }
 }
 

@@ -31,6 +31,7 @@ pub fn text(outcome: &Outcome) -> String {
         baselines(&mut page, outcome);
         ball_pass(&mut page, outcome);
         forces(&mut page, outcome);
+        lives(&mut page, &outcome.bearings);
     }
     learned(&mut page, outcome);
     orders(&mut page, &outcome.bearings);
@@ -243,6 +244,17 @@ fn forces(page: &mut Page, outcome: &Outcome) {
         sentences.extend(words::remarks(bearing.contact_lost_samples, bearing.held_samples));
         page.sentence(&format!("  {}: ", name(&bearing.name)), &format!("{}.", sentences.join("; ")));
     }
+}
+
+fn lives(page: &mut Page, bearings: &[BearingOutcome]) {
+    let (fields, lives) = words::lives(bearings);
+    if lives.is_empty() {
+        return;
+    }
+    page.title("RATINGS AND LIFE");
+    let rows: Vec<_> = lives.into_iter().map(|(of, cells)| [vec![name(of)], cells].concat()).collect();
+    page.table(1, &heads(&["bearing"], fields), &rows);
+    page.sentence("  ", words::LIFE);
 }
 
 fn force_rows(bearing: &BearingOutcome) -> Vec<Vec<String>> {

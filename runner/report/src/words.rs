@@ -4,8 +4,8 @@ use super::number::{alone, at_station, count, counted, fixed};
 use ballrace_twin::replay::Source;
 use ballrace_twin::replay::outcome::{
     BearingOutcome, ComparedTwin, Diagnosis, Estimate, EstimateKind, FORCE_COMPONENTS, FaultField, FaultForm,
-    FaultKind, FaultParameters, ForceFigures, Learning, Observation, Outcome, OutputFigures, ProbeOutcome, Record,
-    RotorOutcome, SourceFigures, Standing, Timing, UnexplainedMotion,
+    FaultKind, FaultParameters, ForceFigures, Learning, LifeOutcome, NumericField, Observation, Outcome, OutputFigures,
+    ProbeOutcome, Record, RotorOutcome, SourceFigures, Standing, Timing, UnexplainedMotion,
 };
 use ballrace_twin::verdict;
 
@@ -377,6 +377,25 @@ pub(super) const fn shown_forces(bearing: &BearingOutcome) -> (Source, &[ForceFi
         None => (Source::Displacement, &bearing.force_measured),
         Some(_) => (Source::Observer, &bearing.force_estimated),
     }
+}
+
+/// Longest life in hours that is printed as a number: beyond it, a bearing does not fail by fatigue.
+pub(super) const LONGEST_HOURS: f64 = 1e6;
+
+/// Remark on the lives of the bearings.
+pub(super) const LIFE: &str = "For 90 % reliability, by the mean of the loads along this recording at the displacement of the observer, and at its mean speed: L10r from the loads of the elements (ISO/TS 16281), L10mr with a_ISO, L10 from the equivalent load P (ISO 281).";
+
+/// Returns the bearings with a life, each with its figures, and the fields that any of them has.
+pub(super) fn lives(bearings: &[BearingOutcome]) -> (Vec<NumericField<LifeOutcome>>, Vec<(&str, Vec<String>)>) {
+    let known = || bearings.iter().filter_map(|bearing| Some((bearing.name.as_str(), bearing.life.as_ref()?)));
+    let is_known = |field: &NumericField<LifeOutcome>| known().any(|(_, life)| (field.value)(life).is_finite());
+    let fields: Vec<_> = LifeOutcome::FIELDS.into_iter().filter(is_known).collect();
+    let cell = |field: &NumericField<LifeOutcome>, life| match (field.value)(life) {
+        hours if field.unit == "h" && hours > LONGEST_HOURS => "> 1 000 000".to_owned(),
+        value => fixed(value, field.decimals.unwrap_or(0)),
+    };
+    let rows = known().map(|(name, life)| (name, fields.iter().map(|field| cell(field, life)).collect())).collect();
+    (fields, rows)
 }
 
 /// Returns the sentence on the error of the straight line between the planes of the probes; none where it has none.

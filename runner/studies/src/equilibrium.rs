@@ -2,23 +2,20 @@
 
 use crate::campbell::{ModeShape, mode_shapes, modes};
 use crate::effect_significance::{self, EffectSignificance};
+use crate::elements::BearingElements;
+pub use crate::elements::{Element, RollerLoads};
 use crate::friction::{BallContacts, BearingFriction};
 use crate::heat::BearingTemperatures;
 use crate::life::{BearingLife, ElementLoads};
 use ballrace::bearing::Bearing;
 use ballrace::bearing::geometry::BallBearingGeometry;
-use ballrace::bearing::quasi_static::BallState;
-use ballrace::bearing::quasi_static::film::{minimum_film, thermal_reduction};
-use ballrace::bearing::roller::RollerState;
-use ballrace::contact::hertz::Race;
 use ballrace::{BearingKinematicState, Displacement, Phase};
-use ballrace_models::build::{self, AnyBearing, ElementContact, Kinematics, rolling_speed};
+use ballrace_models::build::{self, AnyBearing, ElementContact, Kinematics};
 use ballrace_outcome::{BearingOrders, ClearanceOutcome, RotorDrawing, RotorOutcome};
 use ballrace_plant::error::{NoLoad, Result};
 use ballrace_plant::{LARGEST_RESIDUAL, Plant};
-use ballrace_scene::{Bearing as BearingScene, Effects, Lubricant, PreloadAmount, Scene};
+use ballrace_scene::{Bearing as BearingScene, Effects, PreloadAmount, Scene};
 use serde::Serialize;
-use std::f64::consts::PI;
 use std::time::Instant;
 
 /// Positions of the cage within a pitch whose element loads make the life.
@@ -128,77 +125,6 @@ pub struct ContactAngle {
     pub loaded: Option<f64>,
 }
 
-/// One rolling element.
-#[derive(Debug, Clone, Serialize)]
-pub struct Element {
-    /// Name of the bearing.
-    pub bearing: String,
-    /// Number of the element, from 1.
-    pub number: usize,
-    /// Azimuth from +X towards +Y, rad.
-    pub azimuth: f64,
-    /// Load of the inner-race contact, N.
-    pub inner_load: f64,
-    /// Load of the outer-race contact, N.
-    pub outer_load: f64,
-    /// Contact angle at the inner race, rad; `None` without load or contact angle.
-    pub inner_angle: Option<f64>,
-    /// Contact angle at the outer race, rad; `None` without load or contact angle.
-    pub outer_angle: Option<f64>,
-    /// Maximum Hertzian pressure at the inner race, Pa; `None` where the contact is not known.
-    pub inner_pressure: Option<f64>,
-    /// Maximum Hertzian pressure at the outer race, Pa; `None` where the contact is not known.
-    pub outer_pressure: Option<f64>,
-    /// Central film thickness at the inner race, m.
-    pub inner_film: f64,
-    /// Central film thickness at the outer race, m.
-    pub outer_film: f64,
-    /// Smaller ratio of minimum film thickness to roughness (lambda) of both contacts; `None` without a roughness in the scene.
-    pub film_ratio: Option<f64>,
-    /// Centrifugal force, N.
-    pub centrifugal: f64,
-    /// Gyroscopic moment, N m.
-    pub gyroscopic_moment: f64,
-    /// Distribution of the load along a roller; `None` for other elements.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub roller: Option<RollerLoads>,
-}
-
-impl Element {
-    /// Returns its contacts; `None` without load or contact angle.
-    fn contacts(&self) -> Option<BallContacts> {
-        let angles = [self.inner_angle?, self.outer_angle?];
-        Some(BallContacts { loads: [self.inner_load, self.outer_load], angles })
-    }
-
-    /// Returns its loads along its length. Centrifugal force loads all laminae of the outer race alike.
-    fn loads(&self) -> ElementLoads {
-        let Some(roller) = &self.roller else {
-            return ElementLoads { row: 1, races: [vec![self.inner_load], vec![self.outer_load]] };
-        };
-        let further = (self.outer_load - self.inner_load) / roller.lamina_loads.len().max(1) as f64;
-        let outer = roller.lamina_loads.iter().map(|load| load + further).collect();
-        ElementLoads { row: roller.row, races: [roller.lamina_loads.clone(), outer] }
-    }
-}
-
-/// Distribution of the load along a roller at the inner race.
-#[derive(Debug, Clone, Serialize)]
-pub struct RollerLoads {
-    /// Row of the roller, from 1.
-    pub row: usize,
-    /// Tilt of the roller relative to the outer ring, rad.
-    pub tilt: f64,
-    /// Moment of the loads about the centre of the roller, N m.
-    pub moment: f64,
-    /// Largest load of a lamina, N.
-    pub largest_lamina_load: f64,
-    /// Load of each lamina in the order of +Z, N.
-    pub lamina_loads: Vec<f64>,
-    /// Maximum Hertzian pressure of each lamina in the order of +Z, Pa.
-    pub lamina_pressures: Vec<f64>,
-}
-
 /// Change of the equilibrium when one effect is switched off.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectShare {
@@ -278,9 +204,10 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
         }
     };
     let solving_seconds = begun.elapsed().as_secs_f64();
-    let elements = elements(scene, of, &built, &u, &at)?;
+    let solved = BearingElements::try_new(scene, of, &built)?;
+    let elements = solved.at(&u, &at);
     let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
-    let one = one.with_life(scene, of, &built, &u, &at)?;
+    let one = one.with_life(of, &solved, &u, &at)?;
     // The displacement contains the preload.
     let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
     Ok(StaticEquilibrium {
@@ -315,7 +242,7 @@ fn total_load(of: &BearingScene, load: Option<[f64; 5]>, preload_force: Option<f
     }
 }
 
-fn resting(scene: &Scene, of: &BearingScene) -> Result<BearingKinematicState<f64>> {
+pub(crate) fn resting(scene: &Scene, of: &BearingScene) -> Result<BearingKinematicState<f64>> {
     let at = build::rotation_at(scene, of, 0.0)?;
     Ok(BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at })
 }
@@ -356,18 +283,17 @@ impl BearingEquilibrium {
     /// Adds load ratings, life and friction; `u` is the displacement with the preload.
     fn with_life(
         self,
-        scene: &Scene,
         of: &BearingScene,
-        bearing: &AnyBearing<f64>,
+        elements: &BearingElements,
         u: &Displacement<f64>,
         at: &BearingKinematicState<f64>,
     ) -> Result<Self> {
         let turned = (0..CAGE_POSITIONS).map(|i| {
             let part = f64::from(i) / f64::from(CAGE_POSITIONS) / of.elements.max(1) as f64;
             let cage = at.cage.wrapping_add(Phase::from_revolutions(part));
-            elements(scene, of, bearing, u, &BearingKinematicState { cage, ..*at })
+            elements.at(u, &BearingKinematicState { cage, ..*at })
         });
-        let turned: Vec<Vec<Element>> = turned.collect::<Result<_>>()?;
+        let turned: Vec<Vec<Element>> = turned.collect();
         let loads: Vec<ElementLoads> = turned.iter().flatten().map(Element::loads).collect();
         let speeds = [at.inner_speed, at.outer_speed];
         let life = BearingLife::of(of, &loads, &self.force, speeds)?;
@@ -430,8 +356,9 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
             *sum += f;
         }
         let plain = build::bearing(scene, of, of.evaluated_model())?;
-        let elements = elements(scene, of, &plain, &total, &at)?;
-        bearings.push(one.with_kinematics(scene, of, &elements)?.with_life(scene, of, &plain, &total, &at)?);
+        let solved = BearingElements::try_new(scene, of, &plain)?;
+        let elements = solved.at(&total, &at);
+        bearings.push(one.with_kinematics(scene, of, &elements)?.with_life(of, &solved, &total, &at)?);
         all.extend(elements);
     }
     Ok(StaticEquilibrium {
@@ -457,136 +384,4 @@ fn rotor_equilibrium(scene: &Scene) -> Result<StaticEquilibrium> {
 fn displacements(plant: &Plant, i: usize) -> (Displacement<f64>, Displacement<f64>) {
     let moved = plant.displacement(i, &plant.rest);
     (moved, moved + plant.bearings.get(i).map_or_else(Displacement::default, |s| s.offset))
-}
-
-/// Returns load, angle, pressure and film of each element for the ring displacement `u`.
-fn elements(
-    scene: &Scene,
-    of: &BearingScene,
-    bearing: &AnyBearing<f64>,
-    u: &Displacement<f64>,
-    at: &BearingKinematicState<f64>,
-) -> Result<Vec<Element>> {
-    let (geometry, contact) = (build::geometry(of)?, ElementContact::of(of)?);
-    if let Some(rollers) = rollers(scene, of, u, at, contact.as_ref())? {
-        return Ok(rollers);
-    }
-    let states = if of.model.has_contact_angle() {
-        let mut states = vec![BallState::default(); of.elements];
-        build::quasi_static(of)?.ball_states(u, at, &mut states);
-        Some(states)
-    } else {
-        None
-    };
-    let mut loads = vec![0.0; of.elements];
-    bearing.element_loads(u, at, &mut loads);
-    let element = |(j, &load): (usize, &f64)| {
-        let state = states.as_ref().and_then(|states| states.get(j));
-        let azimuth = build::place::<f64>(of, j).azimuth().wrapping_add(at.cage).radians();
-        element(of, (j + 1, azimuth), load, state, (geometry.as_ref(), contact.as_ref()), at)
-    };
-    Ok(loads.iter().enumerate().map(element).collect())
-}
-
-/// Returns the rollers of a bearing by laminae, those of a second row after the first; `None` for other elements.
-fn rollers(
-    scene: &Scene,
-    of: &BearingScene,
-    u: &Displacement<f64>,
-    at: &BearingKinematicState<f64>,
-    contact: Option<&ElementContact>,
-) -> Result<Option<Vec<Element>>> {
-    let Some(build::BearingRollers { count, states: bearing }) = build::roller_states(scene, of)? else {
-        return Ok(None);
-    };
-    let laminae = of.rollers.as_ref().map_or(0, |rollers| rollers.laminae);
-    let mut states = vec![RollerState::default(); count];
-    bearing.roller_states(u, at, &mut states);
-    // A lamina has its share of the length.
-    let pressure = |race, load: f64| contact.map(|contact| contact.pressure(race, laminae as f64 * load));
-    let half_pitch = PI / of.elements.max(1) as f64;
-    let roller = |(j, state): (usize, &RollerState<f64>)| {
-        let (row, place) = (j / of.elements.max(1), j % of.elements.max(1));
-        let azimuth = build::place::<f64>(of, place).azimuth().wrapping_add(at.cage);
-        let azimuth = azimuth.wrapping_add(Phase::from_radians(row as f64 * half_pitch)).radians();
-        let mut loads = vec![0.0; laminae];
-        bearing.lamina_loads(u, at, j, &mut loads);
-        let lamina_pressures = loads.iter().filter_map(|load| pressure(Race::Inner, *load)).collect();
-        let (inner_load, outer_load) = (state.inner.load, state.outer.load);
-        Element {
-            outer_load,
-            inner_pressure: pressure(Race::Inner, state.inner.largest_lamina_load),
-            outer_pressure: pressure(Race::Outer, state.outer.largest_lamina_load),
-            centrifugal: outer_load - inner_load,
-            roller: Some(RollerLoads {
-                tilt: state.tilt,
-                moment: state.inner.moment,
-                largest_lamina_load: state.inner.largest_lamina_load,
-                row: row + 1,
-                lamina_loads: loads,
-                lamina_pressures,
-            }),
-            ..element(of, (j + 1, azimuth), inner_load, None, (None, None), at)
-        }
-    };
-    Ok(Some(states.iter().enumerate().map(roller).collect()))
-}
-
-fn element(
-    of: &BearingScene,
-    (number, azimuth): (usize, f64),
-    load: f64,
-    state: Option<&BallState<f64>>,
-    (geometry, contact): (Option<&BallBearingGeometry>, Option<&ElementContact>),
-    at: &BearingKinematicState<f64>,
-) -> Element {
-    let (inner_load, outer_load) = state.map_or((load, load), |s| (s.inner_load, s.outer_load));
-    let pressure = |race, load: f64| contact.map(|contact| contact.pressure(race, load));
-    let angle = |load: f64, [cos, sin]: [f64; 2]| (load > 0.0).then(|| sin.atan2(cos));
-    Element {
-        bearing: of.name.clone(),
-        number,
-        azimuth,
-        inner_load,
-        outer_load,
-        inner_angle: state.and_then(|s| angle(inner_load, s.inner_direction)),
-        outer_angle: state.and_then(|s| angle(outer_load, s.outer_direction)),
-        inner_pressure: pressure(Race::Inner, inner_load),
-        outer_pressure: pressure(Race::Outer, outer_load),
-        inner_film: state.map_or(0.0, |s| s.inner_film),
-        outer_film: state.map_or(0.0, |s| s.outer_film),
-        film_ratio: state.zip(geometry).zip(of.effects.film).and_then(|((s, g), oil)| film_ratio(s, g, oil, at)),
-        centrifugal: state.map_or(0.0, |s| s.centrifugal),
-        gyroscopic_moment: state.map_or(0.0, |s| s.gyroscopic_moment),
-        roller: None,
-    }
-}
-
-/// Returns the smallest ratio of film to roughness of both contacts (`docs/src/models.md#oil-film`).
-fn film_ratio(
-    s: &BallState<f64>,
-    g: &BallBearingGeometry,
-    lubricant: Lubricant,
-    at: &BearingKinematicState<f64>,
-) -> Option<f64> {
-    let roughness = lubricant.roughness?;
-    let oil = lubricant.for_film();
-    let (gamma, ratio) = (g.gamma(), g.ball_diameter / g.pitch_diameter);
-    let half = 0.5 * g.pitch_diameter;
-    // A massless ball has the speed of the ideal cage.
-    let ideal = rolling_speed(gamma, at.inner_speed, at.outer_speed);
-    let orbital = if s.centrifugal > 0.0 { s.orbital_speed } else { ideal };
-    let near = (at.inner_speed - orbital).abs() * half * (1.0 - ratio * s.inner_direction[0]);
-    let far = (orbital - at.outer_speed).abs() * half * (1.0 + ratio * s.outer_direction[0]);
-    let least = |race, along: f64, speed, load: f64| {
-        let contact = g.contact(race);
-        let left = lubricant.inlet_heating.map_or(1.0, |heating| {
-            let pressure = contact.ellipse(load).2 / contact.effective_modulus;
-            thermal_reduction(oil.viscosity, heating.of_film(), speed, pressure)
-        });
-        (load > 0.0).then(|| left * minimum_film(oil, &contact, along, speed, load))
-    };
-    let inner = least(Race::Inner, 0.5 * g.ball_diameter * (1.0 - gamma), near, s.inner_load);
-    let outer = least(Race::Outer, 0.5 * g.ball_diameter * (1.0 + gamma), far, s.outer_load);
-    [inner, outer].into_iter().flatten().reduce(f64::min).map(|h| h / roughness)
 }

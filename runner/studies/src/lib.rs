@@ -3,6 +3,7 @@
 //! | modules | question |
 //! | --- | --- |
 //! | [`equilibrium`], [`equilibria`], [`life`], [`force`] | where the rotor rests, how long its bearings last, what a displacement costs |
+//! | [`recorded_life`] | how long a bearing lasts under the loads of a recording |
 //! | [`friction`], [`heat`], [`thermal`] | what a bearing loses, and how warm it runs |
 //! | [`campbell`] | natural frequencies over the speed |
 //! | [`effect_significance`] | what an effect changes that the scene omits |
@@ -16,6 +17,7 @@ pub mod bake;
 pub mod balance;
 pub mod campbell;
 pub mod effect_significance;
+mod elements;
 pub mod equilibria;
 pub mod equilibrium;
 pub mod fit;
@@ -25,6 +27,7 @@ pub mod friction;
 pub mod heat;
 pub mod life;
 mod precision;
+pub mod recorded_life;
 pub mod sweep;
 pub mod thermal;
 pub mod trade;

@@ -87,37 +87,98 @@ impl BearingLife {
         force: &[f64; 5],
         speeds: [f64; 2],
     ) -> Result<Option<Self>, BuildError> {
-        let Some(contact) = ElementContact::of(of)?.filter(|_| of.elements > 2) else { return Ok(None) };
-        let rated = match contact {
-            ElementContact::Ball(geometry) => Rated::balls(of, geometry).map_err(|e| named(of, e))?,
-            ElementContact::Roller { length, .. } => {
-                let Some(rated) = Rated::rollers(of, length) else { return Ok(None) };
-                rated
+        let Some(rated) = Rated::of(of)? else { return Ok(None) };
+        let load = rated.equivalent(of, force);
+        let mut mean = MeanLoads::new(rated, moving(speeds));
+        mean.add_elements(loads, 1.0);
+        Ok(Some(mean.life(of, load, (speeds[0] - speeds[1]).abs() / TAU)))
+    }
+}
+
+/// Returns true for the ring that turns under the load, the inner and the outer one, from their speeds, rad/s.
+pub(crate) fn moving([inner, outer]: [f64; 2]) -> [bool; 2] {
+    [inner != 0.0 || outer == 0.0, outer != 0.0]
+}
+
+/// Ratings of a bearing with the means of the powers of its loads over elements and time.
+pub(crate) struct MeanLoads {
+    rated: Rated,
+    /// The inner and the outer ring turn under the load.
+    moves: [bool; 2],
+    /// Weighted sums of the powers at the inner and at the outer race, by lamina, of each row.
+    powers: [[Vec<f64>; 2]; 2],
+    /// Sums of the weights of the elements of each row.
+    weights: [f64; 2],
+}
+
+impl MeanLoads {
+    /// Creates the means of no loads. A ring that moves has the mean of its positions; the other ages where its load is.
+    pub(crate) fn new(rated: Rated, moves: [bool; 2]) -> Self {
+        Self { rated, moves, powers: Default::default(), weights: [0.0; 2] }
+    }
+
+    /// Returns the ratings of the bearing.
+    pub(crate) const fn rated(&self) -> &Rated {
+        &self.rated
+    }
+
+    /// Adds the loads of elements; their weight is the number of revolutions under them.
+    pub(crate) fn add_elements(&mut self, loads: &[ElementLoads], weight: f64) {
+        for element in loads {
+            let row = element.row.clamp(1, 2) - 1;
+            self.weights[row] += weight;
+            for (side, (sums, loads)) in self.powers[row].iter_mut().zip(&element.races).enumerate() {
+                let (power, laminae) = (self.rated.power_at(self.moves[side]), loads.len());
+                let rating = self.rated.lamina_rating(side, laminae);
+                sums.resize(laminae, 0.0);
+                for (lamina, (sum, load)) in sums.iter_mut().zip(loads).enumerate() {
+                    *sum += weight * (edge_factor(lamina, laminae) * load.max(0.0) / rating).powf(power);
+                }
             }
-        };
-        let geometry_ratings = [rated.dynamic, rated.fixed];
-        let rated = rated.with(of.ratings);
-        // A ring that turns under the load has the mean of its positions; the other ages where its load is.
-        let life = rated.life(loads, [speeds[0] != 0.0 || speeds[1] == 0.0, speeds[1] != 0.0]);
-        let load = rated.equivalent(of, force[0].hypot(force[1]), force[2].abs());
-        let basic = load.filter(|load| *load > 0.0).map(|load| (rated.dynamic / load).powf(rated.power));
-        let turning = (speeds[0] - speeds[1]).abs() / TAU;
-        Ok(Some(Self {
+        }
+    }
+
+    /// Returns the life at a dynamic equivalent load `P_r`, N, and at a speed in 1/s.
+    pub(crate) fn life(&self, of: &Bearing, equivalent_load: Option<f64>, turning: f64) -> BearingLife {
+        let (rated, life) = (&self.rated, self.reference_life());
+        let loaded = equivalent_load.filter(|load| *load > 0.0);
+        BearingLife {
             modified: life.and_then(|life| rated.modified(of, life, turning)),
             dynamic_rating: rated.dynamic,
             static_rating: rated.fixed,
-            geometry_ratings,
-            equivalent_load: load,
-            basic_life: basic,
+            geometry_ratings: rated.geometry,
+            equivalent_load,
+            basic_life: loaded.map(|load| (rated.dynamic / load).powf(rated.power)),
             reference_life: life,
             reference_load: life.map_or(0.0, |life| rated.dynamic * life.powf(-1.0 / rated.power)),
             turning,
-        }))
+        }
+    }
+
+    /// Returns `L_10r`, million revolutions; `None` without load.
+    fn reference_life(&self) -> Option<f64> {
+        let mut damage = 0.0;
+        for (side, moves) in self.moves.into_iter().enumerate() {
+            // Life falls with the power of a race that stands; a race that turns has the power less one.
+            let power = self.rated.power_at(false) / self.rated.power_at(moves);
+            let laminae = self.powers.iter().map(|row| row[side].len()).max().unwrap_or(0);
+            for lamina in 0..laminae {
+                for (row, weight) in self.powers.iter().zip(self.weights) {
+                    let sum = row[side].get(lamina).copied().unwrap_or(0.0);
+                    if sum > 0.0 {
+                        damage += (sum / weight).powf(power);
+                    }
+                }
+            }
+        }
+        (damage > 0.0).then(|| damage.powf(-1.0 / self.rated.slope))
     }
 }
 
 /// Ratings of a bearing and of its contacts.
-struct Rated {
+pub(crate) struct Rated {
+    /// `C_r` and `C_0r` of the geometry, N.
+    geometry: [f64; 2],
     /// `C_r`, N.
     dynamic: f64,
     /// `C_0r`, N.
@@ -135,6 +196,19 @@ struct Rated {
 }
 
 impl Rated {
+    /// Rates a bearing; `None` where its contact is not known.
+    ///
+    /// # Errors
+    /// A geometry that the kernel rejects.
+    pub(crate) fn of(of: &Bearing) -> Result<Option<Self>, BuildError> {
+        let rated = match ElementContact::of(of)?.filter(|_| of.elements > 2) {
+            Some(ElementContact::Ball(geometry)) => Some(Self::balls(of, geometry).map_err(|e| named(of, e))?),
+            Some(ElementContact::Roller { length, .. }) => Self::rollers(of, length),
+            None => None,
+        };
+        Ok(rated.map(|rated| rated.with(of.ratings)))
+    }
+
     /// Rates a ball bearing: `C_r = b_m f_c cos^0.7 a Z^(2/3) D^1.8` (`3.647 D^1.4` above 25.4 mm), N and mm, with `f_c` of ISO/TR 1281-1;
     /// `C_0r` is the load at which the most loaded ball has 4200 MPa, with `Q_max = 5 C_0r/(Z cos a)`.
     fn balls(
@@ -168,9 +242,11 @@ impl Rated {
         let limit = ElementContact::Ball(geometry).limit();
         let largest = (limit / geometry.contact(Race::Inner).ellipse(1.0).2).powi(3);
         let params = LifeParams::try_new(g, of.elements, dynamic)?;
+        let fixed = largest * count * nominal.cos() / 5.0;
         Ok(Self {
+            geometry: [dynamic, fixed],
             dynamic,
-            fixed: largest * count * nominal.cos() / 5.0,
+            fixed,
             contact: [params.inner_rating, params.outer_rating],
             angle: nominal,
             power: POWERS[0],
@@ -209,9 +285,11 @@ impl Rated {
         let share = dynamic / (LINE_REDUCTION * count * angle.cos() * rows.powf(7.0 / 9.0));
         let races = 1.038 * races;
         let side = |ratio: f64| (1.0 + ratio.powf(4.5)).powf(2.0 / 9.0);
+        let fixed = 44.0 * (1.0 - gamma) * rows * count * length * diameter * angle.cos();
         Some(Self {
+            geometry: [dynamic, fixed],
             dynamic,
-            fixed: 44.0 * (1.0 - gamma) * rows * count * length * diameter * angle.cos(),
+            fixed,
             contact: [share / 0.378 * side(races), share / 0.364 * side(1.0 / races)],
             angle,
             power: POWERS[1],
@@ -227,33 +305,26 @@ impl Rated {
         Self { dynamic, fixed: fixed.unwrap_or(self.fixed), contact, ..self }
     }
 
-    /// Returns `L_10r`, million revolutions; `None` without load. `moves`: the inner and the outer ring turn under the load.
-    fn life(&self, loads: &[ElementLoads], moves: [bool; 2]) -> Option<f64> {
-        // Life falls with the power 10/3 (4.5) of the load of a point (line) contact times the slope; a race that turns has the power less one.
-        let still = self.power * if self.ball.is_some() { 10.0 / 9.0 } else { 27.0 / 20.0 };
-        let turning = if self.ball.is_some() { 3.0 } else { 4.0 };
-        let laminae = loads.first()?.races[0].len();
-        let mut damage = 0.0;
-        for (side, moves) in moves.into_iter().enumerate() {
-            let power = if moves { turning } else { still };
-            for lamina in 0..laminae {
-                // Without laminae, the uneven load along a roller is that of ISO 281.
-                let even = if laminae == 1 && self.ball.is_none() { LINE_REDUCTION } else { 1.0 };
-                let rating = even * self.contact[side] * (laminae as f64).powf(-7.0 / 9.0);
-                let riser = edge_factor(lamina, laminae);
-                for row in 1..=2 {
-                    let loads = loads.iter().filter(|element| element.row == row);
-                    let loads = loads.filter_map(|element| element.races.get(side)?.get(lamina));
-                    let (sum, count) = loads.fold((0.0, 0.0_f64), |(sum, count), load| {
-                        (sum + (riser * load.max(0.0) / rating).powf(power), count + 1.0)
-                    });
-                    if sum > 0.0 {
-                        damage += (sum / count).powf(still / power);
-                    }
-                }
-            }
+    /// Returns the power of the load in the damage of a race: of a point (line) contact 10/3 (4.5) times the slope; of a race that moves, 3 (4).
+    fn power_at(&self, moves: bool) -> f64 {
+        match (self.ball.is_some(), moves) {
+            (true, true) => 3.0,
+            (false, true) => 4.0,
+            (true, false) => self.power * 10.0 / 9.0,
+            (false, false) => self.power * 27.0 / 20.0,
         }
-        (damage > 0.0).then(|| damage.powf(-1.0 / self.slope))
+    }
+
+    /// Returns the load of one of `laminae` with a life of one million revolutions, N.
+    fn lamina_rating(&self, side: usize, laminae: usize) -> f64 {
+        // Without laminae, the uneven load along a roller is that of ISO 281.
+        let even = if laminae == 1 && self.ball.is_none() { LINE_REDUCTION } else { 1.0 };
+        even * self.contact[side] * (laminae as f64).powf(-7.0 / 9.0)
+    }
+
+    /// Returns the power of the life in the load.
+    pub(crate) const fn power(&self) -> f64 {
+        self.power
     }
 
     /// Returns the life modified by `a_ISO` from the reference life, million revolutions, at a speed in 1/s.
@@ -281,8 +352,10 @@ impl Rated {
         Some(ModifiedLife { viscosity_ratio, fatigue_limit, factor, life: factor.map(|factor| factor * life) })
     }
 
-    /// Returns `P_r = X F_r + Y F_a` of a single bearing by the tables of ISO 281, N; `None` for contact angles that are not listed.
-    fn equivalent(&self, of: &Bearing, radial: f64, axial: f64) -> Option<f64> {
+    /// Returns `P_r = X F_r + Y F_a` of a single bearing by the tables of ISO 281, N, from the force on the inner ring; `None` for contact angles
+    /// that are not listed.
+    pub(crate) fn equivalent(&self, of: &Bearing, force: &[f64; 5]) -> Option<f64> {
+        let (radial, axial) = (force[0].hypot(force[1]), force[2].abs());
         let weighed =
             |limit: f64, x: f64, y: f64| if axial <= limit * radial { radial } else { x * radial + y * axial };
         let kind = of.rollers.as_ref().map(|rollers| rollers.kind);

@@ -103,7 +103,7 @@
 //! - No bearing physics: forces, stiffness and integrators are those of the `no_std` kernel `ballrace`.
 //! - No acquisition hardware: samples arrive as files, bytes or rows.
 //! - Finite elements of shafts only: everything else of a machine is rigid, on springs, or given by its matrices.
-//! - No life or maintenance decision: the outcome reports diagnoses with their evidence.
+//! - No maintenance decision: the outcome reports diagnoses with their evidence, and the rating life under the recorded loads.
 #![forbid(unsafe_code)]
 
 pub use ballrace_base::{eigenvalues, folder_lock, least_squares, output, parallel, printable};

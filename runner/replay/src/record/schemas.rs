@@ -4,8 +4,8 @@
 use super::{EventRecord, SecondRecord};
 use crate::second::{BearingSecond, ProbeSecond, Second, SensorSecond};
 use ballrace_outcome::{
-    BallPassLine, BearingOrders, FaultParameters, ForceFigures, Motion, NumericField, Outcome, PlaneOutcome,
-    ProbeOutcome, SimplePredictors, SnapshotFigures, TabularList,
+    BallPassLine, BearingOrders, FaultParameters, ForceFigures, LifeOutcome, Motion, NumericField, Outcome,
+    PlaneOutcome, ProbeOutcome, SimplePredictors, SnapshotFigures, TabularList,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -104,6 +104,7 @@ fn tables() -> Vec<(&'static str, Vec<&'static str>)> {
         ("BearingSecond", keys(BearingSecond::FIELDS)),
         ("Diagnosis", keys(FaultParameters::FIELDS.map(|(_, field)| field))),
         ("ForceFigures", keys(ForceFigures::FIELDS)),
+        ("LifeOutcome", keys(LifeOutcome::FIELDS)),
         ("Motion", keys(Motion::FIELDS)),
         ("PlaneOutcome", keys(PlaneOutcome::FIELDS)),
         ("ProbeOutcome", keys(probe)),

@@ -35,6 +35,7 @@ pub(super) fn tables(outcome: &Outcome, compared: bool) -> Vec<PageSection> {
         all.push(PageSection::table("Bearings", bearings(&outcome.bearings)));
         if compared {
             all.push(PageSection::table("Forces on the inner rings", forces(&outcome.bearings)));
+            all.extend(lives(&outcome.bearings).map(|lives| PageSection::table("Ratings and life", lives)));
         }
     }
     all
@@ -211,6 +212,16 @@ fn forces(bearings: &[BearingOutcome]) -> Table {
         }
     }
     table
+}
+
+/// Returns the ratings and lives of the bearings; none where no bearing has them.
+fn lives(bearings: &[BearingOutcome]) -> Option<Table> {
+    let (fields, lives) = words::lives(bearings);
+    let columns = [Column::name("Bearing")].into_iter().chain(fields.iter().map(Column::field)).collect();
+    let row = |(name, cells): &(&str, Vec<String>)| {
+        [(*name).to_owned()].into_iter().chain(cells.iter().map(|cell| typeset(cell))).collect::<Vec<_>>()
+    };
+    (!lives.is_empty()).then(|| Table::of(columns, lives.iter().map(row), words::LIFE))
 }
 
 /// Returns the sections on computing time.
