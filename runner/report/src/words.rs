@@ -385,8 +385,11 @@ pub(super) const LONGEST_HOURS: f64 = 1e6;
 /// Remark on the lives of the bearings.
 pub(super) const LIFE: &str = "For 90 % reliability, by the mean of the loads along this recording at the displacement of the observer, and at its mean speed: L10r from the loads of the elements (ISO/TS 16281), L10mr with a_ISO, L10 from the equivalent load P (ISO 281).";
 
+/// Name of a bearing and its cells of a table.
+pub(super) type BearingRow<'a> = (&'a str, Vec<String>);
+
 /// Returns the bearings with a life, each with its figures, and the fields that any of them has.
-pub(super) fn lives(bearings: &[BearingOutcome]) -> (Vec<NumericField<LifeOutcome>>, Vec<(&str, Vec<String>)>) {
+pub(super) fn lives(bearings: &[BearingOutcome]) -> (Vec<NumericField<LifeOutcome>>, Vec<BearingRow<'_>>) {
     let known = || bearings.iter().filter_map(|bearing| Some((bearing.name.as_str(), bearing.life.as_ref()?)));
     let is_known = |field: &NumericField<LifeOutcome>| known().any(|(_, life)| (field.value)(life).is_finite());
     let fields: Vec<_> = LifeOutcome::FIELDS.into_iter().filter(is_known).collect();
