@@ -28,6 +28,8 @@ static COMPLIANCE: Parameter = Parameter {
 
 /// Compliances that are tried along X, along Y and along both, m/N.
 const COMPLIANCES: [f64; 4] = [4e-9, 1.5e-8, 5e-8, 1.5e-7];
+/// Shares of the best of them that are tried then, along each direction: the fit goes on from there, and the errors of the readings hold it near.
+const CLOSER: [[f64; 3]; 2] = [[0.65, 1.0, 1.5], [0.85, 1.0, 1.2]];
 /// Least compliance, m/N: a sound support changes by less, with 200 N/um.
 const TOLERANCE: f64 = 5e-9;
 
@@ -65,7 +67,15 @@ impl Fault for Support {
             machine
         };
         let tried = COMPLIANCES.into_iter().flat_map(|c| [[c, 0.0], [0.0, c], [c, c]]);
-        let (gain, start) = search.best_of(self.bearing, tried.map(of))?;
+        let (mut gain, mut start) = search.best_of(self.bearing, tried.map(of))?;
+        for closer in CLOSER {
+            let about = start.bearings[self.bearing].compliance;
+            let tried = closer.into_iter().flat_map(|x| closer.map(|y| [x * about[0], y * about[1]]));
+            let (next, machine) = search.best_of(self.bearing, tried.map(of))?;
+            if next > gain {
+                (gain, start) = (next, machine);
+            }
+        }
         Ok((gain > 0.0).then(|| search.found(AnyFault::Support(*self), gain, vec![start], &self.unknowns())))
     }
 
