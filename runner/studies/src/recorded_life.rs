@@ -55,7 +55,7 @@ impl RecordedLife {
         self.samples += 1;
     }
 
-    /// Returns the ratings and the life for an outcome, as [`Self::life`].
+    /// Returns the ratings and the life for an outcome.
     #[must_use]
     pub fn outcome(&self) -> Option<LifeOutcome> {
         let life = self.life()?;
