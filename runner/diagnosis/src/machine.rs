@@ -152,9 +152,11 @@ const MIN_RADIAL: f64 = 0.01;
 
 /// Samples at which the force is evaluated together: much more work than the start of a thread.
 const TOGETHER: usize = 2048;
-/// Most steps in which the displacement of a support is found, and the step at which it is, m.
-const SUPPORT_STEPS: usize = 8;
-const SUPPORT_CLOSE: f64 = 1e-10;
+/// Most steps in which the displacement of a support is found, the step at which it is, m, and the share of the step before from which the
+/// stiffness is computed anew.
+const SUPPORT_STEPS: usize = 12;
+const SUPPORT_CLOSE: f64 = 2e-10;
+const SUPPORT_SLOW: f64 = 0.25;
 /// Instants in a sample period at which a pulse of a spall is evaluated.
 const PARTS: usize = 4;
 
@@ -180,6 +182,33 @@ pub struct Evaluated {
     /// Cage speed over shaft speed by the scene.
     cage_ratio: f64,
     ball_ratio: f64,
+}
+
+/// Displacement of a support at a sample.
+#[derive(Default)]
+struct Support {
+    /// Along X and Y, m, and its change since the sample before.
+    at: [f64; 2],
+    change: [f64; 2],
+    /// Inverse of the derivatives of what is left by the displacement.
+    inverse: Option<[[f64; 2]; 2]>,
+}
+
+impl Support {
+    /// Returns Newton's step for what is left; `None` without a stiffness.
+    fn step(&self, left: [f64; 2]) -> Option<[f64; 2]> {
+        self.inverse.map(|inverse| inverse.map(|row| row[0] * left[0] + row[1] * left[1]))
+    }
+
+    /// Sets the derivatives of what is left by the displacement.
+    fn stiffen(&mut self, [[a, b], [c, d]]: [[f64; 2]; 2]) {
+        let determinant = a * d - b * c;
+        self.inverse = Some([[d / determinant, -b / determinant], [-c / determinant, a / determinant]]);
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
 }
 
 /// Balls whose force is evaluated while one of them is on a spall: the force of the other balls is the same with and without it.
@@ -271,14 +300,14 @@ impl Evaluated {
 
     /// Returns the displacement of the inner ring against the outer ring, from that of the rotor.
     fn displacement(&self, of_rotor: &Displacement<f64>, state: &BearingKinematicState<f64>) -> Displacement<f64> {
-        self.displacement_after(of_rotor, &mut [0.0; 2], state)
+        self.displacement_after(of_rotor, &mut Support::default(), state)
     }
 
-    /// Returns the same from the displacement of the support at a sample before, and sets it.
+    /// Returns the same with the support of a sample before, and moves it on.
     fn displacement_after(
         &self,
         of_rotor: &Displacement<f64>,
-        support: &mut [f64; 2],
+        support: &mut Support,
         state: &BearingKinematicState<f64>,
     ) -> Displacement<f64> {
         let u = *of_rotor + self.offset;
@@ -291,29 +320,38 @@ impl Evaluated {
         self.compliance != [0.0; 2]
     }
 
-    /// Returns the displacement of the inner ring against an outer ring whose support yields to the force, from that of the inner ring, and
-    /// sets that of the support from the one of a sample before. The force grows with the displacement, so that Newton's method converges.
+    /// Returns the displacement of the inner ring against an outer ring whose support yields to the force, from that of the inner ring.
+    ///
+    /// The force grows with the displacement, so that Newton's method converges. The stiffness is that of a sample before as long as it does.
     fn on_support(
         &self,
         of_inner: Displacement<f64>,
-        support: &mut [f64; 2],
+        support: &mut Support,
         state: &BearingKinematicState<f64>,
     ) -> Displacement<f64> {
         let [cx, cy] = self.compliance;
-        let mut u = Displacement { u: of_inner.u - support[0], v: of_inner.v - support[1], ..of_inner };
+        let from = support.at;
+        let [x, y] = std::array::from_fn(|i| from[i] + support.change[i]);
+        let mut u = Displacement { u: of_inner.u - x, v: of_inner.v - y, ..of_inner };
+        let mut before = f64::INFINITY;
         for _ in 0..SUPPORT_STEPS {
-            let (reaction, k) = self.bearing.reaction_and_stiffness(&u, state);
-            let w = reaction.wrench;
-            let (rx, ry) = (u.u - of_inner.u - cx * w.fx, u.v - of_inner.v - cy * w.fy);
-            let (a, b, c, d) = (1.0 + cx * k[(0, 0)], cx * k[(0, 1)], cy * k[(1, 0)], 1.0 + cy * k[(1, 1)]);
-            let determinant = a * d - b * c;
-            let (dx, dy) = ((d * rx - b * ry) / determinant, (a * ry - c * rx) / determinant);
+            let wrench = self.bearing.reaction(&u, state).wrench;
+            let left = [u.u - of_inner.u - cx * wrench.fx, u.v - of_inner.v - cy * wrench.fy];
+            let mut step = support.step(left);
+            if step.is_none_or(|step| length(step) > SUPPORT_SLOW * before) {
+                let (_, k) = self.bearing.reaction_and_stiffness(&u, state);
+                support.stiffen([[1.0 + cx * k[(0, 0)], cx * k[(0, 1)]], [cy * k[(1, 0)], 1.0 + cy * k[(1, 1)]]]);
+                step = support.step(left);
+            }
+            let Some([dx, dy]) = step else { break };
             u = Displacement { u: u.u - dx, v: u.v - dy, ..u };
-            if dx.abs().max(dy.abs()) < SUPPORT_CLOSE {
+            before = length([dx, dy]);
+            if before < SUPPORT_CLOSE {
                 break;
             }
         }
-        *support = [of_inner.u - u.u, of_inner.v - u.v];
+        support.at = [of_inner.u - u.u, of_inner.v - u.v];
+        support.change = std::array::from_fn(|i| support.at[i] - from[i]);
         u
     }
 
@@ -355,7 +393,7 @@ impl Evaluated {
         let piece = |from: &usize| {
             let piece = *from..self.displaced.len().min(from + TOGETHER);
             let at: Vec<_> = piece.clone().map(state).collect();
-            let mut support = [0.0; 2];
+            let mut support = Support::default();
             let u: Vec<_> =
                 piece.zip(&at).map(|(t, at)| self.displacement_after(&of_rotor(t), &mut support, at)).collect();
             let mut reactions = vec![Reaction::default(); u.len()];

@@ -6,8 +6,10 @@
 //! the readings first, because a bearing force is not linear in them.
 
 use super::motion::{C, Motion, Transform};
+use ballrace_base::least_squares::dot;
 use ballrace_plant::probes::PoseSolver;
 use ballrace_scene::Direction;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Multiples of the shaft angle.
@@ -106,31 +108,35 @@ pub struct ReadingBasis {
     pub spectra: Vec<Vec<C>>,
 }
 
-/// Returns function `j` at sample `t`.
-fn function(motion: &Motion, j: usize, t: usize) -> f64 {
-    match j {
-        GAP => 1.0,
-        DRIFT => (t as f64 + 0.5) / motion.len() as f64 - 0.5,
-        RUN_OUT..HUM => {
-            let (order, part) = ((j - RUN_OUT) / 2 + 1, (j - RUN_OUT) % 2);
-            let (s, c) = (order as f64 * motion.angle[t].radians()).sin_cos();
-            if part == 0 { c } else { s }
+/// Returns all functions at sample `t`.
+fn functions(motion: &Motion, t: usize) -> ReadingError {
+    let mut all = [0.0; COEFFICIENTS];
+    all[GAP] = 1.0;
+    all[DRIFT] = (t as f64 + 0.5) / motion.len() as f64 - 0.5;
+    let mut multiples = |from: usize, count: usize, angle: f64| {
+        let (sine, cosine) = angle.sin_cos();
+        let turn = C::new(cosine, sine);
+        let mut power = turn;
+        for pair in all[from..from + 2 * count].chunks_exact_mut(2) {
+            pair.copy_from_slice(&[power.re, power.im]);
+            power *= turn;
         }
-        _ => {
-            let (i, part) = ((j - HUM) / 2, (j - HUM) % 2);
-            let frequency = MAINS[i / MULTIPLES] * (i % MULTIPLES + 1) as f64;
-            let (s, c) = (TAU * (frequency * t as f64 * motion.period).fract()).sin_cos();
-            if part == 0 { c } else { s }
-        }
+    };
+    multiples(RUN_OUT, HARMONICS, motion.angle[t].radians());
+    for (i, frequency) in MAINS.into_iter().enumerate() {
+        let angle = TAU * (frequency * t as f64 * motion.period).fract();
+        multiples(HUM + 2 * MULTIPLES * i, MULTIPLES, angle);
     }
+    all
 }
 
 impl ReadingBasis {
     /// Transforms the functions over a record.
     pub fn new(transform: &Transform, motion: &Motion) -> Self {
+        let functions: Vec<ReadingError> = (0..motion.len()).map(|t| functions(motion, t)).collect();
         let pair = |i: usize| {
             let (a, b) = (2 * i, 2 * i + 1);
-            transform.pair(0, |t| function(motion, a, t), |t| function(motion, b, t))
+            transform.pair(0, |t| functions[t][a], |t| functions[t][b])
         };
         Self { spectra: (0..COEFFICIENTS / 2).flat_map(pair).collect() }
     }
@@ -164,21 +170,22 @@ impl ReadingBasis {
     /// Returns the posterior mean of the coefficients from the displacement that a machine does not explain at a probe, the variance of its
     /// lines without the error, and the prior.
     pub fn estimate(&self, unexplained: &[C], variance: &[f64], deviations: &ReadingError) -> ReadingError {
-        let mut normal = nalgebra::DMatrix::<f64>::zeros(COEFFICIENTS, COEFFICIENTS);
-        let mut right = nalgebra::DVector::<f64>::zeros(COEFFICIENTS);
+        let weight: Vec<f64> = variance.iter().map(|variance| variance.sqrt().recip()).collect();
+        let values = |of: &[C], scale: f64| -> Vec<f64> {
+            of.iter().zip(&weight).flat_map(|(x, weight)| [x.re, x.im].map(|x| scale * weight * x)).collect()
+        };
         // In units of the deviations, so that the matrix is well conditioned.
-        for i in 0..COEFFICIENTS {
-            let a = &self.spectra[i];
-            for j in 0..=i {
-                let b = &self.spectra[j];
-                let sum: f64 = a.iter().zip(b).zip(variance).map(|((a, b), v)| (a.re * b.re + a.im * b.im) / v).sum();
-                normal[(i, j)] = sum * deviations[i] * deviations[j];
-                normal[(j, i)] = normal[(i, j)];
-            }
-            normal[(i, i)] += 1.0;
-            let along = a.iter().zip(unexplained).zip(variance).map(|((a, x), v)| (a.re * x.re + a.im * x.im) / v);
-            right[i] = along.sum::<f64>() * deviations[i];
-        }
+        let columns: Vec<f64> = self
+            .spectra
+            .iter()
+            .zip(deviations)
+            .flat_map(|(spectrum, deviation)| values(spectrum, *deviation))
+            .collect();
+        let columns = DMatrix::from_vec(2 * weight.len(), COEFFICIENTS, columns);
+        let rows = columns.transpose();
+        let mut normal = &rows * &columns;
+        (0..COEFFICIENTS).for_each(|i| normal[(i, i)] += 1.0);
+        let right = rows * DVector::from_vec(values(unexplained, 1.0));
         let Some(solution) = normal.cholesky().map(|factors| factors.solve(&right)) else { return [0.0; COEFFICIENTS] };
         std::array::from_fn(|j| solution[j] * deviations[j])
     }
@@ -191,13 +198,12 @@ pub fn limited(mean: &ReadingError, deviations: &ReadingError) -> ReadingError {
 
 /// Subtracts the errors of the probes' readings from a motion.
 pub fn subtract(motion: &mut Motion, solver: &PoseSolver, errors: &[ReadingError]) {
-    let used: Vec<usize> = (0..COEFFICIENTS).filter(|j| errors.iter().any(|error| error[*j] != 0.0)).collect();
     let columns: Vec<_> = (0..errors.len()).map(|p| solver.column(p).to_array()).collect();
     for t in 0..motion.len() {
-        let functions: Vec<(usize, f64)> = used.iter().map(|&j| (j, function(motion, j, t))).collect();
+        let functions = functions(motion, t);
         let mut q = motion.q[t].to_array();
         for (error, column) in errors.iter().zip(&columns) {
-            let x: f64 = functions.iter().map(|(j, f)| error[*j] * f).sum();
+            let x = dot(error, &functions);
             q.iter_mut().zip(column).for_each(|(q, a)| *q -= x * a);
         }
         motion.q[t] = ballrace::Displacement::from_array(q);

@@ -265,17 +265,20 @@ impl Evidence<'_> {
         }
         let unbalance = self.shaft.dynamics.unbalance(machine.unbalance, &self.unit_unbalance_lines);
         let unit = self.transform.power;
+        let whirl: Vec<SVector<C, D>> = (0..unbalance[0].len())
+            .map(|k| {
+                let force = SVector::<C, D>::from_fn(|i, _| unbalance[i][k]);
+                self.held(self.reference_lines[k]).lu().solve(&force).unwrap_or_else(SVector::zeros)
+            })
+            .collect();
         let estimate = |(p, unexplained): (usize, &Vec<C>)| {
             let row = probes::row(&self.weighting.probes[p]);
             let noise = unit * self.weighting.noise[p].powi(2);
+            let read = |of: &dyn Fn(usize) -> C| (0..D).map(|i| of(i) * row[i]).sum::<C>().norm_sqr();
             let variance: Vec<f64> = (0..unexplained.len())
                 .map(|k| {
-                    let motion = (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr();
-                    let stiffness = self.held(self.reference_lines[k]);
-                    let force = SVector::<C, D>::from_fn(|i, _| unbalance[i][k]);
-                    let whirl = stiffness.lu().solve(&force).unwrap_or_else(SVector::zeros);
-                    let whirl = (0..D).map(|i| whirl[i] * row[i]).sum::<C>().norm_sqr();
-                    let motion = if k < MEAN_LINES { 0.0 } else { motion };
+                    let motion = if k < MEAN_LINES { 0.0 } else { read(&|i| self.displacement[0][i][k]) };
+                    let whirl = read(&|i| whirl[k][i]);
                     2.0 * noise + MODEL_ERROR.powi(2) * motion + uncertain_unbalance.powi(2) * whirl
                 })
                 .collect();
@@ -293,7 +296,7 @@ impl Evidence<'_> {
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part);
         }
         let map = self.rows_of_pose();
-        let tangents: Vec<f64> = self.reference.tangents.iter().map(|k| 0.5 * (k[(0, 0)] + k[(1, 1)])).collect();
+        let forces: Vec<[f64; D]> = self.reference.tangents.iter().map(force_of_wave).collect();
         self.narrowing = (0..self.whitening.len())
             .map(|k| {
                 let rows = self.rows;
@@ -316,9 +319,11 @@ impl Evidence<'_> {
                     }
                 }
                 for (b, variance) in site.waves.iter().enumerate().filter(|(_, variance)| variance[k] > 0.0) {
-                    for direction in 0..2 {
-                        let along: Vec<C> =
-                            self.whitening_of_bearing[b][k].iter().map(|row| row[direction] * tangents[b]).collect();
+                    for direction in 0..D {
+                        let along: Vec<C> = self.whitening_of_bearing[b][k]
+                            .iter()
+                            .map(|row| row[direction] * forces[b][direction])
+                            .collect();
                         for i in 0..rows {
                             for j in 0..rows {
                                 covariance[(i, j)] += 0.5 * variance[k] * along[i] * along[j].conj();
@@ -415,6 +420,18 @@ impl Evidence<'_> {
     }
 }
 
+/// Returns the amplitude of force and moment of a bearing by a wave of its races over that of the wave, N/m and N: along the axis of a wave whose
+/// number is that of the elements, so that all are on one point of it, across the axis and about it of one more or less.
+///
+/// With the stiffness `k` of each of `n` contacts at the angle `a` and radius `R`, the bearing has `n k cos(a)^2 / 2` across its axis,
+/// `n k sin(a)^2` along it and `n k sin(a)^2 R^2 / 2` about the axes across. A radial deviation causes `n k cos(a)^2 / 2`, `n k cos(a) sin(a)` and
+/// `n k cos(a) sin(a) R / 2`: the root of the stiffness times twice that across, or half of it.
+fn force_of_wave(tangent: &super::Tangent) -> [f64; D] {
+    let across = tangent[(0, 0)] + tangent[(1, 1)];
+    let share = |i: usize| if i == 2 { 1.0 } else { 0.5 };
+    std::array::from_fn(|i| (share(i) * across * tangent[(i, i)]).max(0.0).sqrt())
+}
+
 /// Returns the part of the errors that counts against its prior, limited to what is plausible, and the part that does not count because
 /// nothing is known of it.
 pub fn divided(errors: &[ReadingError], known: &SiteKnowledge) -> [Vec<ReadingError>; 2] {
@@ -435,3 +452,57 @@ pub fn divided(errors: &[ReadingError], known: &SiteKnowledge) -> [Vec<ReadingEr
 
 /// Standard deviation from which a coefficient is unknown: it is subtracted whole, m.
 const UNKNOWN: f64 = 1.5e-6;
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::super::Tangent;
+    use super::*;
+    use ballrace::bearing::Bearing as _;
+    use ballrace::{BearingKinematicState, Phase};
+    use ballrace_models::build;
+    use ballrace_scene::read::read_str;
+    use std::f64::consts::{PI, TAU};
+    use std::path::Path;
+
+    const ELEMENTS: usize = 9;
+    /// Amplitude of a wave, m.
+    const WAVE: f64 = 1e-9;
+
+    /// Returns force and moment of an axially loaded bearing with a wave of an order on its outer race, and its stiffness, at an angle of the cage.
+    fn wrench(order: usize, phase: f64, turns: f64) -> ([f64; D], Tangent) {
+        let text = format!(
+            "[shaft]\nspeed = \"3000 rpm\"\n[[bearing]]\nname = \"DE\"\nstation = 0\nfacing = \"both\"\nmodel = \"angular\"\n\
+             elements = {ELEMENTS}\nball_diameter = \"9.525 mm\"\npitch_diameter = \"46 mm\"\ninner_conformity = 0.53\n\
+             outer_conformity = 0.52\ndiametral_clearance = \"15 um\"\n\
+             waviness = [{{ surface = \"outer\", order = {order}, amplitude = {WAVE:e}, phase = {phase} }}]\n"
+        );
+        let scene = read_str(&text, Path::new("scene.toml")).unwrap();
+        let bearing = &scene.bearings[0];
+        let built: build::AnyBearing<f64> = build::bearing(&scene, bearing, bearing.evaluated_model()).unwrap();
+        let u = Displacement { w: 100e-6, ..Displacement::default() };
+        let cage = Phase::from_revolutions(turns);
+        let state = BearingKinematicState { cage, ..BearingKinematicState::default() };
+        let (reaction, k) = built.reaction_and_stiffness(&u, &state);
+        (reaction.wrench.to_array(), Tangent::from_fn(|i, j| k[(i, j)]))
+    }
+
+    /// Amplitudes of the force of the wave at the ball pass, from the contacts of a whole bearing.
+    #[test]
+    fn a_wave_has_the_force_of_its_contacts() {
+        let expected = force_of_wave(&wrench(ELEMENTS, 0.0, 0.0).1);
+        let amplitude = |order: usize, i: usize| {
+            const ANGLES: usize = 32;
+            let parts = (0..ANGLES).map(|j| {
+                let turns = j as f64 / (ANGLES * ELEMENTS) as f64;
+                let change = wrench(order, 0.0, turns).0[i] - wrench(order, PI, turns).0[i];
+                C::from_polar(change / ANGLES as f64, TAU * (ELEMENTS as f64 * turns))
+            });
+            parts.sum::<C>().norm() / WAVE
+        };
+        for (order, i) in [(ELEMENTS + 1, 0), (ELEMENTS - 1, 1), (ELEMENTS, 2), (ELEMENTS + 1, 3), (ELEMENTS - 1, 4)] {
+            let found = amplitude(order, i);
+            assert!((found / expected[i] - 1.0).abs() < 0.02, "{i}: {found:e} instead of {:e}", expected[i]);
+        }
+    }
+}
