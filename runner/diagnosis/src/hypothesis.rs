@@ -5,7 +5,7 @@ use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
-use super::parameter::{CAGE_SLIP, union};
+use super::parameter::{CAGE_SLIP, Unknown, union};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::{Prepared, Result, cage};
@@ -163,6 +163,8 @@ const MIN_SHARE_OF_SITE: f64 = 0.2;
 
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
 const ROUNDS_OF_SITE: usize = 2;
+/// Change of chi-squared over it by new errors of the readings below which they stay: less than its error by the simulated noise of the weights.
+const SETTLED_OF_SITE: f64 = 0.01;
 /// Spreads of the sum of the lines of a surface that a fault of it exceeds.
 const SPREADS: f64 = 2.0;
 
@@ -581,44 +583,49 @@ fn pruned(of: &Prepared, faults: &mut Vec<IdentifiedFault>, mut now: Fitted) -> 
 fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
-    let best = weighted_from(of, candidate, &found.machine)?;
-    let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
-    if is_explained || first.chi_square - found.chi_square < MIN_FALL {
-        return Ok(best);
-    }
-    let other = weighted_from(of, candidate, &first.machine)?;
-    Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
-}
-
-fn weighted_from<'a>(
-    of: &Prepared<'a>,
-    candidate: &Candidate,
-    start: &Machine,
-) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    // The readings of a site lack the errors that this machine leaves.
-    let evidence = |machine: &Machine| -> Result<Evidence<'a>> {
-        let measured = of.site.as_ref().map(|site| site.clone().evidence(machine)).transpose()?;
-        let mut evidence = measured.flatten().unwrap_or_else(|| of.evidence.clone());
-        evidence.uncertain_as(&of.evidence);
-        evidence.weight_for(machine)?;
-        Ok(evidence)
-    };
-    let first = evidence(start)?;
-    let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable, &settled.machine);
-    unknowns.extend(candidate.own_unknowns());
-    let mut fitted = fit(&first, &settled, &unknowns, 12)?;
-    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
-    let mut last = first;
-    for _ in 0..rounds {
-        let before = fitted.chi_square;
-        last = evidence(&fitted.machine)?;
-        fitted = fit(&last, &evaluate(&last, &fitted.machine)?, &unknowns, 12)?;
-        if (fitted.chi_square - before).abs() < MIN_FALL {
-            break;
+    let mut best = Weighted::new(of, candidate, &found.machine)?;
+    let is_explained = best.fitted.chi_square < (1.0 + MODEL_ERROR) * best.fitted.residual.len() as f64;
+    if !is_explained && first.chi_square - found.chi_square >= MIN_FALL {
+        let other = Weighted::new(of, candidate, &first.machine)?;
+        if other.fitted.chi_square < best.fitted.chi_square {
+            best = other;
         }
     }
-    Ok((last, fitted, observable))
+    best.settle(of)
+}
+
+/// Fit of a candidate in the weights of a machine near it.
+struct Weighted {
+    fitted: Fitted,
+    unknowns: Vec<Unknown>,
+    observable: Vec<bool>,
+}
+
+impl Weighted {
+    /// Fits a candidate in the weights of the machine from which it starts, with all cages searched in these.
+    fn new(of: &Prepared, candidate: &Candidate, start: &Machine) -> Result<Self> {
+        let evidence = of.weighted_for(start)?;
+        let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
+        let mut unknowns = cage::unknowns(&observable, &settled.machine);
+        unknowns.extend(candidate.own_unknowns());
+        Ok(Self { fitted: fit(&evidence, &settled, &unknowns, 12)?, unknowns, observable })
+    }
+
+    /// Fits it again in its own weights, until they stay.
+    fn settle<'a>(self, of: &Prepared<'a>) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+        let Self { mut fitted, unknowns, observable } = self;
+        let (rounds, settled) = if of.site.is_some() { (ROUNDS_OF_SITE, SETTLED_OF_SITE) } else { (1, 0.0) };
+        let mut round = 0;
+        loop {
+            round += 1;
+            let before = fitted.chi_square;
+            let evidence = of.weighted_for(&fitted.machine)?;
+            fitted = fit(&evidence, &evaluate(&evidence, &fitted.machine)?, &unknowns, 12)?;
+            if round == rounds || (fitted.chi_square - before).abs() < MIN_FALL.max(settled * before) {
+                return Ok((evidence, fitted, observable));
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -217,7 +217,16 @@ impl<'a> Prepared<'a> {
     }
 }
 
-impl Prepared<'_> {
+impl<'a> Prepared<'a> {
+    /// Returns the recording weighted for a machine; the readings of a site lack the errors that this machine leaves.
+    fn weighted_for(&self, machine: &Machine) -> Result<Evidence<'a>> {
+        let measured = self.site.as_ref().map(|site| site.clone().evidence(machine)).transpose()?;
+        let mut evidence = measured.flatten().unwrap_or_else(|| self.evidence.clone());
+        evidence.uncertain_as(&self.evidence);
+        evidence.weight_for(machine)?;
+        Ok(evidence)
+    }
+
     /// Finds the errors of the readings of a site anew for a machine. The next call must be [`Evidence::weight_for`].
     fn remeasure(&mut self, machine: &Machine) -> Result<()> {
         let Some(site) = &mut self.site else { return Ok(()) };
