@@ -5,7 +5,7 @@ use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
-use super::parameter::{CAGE_SLIP, Unknown, union};
+use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::{Prepared, Result, cage};
@@ -163,8 +163,8 @@ const MIN_SHARE_OF_SITE: f64 = 0.2;
 
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
 const ROUNDS_OF_SITE: usize = 2;
-/// Change of chi-squared over it by new errors of the readings below which they stay: less than its error by the simulated noise of the weights.
-const SETTLED_OF_SITE: f64 = 0.01;
+/// The same of the machine that was selected.
+const LAST_ROUNDS_OF_SITE: usize = 8;
 /// Spreads of the sum of the lines of a surface that a fault of it exceeds.
 const SPREADS: f64 = 2.0;
 
@@ -204,6 +204,13 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let Some(Scored { mut identified, mut evidence, is_sound, .. }) = round.selected(&list)? else { break };
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
             evidence = moved_axially(of, &now.machine, &mut identified)?;
+        }
+        if of.site.is_some() && evidence.is_some() {
+            let before = identified.fitted.chi_square;
+            let (own, fitted) = in_own_weights(of, identified.fitted, LAST_ROUNDS_OF_SITE)?;
+            identified.gain += before - fitted.chi_square;
+            identified.fitted = fitted;
+            evidence = own.or(evidence);
         }
         now = identified.fitted.clone();
         of.observable.clone_from(&identified.observable);
@@ -270,7 +277,29 @@ impl<'a> Round<'a, '_> {
         tried.retain(|scored| {
             self.is_significant(scored) && (!scored.is_sound || may_be_sound(&scored.identified.fault))
         });
-        self.compared(tried, not_fitted)
+        let mut selected = self.compared(tried, not_fitted)?;
+        if let Some(Scored { identified, .. }) = &mut selected
+            && let Some(equal) = self.equal_without_baseline(identified.fault, list)
+        {
+            let odds = identified.next.map_or(0.0, |(_, odds)| odds.min(0.0));
+            identified.next = Some((equal, odds));
+        }
+        Ok(selected)
+    }
+
+    /// Returns what else makes a ring of the same bearing give way, and explains about as much before a fit, where no baseline tells the two apart.
+    fn equal_without_baseline(&self, fault: AnyFault, list: &[Candidate]) -> Option<AnyFault> {
+        if !self.of.evidence.is_without_baseline() || !fault.gives_way() {
+            return None;
+        }
+        let own = list.iter().find(|candidate| candidate.fault == fault)?;
+        let is_equal = |other: &&Candidate| {
+            other.fault.gives_way()
+                && other.fault != fault
+                && other.fault.bearing() == fault.bearing()
+                && other.gain > EXPECTED * own.gain
+        };
+        list.iter().find(is_equal).map(|other| other.fault)
     }
 
     /// Returns the candidates that compete, fitted, and those that are not fitted.
@@ -583,49 +612,44 @@ fn pruned(of: &Prepared, faults: &mut Vec<IdentifiedFault>, mut now: Fitted) -> 
 fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
-    let mut best = Weighted::new(of, candidate, &found.machine)?;
-    let is_explained = best.fitted.chi_square < (1.0 + MODEL_ERROR) * best.fitted.residual.len() as f64;
-    if !is_explained && first.chi_square - found.chi_square >= MIN_FALL {
-        let other = Weighted::new(of, candidate, &first.machine)?;
-        if other.fitted.chi_square < best.fitted.chi_square {
-            best = other;
-        }
+    let best = weighted_from(of, candidate, &found.machine)?;
+    let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
+    if is_explained || first.chi_square - found.chi_square < MIN_FALL {
+        return Ok(best);
     }
-    best.settle(of)
+    let other = weighted_from(of, candidate, &first.machine)?;
+    Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
 }
 
-/// Fit of a candidate in the weights of a machine near it.
-struct Weighted {
-    fitted: Fitted,
-    unknowns: Vec<Unknown>,
-    observable: Vec<bool>,
+fn weighted_from<'a>(
+    of: &Prepared<'a>,
+    candidate: &Candidate,
+    start: &Machine,
+) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    let first = of.weighted_for(start)?;
+    let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable, &settled.machine);
+    unknowns.extend(candidate.own_unknowns());
+    let fitted = fit(&first, &settled, &unknowns, 12)?;
+    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
+    let (own, fitted) = in_own_weights(of, fitted, rounds)?;
+    Ok((own.unwrap_or(first), fitted, observable))
 }
 
-impl Weighted {
-    /// Fits a candidate in the weights of the machine from which it starts, with all cages searched in these.
-    fn new(of: &Prepared, candidate: &Candidate, start: &Machine) -> Result<Self> {
-        let evidence = of.weighted_for(start)?;
-        let (settled, observable) = cage::fit_cages(&evidence, &of.band, start, SLIPS)?;
-        let mut unknowns = cage::unknowns(&observable, &settled.machine);
-        unknowns.extend(candidate.own_unknowns());
-        Ok(Self { fitted: fit(&evidence, &settled, &unknowns, 12)?, unknowns, observable })
-    }
-
-    /// Fits it again in its own weights, until they stay.
-    fn settle<'a>(self, of: &Prepared<'a>) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-        let Self { mut fitted, unknowns, observable } = self;
-        let (rounds, settled) = if of.site.is_some() { (ROUNDS_OF_SITE, SETTLED_OF_SITE) } else { (1, 0.0) };
-        let mut round = 0;
-        loop {
-            round += 1;
-            let before = fitted.chi_square;
-            let evidence = of.weighted_for(&fitted.machine)?;
-            fitted = fit(&evidence, &evaluate(&evidence, &fitted.machine)?, &unknowns, 12)?;
-            if round == rounds || (fitted.chi_square - before).abs() < MIN_FALL.max(settled * before) {
-                return Ok((evidence, fitted, observable));
-            }
+/// Fits a machine in weights of its own until chi-squared stays, in at most so many rounds; returns it with the recording so weighted, `None`
+/// without a round.
+fn in_own_weights<'a>(of: &Prepared<'a>, mut fitted: Fitted, rounds: usize) -> Result<(Option<Evidence<'a>>, Fitted)> {
+    let mut last = None;
+    for _ in 0..rounds {
+        let before = fitted.chi_square;
+        let own = of.weighted_for(&fitted.machine)?;
+        fitted = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
+        last = Some(own);
+        if (fitted.chi_square - before).abs() < MIN_FALL {
+            break;
         }
     }
+    Ok((last, fitted))
 }
 
 #[cfg(test)]

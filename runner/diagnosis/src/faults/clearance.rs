@@ -104,6 +104,10 @@ impl Fault for Clearance {
         true
     }
 
+    fn gives_way(&self) -> bool {
+        true
+    }
+
     fn kind(&self) -> FaultKind {
         FaultKind::Clearance
     }

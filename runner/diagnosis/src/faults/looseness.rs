@@ -82,6 +82,10 @@ impl Fault for Looseness {
         true
     }
 
+    fn gives_way(&self) -> bool {
+        true
+    }
+
     fn is_of_sound_machines(&self) -> bool {
         false
     }

@@ -87,6 +87,12 @@ pub trait Fault {
         false
     }
 
+    /// Returns true for a fault by which the ring of a bearing gives way across the axis: without a baseline, nothing tells a large clearance, a loose
+    /// ring and a soft support of one bearing apart.
+    fn gives_way(&self) -> bool {
+        false
+    }
+
     /// Returns true if the gain before the fit shows little of the fault.
     fn is_nonlinear(&self) -> bool {
         false

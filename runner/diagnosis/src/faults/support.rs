@@ -104,6 +104,10 @@ impl Fault for Support {
         true
     }
 
+    fn gives_way(&self) -> bool {
+        true
+    }
+
     fn is_of_sound_machines(&self) -> bool {
         false
     }
