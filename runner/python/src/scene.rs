@@ -328,7 +328,7 @@ impl Scene {
         if let Some(grade) = grade.filter(|grade| !(*grade > 0.0 && grade.is_finite())) {
             return Err(wrong(format!("grade: out of range: {grade}, expected a grade above 0, such as 2.5")));
         }
-        let runs = RecordedRuns::new(scene, &runs, &trials, &planes).map_err(|e| wrong(e.to_string()))?;
+        let runs = RecordedRuns::new(scene, &runs, [&trials, &trims], &planes).map_err(|e| wrong(e.to_string()))?;
         let found = py.detach(|| {
             let table = vector_table(scene, &runs)?;
             let speeds = table.speeds().1;

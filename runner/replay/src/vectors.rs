@@ -26,7 +26,9 @@ const UNIT: &str = "um";
 pub struct RecordedRun {
     /// File.
     pub file: PathBuf,
-    /// Masses added to planes, g mm; none in a run of the rotor as it is.
+    /// Baseline, trial or trim run.
+    pub set: Set,
+    /// Masses added to planes, g mm; none in a baseline.
     pub masses: Vec<(Plane, C)>,
 }
 
@@ -40,23 +42,29 @@ pub struct RecordedRuns {
 }
 
 impl RecordedRuns {
-    /// Returns the runs without masses, and those with trial masses by their text (see [`masses`]); `planes` are bearings or stations.
+    /// Returns the runs without masses, those with trial masses and those with masses that stay mounted, both by their text (see [`masses`]);
+    /// `planes` are bearings or stations.
     ///
     /// # Errors
-    /// Returns an error for a wrong text, a trial mass in another plane than the given ones, or a file that stands twice.
-    pub fn new(
+    /// Returns an error for a wrong text, a mass in another plane than the given ones, or a file that stands twice.
+    pub fn new<'a>(
         scene: &Scene,
         without: &[PathBuf],
-        trials: &[(PathBuf, String)],
+        [trials, trims]: [&'a [(PathBuf, String)]; 2],
         planes: &[String],
     ) -> Result<Self, MassesError> {
         let mut of = Self { planes: vec![], runs: vec![] };
         for plane in planes {
             of.add_plane(&Plane::named(scene, plane)?);
         }
+        let each = |(set, runs): (Set, &'a [(PathBuf, String)])| runs.iter().map(move |run| (set, run));
         let are_given = !planes.is_empty();
-        of.runs.extend(without.iter().map(|file| RecordedRun { file: file.clone(), masses: vec![] }));
-        for (file, text) in trials {
+        of.runs.extend(without.iter().map(|file| RecordedRun {
+            file: file.clone(),
+            set: Set::Baseline,
+            masses: vec![],
+        }));
+        for (set, (file, text)) in [(Set::Trial, trials), (Set::Trim, trims)].into_iter().flat_map(each) {
             let masses = masses(scene, text)?;
             for (plane, _) in &masses {
                 if are_given && !of.planes.iter().any(|other| other.is_same(plane)) {
@@ -68,7 +76,7 @@ impl RecordedRuns {
                 }
                 of.add_plane(plane);
             }
-            of.runs.push(RecordedRun { file: file.clone(), masses });
+            of.runs.push(RecordedRun { file: file.clone(), set, masses });
         }
         let is_repeated = |i: &usize| of.runs.iter().take(*i).any(|run| run.file == of.runs[*i].file);
         if let Some(i) = (0..of.runs.len()).find(is_repeated) {
@@ -130,12 +138,11 @@ pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
         let moment =
             |plane: &Plane| run.masses.iter().filter(|(of, _)| of.is_same(plane)).map(|(_, moment)| moment).sum();
         let moments: Vec<C> = planes.iter().map(moment).collect();
-        let set = if run.masses.is_empty() { Set::Baseline } else { Set::Trial };
         let vector =
             |block: &Block, i: usize| block.probes.get(i).map(|probe| C::new(probe.one_x_um[0], -probe.one_x_um[1]));
         records.extend(blocks.iter().map(|block| Record {
             condition: run.file.display().to_string(),
-            set,
+            set: run.set,
             speed: block.speed_rpm,
             moments: Some(moments.clone()),
             response: probes.iter().filter_map(|&i| vector(block, i)).collect(),

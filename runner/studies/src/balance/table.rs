@@ -18,6 +18,8 @@ pub enum Set {
     Baseline,
     /// The added masses are given.
     Trial,
+    /// The added masses are given and stay mounted.
+    Trim,
     /// The added masses are asked for.
     Blind,
 }
@@ -105,6 +107,8 @@ pub enum TableError {
 const UNITS: [&str; 4] = ["um", "mil", "mm", "m"];
 /// Columns of every table.
 const FIXED: [&str; 3] = ["id", "set", "speed_rpm"];
+/// Words of the column `set`.
+const SETS: &str = "baseline, trial, trim or blind";
 /// Column of the time of a record.
 const TIME: &str = "time_s";
 
@@ -129,7 +133,7 @@ impl Columns {
         let required = |name: &str, why: &str| at(name).ok_or_else(|| error(name, "missing", why.to_owned()));
         let fixed = [
             required(FIXED[0], "an identifier such as A007_N1_m1_a1")?,
-            required(FIXED[1], "baseline, trial or blind")?,
+            required(FIXED[1], SETS)?,
             required(FIXED[2], "the shaft speed")?,
         ];
         let (mut planes, mut probes, mut unit) = (vec![], vec![], None);
@@ -271,12 +275,13 @@ impl VectorTable {
             let set = match line.text(set) {
                 "baseline" => Set::Baseline,
                 "trial" => Set::Trial,
+                "trim" => Set::Trim,
                 "blind" => Set::Blind,
-                _ => return Err(line.error(set, "baseline, trial or blind")),
+                _ => return Err(line.error(set, SETS)),
             };
             let moments = match set {
                 Set::Baseline => Some(vec![C::new(0.0, 0.0); columns.planes.len()]),
-                Set::Trial => {
+                Set::Trial | Set::Trim => {
                     Some(columns.planes.iter().map(|(_, pair)| line.moment(*pair)).collect::<Result<Vec<_>, _>>()?)
                 }
                 Set::Blind => None,
