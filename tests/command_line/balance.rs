@@ -262,7 +262,7 @@ fn wrong_tables_have_one_clear_error() {
         (
             "T1_N1_a1,trial,3000,40",
             "T1_N1_a1,test,3000,40",
-            "line 4: set: value out of range: \"test\", expected baseline, trial or blind",
+            "line 4: set: value out of range: \"test\", expected baseline, trial, trim or blind",
         ),
         ("T1_N1_a1,trial,3000", "T1_N1_a1,trial,0", "line 4: speed_rpm: value out of range: \"0\""),
     ] {
@@ -270,6 +270,9 @@ fn wrong_tables_have_one_clear_error() {
         let err = wrong(&good.replacen(from, to, 1));
         assert!(err.contains(message), "{message}: {err}");
     }
+    // Lines that end as on Windows are counted as well.
+    let windows = good.replacen("T1_N1_a1,trial,3000", "T1_N1_a1,trial,0", 1).replace('\n', "\r\n");
+    assert!(wrong(&windows).contains("line 4: speed_rpm"));
     // Records of one condition with other masses.
     let err = wrong(&good.replacen("T1_N1_a2,trial,3000,40", "T1_N1_a2,trial,3000,41", 1));
     assert!(err.contains("line 5: id: value out of range: \"T1_N1_a2\", expected the set and the masses"), "{err}");

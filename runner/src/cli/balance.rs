@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "R", requires = "holes", value_parser = parse_length)]
     radius: Option<f64>,
     /// Weights in stock, one for a hole, separated by commas, e.g. "0.4 g,0.8 g"; "3 x 0.8 g" where there are 3 for all planes [default: any weight].
-    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = parse_weight)]
+    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = Weight::parse)]
     stock: Vec<Weight>,
     /// Most weights of the stock in a plane.
     #[arg(long, value_name = "N", requires = "stock", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=MOST_WEIGHTS as i64))]
@@ -94,16 +94,6 @@ fn parse_length(text: &str) -> Result<f64, String> {
 fn parse_mass(text: &str) -> Result<f64, String> {
     let mass = parse(text.trim(), Dimension::Mass).ok().filter(|mass| *mass > 0.0);
     mass.ok_or_else(|| format!("expected {}", Dimension::Mass.expected("above 0")))
-}
-
-/// Parses a weight such as `0.8 g`, or `3 x 0.8 g` of which there are three.
-fn parse_weight(text: &str) -> Result<Weight, String> {
-    let Some((count, mass)) = text.split_once(" x ") else {
-        return Ok(Weight { mass: parse_mass(text)?, count: None });
-    };
-    let number = count.trim().parse().ok().filter(|count: &usize| *count > 0);
-    let count = number.ok_or_else(|| "expected a number of weights above 0, such as \"3 x 0.8 g\"".to_owned())?;
-    Ok(Weight { mass: parse_mass(mass)?, count: Some(count) })
 }
 
 fn parse_speed(text: &str) -> Result<f64, String> {
@@ -178,16 +168,8 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
 /// Returns the holes and weights that are given.
 fn holes(args: &Args, planes: &[String]) -> Result<Option<Holes>> {
     let Some((count, radius)) = args.holes.zip(args.radius) else { return Ok(None) };
-    let taken = |text: &String| {
-        let (plane, hole) = text.trim().rsplit_once(' ')?;
-        let plane = planes.iter().position(|name| name == plane.trim())?;
-        let hole: usize = hole.parse().ok().filter(|hole| (1..=count.into()).contains(hole))?;
-        Some([plane, hole - 1])
-    };
-    let known = |text: &String| {
-        let expected =
-            format!("a plane ({}) and a hole from 1 to {count}, such as \"{} 3\"", planes.join(", "), planes[0]);
-        taken(text).ok_or_else(|| UsageError(format!("--taken: unknown hole: {text:?}, expected {expected}")))
+    let hole = |text: &String| {
+        Holes::hole(planes, count.into(), text).map_err(|error| UsageError(format!("--taken: {error}")))
     };
     Ok(Some(Holes {
         count: count.into(),
@@ -195,7 +177,7 @@ fn holes(args: &Args, planes: &[String]) -> Result<Option<Holes>> {
         stock: args.stock.clone(),
         most: args.weights.into(),
         limit: args.hole_limit,
-        taken: args.taken.iter().map(known).collect::<Result<_, _>>()?,
+        taken: args.taken.iter().map(hole).collect::<Result<_, _>>()?,
     }))
 }
 
@@ -207,13 +189,7 @@ fn of_table(args: &Args, vectors: &Path) -> Result<Input> {
     let outputs = [("--output", args.output.as_deref()), ("--report", args.report.as_deref())];
     let outputs: Vec<(&str, &Path)> = outputs.into_iter().filter_map(|(name, path)| Some((name, path?))).collect();
     check_distinct_paths(&outputs, &inputs)?;
-    let read = |times: Option<&Path>| VectorTable::read(vectors, times).map_err(UsageError::new);
-    let mut table = read(args.times.as_deref())?;
-    let mut times = args.times.clone();
-    if !table.has_times() && beside.is_file() {
-        table = read(Some(&beside))?;
-        times = Some(beside);
-    }
+    let (table, times) = VectorTable::read(vectors, args.times.as_deref()).map_err(UsageError::new)?;
     Ok(Input { table, machine: None, file: vectors.to_owned(), times })
 }
 

@@ -118,7 +118,12 @@ pub(super) fn correction(of: &Vectors, placement: &Placement) -> Result<Correcti
     let added: Vec<C> = kept.iter().zip(&placed.moments).map(|(kept, moment)| kept + moment).collect();
     let by_channel = of.errors(&added) + of.errors_of_masses(&placed.moments) + of.carried(&of_kept);
     let of_before = of.errors(&mounted) + of.carried(&of_mounted);
-    let of_moments = &inverse * of.errors(moments.as_slice()) * inverse.adjoint() + of_kept;
+    // Errors of the coefficients change the moments by what they leave of the vectors as well.
+    let left: Vec<C> = (0..of.channels()).map(|channel| vector(of, channel, moments.as_slice())).collect();
+    let normal = &inverse * inverse.adjoint();
+    let of_moments = &inverse * of.errors(moments.as_slice()) * inverse.adjoint()
+        + &normal * of.errors_of_left(&left) * &normal
+        + of_kept;
     let plane = |(k, holes): (usize, Vec<HoleMass>)| PlaneCorrection {
         plane: of.planes[k].clone(),
         moment_g_mm: wanted[k].norm(),
@@ -127,12 +132,8 @@ pub(super) fn correction(of: &Vectors, placement: &Placement) -> Result<Correcti
         holes,
         left_g_mm: (wanted[k] - placed.moments[k]).norm(),
     };
-    let vector = |channel: usize, moments: &[C]| {
-        let by_masses = moments.iter().enumerate().map(|(k, u)| of.coefficient(channel, k) * u);
-        of.baseline(channel) + by_masses.sum::<C>()
-    };
     let predicted = |channel: usize| {
-        let (before, after) = (vector(channel, &mounted), vector(channel, &added));
+        let (before, after) = (vector(of, channel, &mounted), vector(of, channel, &added));
         Predicted {
             probe: of.probe(channel).to_owned(),
             speed_rpm: of.speed(channel),
@@ -156,6 +157,12 @@ pub(super) fn correction(of: &Vectors, placement: &Placement) -> Result<Correcti
         covariance: of_moments,
         added,
     })
+}
+
+/// Returns the vector of a channel with moments on the planes.
+fn vector(of: &Vectors, channel: usize, moments: &[C]) -> C {
+    let by_masses = moments.iter().enumerate().map(|(k, u)| of.coefficient(channel, k) * u);
+    of.baseline(channel) + by_masses.sum::<C>()
 }
 
 /// Returns the angle of a complex number, 0 to 360 degrees.

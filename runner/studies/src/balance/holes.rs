@@ -1,8 +1,10 @@
 //! Holes of the correction planes and the masses in them: any masses, within a limit, or weights of a stock.
 
 use super::error::BalanceError;
+use super::plane::MassesError;
 use super::stock::{self, StockChoice};
 use super::table::C;
+use ballrace_scene::units::{Dimension, parse};
 use nalgebra::DMatrix;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -23,6 +25,24 @@ pub struct Weight {
     pub mass: f64,
     /// How many there are for all planes together; `None` for any number.
     pub count: Option<usize>,
+}
+
+impl Weight {
+    /// Reads a weight such as `0.8 g`, or `3 x 0.8 g` of which there are three.
+    ///
+    /// # Errors
+    /// Returns what is expected of another text.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (count, mass) = text.split_once(" x ").map_or((None, text), |(count, mass)| (Some(count), mass));
+        let is_number = |count: &usize| *count > 0;
+        let count = count.map(|count| count.trim().parse().ok().filter(is_number)).map_or(Ok(None), |count| {
+            count.map(Some).ok_or_else(|| "expected a number of weights above 0, such as \"3 x 0.8 g\"".to_owned())
+        })?;
+        let mass = parse(mass.trim(), Dimension::Mass).ok().filter(|mass| *mass > 0.0);
+        let expected =
+            || format!("expected {}, or with a number as \"3 x 0.8 g\"", Dimension::Mass.expected("above 0"));
+        Ok(Self { mass: mass.ok_or_else(expected)?, count })
+    }
 }
 
 /// Holes and weights of the planes.
@@ -98,6 +118,24 @@ impl Placement {
 }
 
 impl Holes {
+    /// Reads a hole of a plane such as `fan 3` among `count` holes of each plane: plane and hole from 0.
+    ///
+    /// # Errors
+    /// Returns an error for an unknown plane and a hole that is not there.
+    pub fn hole(planes: &[String], count: usize, text: &str) -> Result<[usize; 2], MassesError> {
+        let found = || {
+            let (plane, hole) = text.trim().rsplit_once(' ')?;
+            let plane = planes.iter().position(|name| name == plane.trim())?;
+            let hole = hole.parse().ok().filter(|hole| (1..=count).contains(hole))?;
+            Some([plane, hole - 1])
+        };
+        let example = planes.first().map_or("DE", String::as_str);
+        found().ok_or_else(|| MassesError {
+            found: format!("unknown hole: {text:?}"),
+            expected: format!("a plane ({}) and a hole from 1 to {count}, such as \"{example} 3\"", planes.join(", ")),
+        })
+    }
+
     fn angle(&self, hole: usize) -> f64 {
         TAU * hole as f64 / self.count as f64
     }

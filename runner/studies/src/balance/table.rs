@@ -242,16 +242,35 @@ impl VectorTable {
         self.records.iter().all(|record| record.time.is_some())
     }
 
-    /// Reads a table; `times` holds `condition, speed, unix_time_of_one_record`, where the table has no column of times.
+    /// Reads a table; `times` holds `condition, speed, unix_time_of_one_record`, where the table has no column of times. Without both, `times.csv`
+    /// beside the table is read where it is there; returns the file of times.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, or a column or a cell is invalid.
-    pub fn read(path: &Path, times: Option<&Path>) -> Result<Self, TableError> {
+    pub fn read(path: &Path, times: Option<&Path>) -> Result<(Self, Option<PathBuf>), TableError> {
+        let text =
+            std::fs::read(path).map_err(|source| TableError::File { path: path.to_owned(), source: source.into() })?;
+        let table = Self::parse(&text, path, times)?;
+        let beside = times.is_none().then(|| path.with_file_name("times.csv"));
+        match beside.filter(|beside| !table.has_times() && beside.is_file()) {
+            Some(beside) => Ok((Self::parse(&text, path, Some(&beside))?, Some(beside))),
+            None => Ok((table, times.map(Path::to_owned))),
+        }
+    }
+
+    /// Reads a table from its text; `path` names it in errors.
+    ///
+    /// # Errors
+    /// Returns an error if the file of times cannot be read, or a column or a cell is invalid.
+    pub fn parse(text: &[u8], path: &Path, times: Option<&Path>) -> Result<Self, TableError> {
         let file = |path: &Path| {
             let path = path.to_owned();
             move |source: csv::Error| TableError::File { path: path.clone(), source }
         };
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(file(path))?;
+        // A line that ends with two characters would count the next one as itself.
+        let is_part = |(i, byte): &(usize, &u8)| !(**byte == b'\r' && text.get(i + 1) == Some(&b'\n'));
+        let plain: Vec<u8> = text.iter().enumerate().filter(is_part).map(|(_, byte)| *byte).collect();
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(plain.as_slice());
         let names = reader.headers().map_err(file(path))?.clone();
         let columns = Columns::new(path, &names)?;
         if let Some(times) = times.filter(|_| columns.time.is_some()) {

@@ -158,6 +158,18 @@ impl<'a> Vectors<'a> {
         sum
     }
 
+    /// Returns the covariance of `C^H r` by the errors of the coefficients `C`, with the vectors `r` that the moments leave.
+    pub(super) fn errors_of_left(&self, left: &[C]) -> DMatrix<C> {
+        let planes = self.planes.len();
+        let at = |channel: usize, k: usize| self.runs.column(channel, 1 + k);
+        let mut carried = DMatrix::<C>::zeros(self.solution.covariance.nrows(), planes);
+        for (channel, left) in left.iter().enumerate() {
+            (0..planes).for_each(|k| carried[(at(channel, k), k)] = *left);
+        }
+        // The covariance of conjugates is the transposed one.
+        carried.transpose() * self.solution.covariance.transpose() * carried.map(|x| x.conj())
+    }
+
     /// Returns the covariance of the vectors by the errors of masses: their weights and the radius of the holes.
     pub(super) fn errors_of_masses(&self, moments: &[C]) -> DMatrix<C> {
         let square = |i: usize, j: usize| if i == j { (MASS_ERROR * moments[i].norm()).powi(2) } else { 0.0 };
