@@ -121,7 +121,7 @@ fn a_trim_run_gives_the_next_masses() {
         "{text}"
     );
     let page = machine.sandbox.read("trim.html");
-    assert!(page.contains("Trim run C2: p1 ") && page.contains("Plane p1"), "{page}");
+    assert!(page.contains("Trim run C2") && page.contains("Mounted: p1 ") && page.contains("Plane p1"), "{page}");
 }
 
 /// Other masses than the stated ones are named.

@@ -270,7 +270,7 @@ fn correction(out: &mut String, of: &Balance) -> Result<()> {
         }
         let masses = in_holes(one, removes);
         writeln!(out, " deg{}{masses}", if masses.is_empty() { "" } else { ": " })?;
-        if *left_g_mm > LEFT * moment_g_mm {
+        if *left_g_mm > LEFT * moment_g_mm && left_g_mm > deviation_g_mm {
             writeln!(out, "{:<12} these masses leave {left_g_mm:.1} g mm: others are needed", "")?;
         }
     }
@@ -370,8 +370,9 @@ pub fn html(name: &str, of: &Balance, holes: Option<usize>) -> Result<String> {
     ];
     if let Some(trim) = &of.trim {
         let one = |one: &TrimVector| Some(figures::trim(one, without_masses(of, one)?, &of.unit));
-        let heading = format!("Trim run {}: {}", trim.condition, mounted(of, trim));
-        sections.push(PageSection::figures(&heading, Shape::Square, trim.vectors.iter().filter_map(one).collect()));
+        let vectors = trim.vectors.iter().filter_map(one).collect();
+        let figures = PageSection::figures(&format!("Trim run {}", trim.condition), Shape::Square, vectors);
+        sections.push(PageSection { note: format!("Mounted: {}. {}", mounted(of, trim), figures.note), ..figures });
     }
     sections.push(PageSection::figures("Vectors before and after", Shape::Square, predicted));
     if let Some(quality) = &of.quality {

@@ -1,12 +1,13 @@
 //! A correction plane as its holes lie, with the masses to place.
 
 use super::Picture;
-use super::canvas::{Anchor, Canvas, FAULT, INK, MARK, RESIDUAL, Stroke, picture};
+use super::canvas::{Anchor, Canvas, FAULT, INK, MARK, Stroke, picture};
 use super::line::Point;
 use ballrace_twin::balance::{HoleMass, PlaneCorrection};
 
-const SIDE: f64 = 300.0;
-const MIDDLE: Point = (0.5 * SIDE, 0.5 * SIDE);
+const WIDTH: f64 = 350.0;
+const HEIGHT: f64 = 240.0;
+const MIDDLE: Point = (0.5 * WIDTH, 0.5 * HEIGHT);
 const RADIUS: f64 = 92.0;
 /// Holes beyond which only those with a mass have their number.
 const MOST_NUMBERS: usize = 24;
@@ -19,12 +20,12 @@ fn at(degrees: f64, share: f64) -> Point {
 
 /// Draws the plane of a correction; `holes` is the number of its holes, `angle` (degrees) that of the whole moment.
 pub(crate) fn plane(of: &PlaneCorrection, holes: Option<usize>, angle: f64) -> Picture {
-    let drawing = picture((SIDE, SIDE), |canvas| {
+    let drawing = picture((WIDTH, HEIGHT), |canvas| {
         canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.9));
         canvas.dot(MIDDLE.0, MIDDLE.1, 2.5, MARK);
         rotation(canvas);
         // The keyphasor mark.
-        canvas.triangle(at(0.0, 0.84), std::f64::consts::PI, 11.0, INK);
+        canvas.triangle(at(0.0, 0.76), std::f64::consts::PI, 11.0, INK);
         for hole in 1..=holes.unwrap_or_default() {
             empty(canvas, hole, holes.unwrap_or_default());
         }
@@ -42,7 +43,7 @@ pub(crate) fn plane(of: &PlaneCorrection, holes: Option<usize>, angle: f64) -> P
 fn empty(canvas: &mut Canvas, hole: usize, holes: usize) {
     let angle = 360.0 * (hole - 1) as f64 / holes as f64;
     let (x, y) = at(angle, 1.0);
-    canvas.circle(x, y, 4.0, Stroke(RESIDUAL, 0.9));
+    canvas.circle(x, y, 4.0, Stroke(MARK, 0.9));
     if holes <= MOST_NUMBERS {
         canvas.text(&hole.to_string(), at(angle, 0.86), Anchor::Middle, MARK);
     }

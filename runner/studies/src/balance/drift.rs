@@ -74,8 +74,8 @@ struct Filtered {
     mean: DMatrix<C>,
 }
 
-/// Share of the coefficients from which covariances do not take it.
-const MOST_SHARE: f64 = 1.5;
+/// Largest factor of covariances by the share of the coefficients.
+const MOST_SHARE: f64 = 1.75;
 /// Rounds of expectation and maximisation.
 const ROUNDS: usize = 40;
 /// Records that the scale from which the covariance starts counts as.
@@ -200,10 +200,11 @@ impl Drift {
         let of_rest = |mean: &DMatrix<C>| -> DVector<C> { mean.column(0) - mean.columns(1, theta.len()) * &theta };
         let q = self.channels();
         let n = all.len();
-        // The coefficients take their share of what is left. Where that is most of it, covariances would grow with it round by round.
+        // The coefficients take their share of what is left, and of its covariance. A factor of 2 of both covariances, of drift and error, would
+        // let them grow round by round without end.
         let values = all.iter().map(|of| of.response.len()).sum::<usize>() as f64;
         let share = values / (values - theta.len() as f64).max(1.0);
-        let of_covariance = if share < MOST_SHARE { share } else { 1.0 };
+        let of_covariance = share.min(MOST_SHARE);
         let (share, of_covariance) = (C::new(share / of_covariance, 0.0), C::new(of_covariance, 0.0));
         let mut sum = DMatrix::<C>::zeros(q, q);
         let mut steps = 0.0;
