@@ -100,8 +100,9 @@ def test_intervals_hold_the_best_moments() -> None:
         rotor = Rotor(1000 + seed)
         rotor.baseline, rotor.coefficients = rotor.baseline[:4], rotor.coefficients[:4, :2]
         rotor.run("BASE", "baseline", {})
-        for name, masses in [("T1", {0: 40}), ("T2", {1: 40j}), ("T3", {0: _at(40, 120), 1: _at(40, 200)})]:
-            rotor.run(name, "trial", masses)
+        rotor.run("T1", "trial", {0: 40})
+        rotor.run("T2", "trial", {1: 40j})
+        rotor.run("T3", "trial", {0: _at(40, 120), 1: _at(40, 200)})
         rotor.run("AGAIN", "baseline", {})
         planes = ballrace.balance(rotor.frame())["correction"]["planes"]
         best: Any = -np.linalg.lstsq(rotor.coefficients, rotor.baseline, rcond=None)[0]

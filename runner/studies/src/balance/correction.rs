@@ -1,7 +1,8 @@
 //! Correction masses: the moments that leave the least vibration, and the holes and weights that come nearest to them.
 
 use super::error::BalanceError;
-use super::holes::{HoleMass, Placement};
+use super::holes::HoleMass;
+use super::placement::Placement;
 use super::stock::StockChoice;
 use super::table::C;
 use super::vectors::{Mounted, Vectors};

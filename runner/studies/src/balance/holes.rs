@@ -1,8 +1,6 @@
 //! Holes of the correction planes and the masses in them: any masses, within a limit, or weights of a stock.
 
-use super::error::BalanceError;
 use super::plane::MassesError;
-use super::stock::{self, StockChoice};
 use super::table::C;
 use ballrace_scene::units::{Dimension, parse};
 use nalgebra::DMatrix;
@@ -17,6 +15,12 @@ const LEAST_MASS: f64 = 1e-9;
 const ROUNDS: (usize, f64) = (5000, 1e-12);
 /// Share of the squares without a mass below which masses are those that are wanted.
 const REACHED: f64 = 1e-18;
+
+/// Returns the squares that a departure adds.
+pub(super) fn squares(metric: &DMatrix<C>, errors: &[C]) -> f64 {
+    let row = |i: usize| errors.iter().enumerate().map(|(j, e)| metric[(i, j)] * e).sum::<C>();
+    errors.iter().enumerate().map(|(i, e)| (e.conj() * row(i)).re).sum()
+}
 
 /// A kind of weight in stock.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,17 +66,6 @@ pub struct Holes {
     pub taken: Vec<[usize; 2]>,
 }
 
-/// How masses are placed.
-#[derive(Debug, Clone, Default)]
-pub struct Placement {
-    /// Holes of each plane; `None` for masses at any angle.
-    pub holes: Option<Holes>,
-    /// Masses are removed, as by drilling, opposite to those that would be added.
-    pub removes: bool,
-    /// The masses that are mounted are taken off first.
-    pub replaces: bool,
-}
-
 /// A mass in a hole.
 #[derive(Debug, Clone, Serialize)]
 pub struct HoleMass {
@@ -82,39 +75,6 @@ pub struct HoleMass {
     pub angle_deg: f64,
     /// Mass, g.
     pub mass_g: f64,
-}
-
-/// Masses in the holes of each plane.
-pub(super) struct Placed {
-    /// Masses of each plane; none without holes.
-    pub(super) masses: Vec<Vec<HoleMass>>,
-    /// Moments that act with them, g mm.
-    pub(super) moments: Vec<C>,
-    /// What a choice of weights of the stock leaves.
-    pub(super) choice: Option<StockChoice>,
-}
-
-impl Placement {
-    /// Returns the masses that come nearest to the wanted moments (g mm) in the squares of `channels` vectors: a departure `e` adds `e^H M e` with
-    /// the metric `M`.
-    ///
-    /// # Errors
-    /// Returns an error if the stock has more choices than can be compared.
-    pub(super) fn place(&self, wanted: &[C], metric: &DMatrix<C>, channels: usize) -> Result<Placed, BalanceError> {
-        let Some(holes) = &self.holes else {
-            return Ok(Placed { masses: vec![vec![]; wanted.len()], moments: wanted.to_vec(), choice: None });
-        };
-        let sign = if self.removes { -1.0 } else { 1.0 };
-        let turned: Vec<C> = wanted.iter().map(|moment| moment * sign).collect();
-        let (masses, choice) = if holes.stock.is_empty() {
-            (holes.filled(&turned, metric), None)
-        } else {
-            let (masses, choice) = stock::nearest(holes, &turned, metric, channels)?;
-            (masses, Some(choice))
-        };
-        let moment = |masses: &Vec<f64>| holes.moment(masses) * sign;
-        Ok(Placed { moments: masses.iter().map(moment).collect(), masses: holes.named(&masses), choice })
-    }
 }
 
 impl Holes {
@@ -146,7 +106,7 @@ impl Holes {
     }
 
     /// Returns the moment of the masses (kg) in the holes of a plane, g mm.
-    fn moment(&self, masses: &[f64]) -> C {
+    pub(super) fn moment(&self, masses: &[f64]) -> C {
         masses.iter().enumerate().map(|(hole, mass)| self.unit(hole) * *mass).sum()
     }
 
@@ -156,7 +116,7 @@ impl Holes {
     }
 
     /// Returns the masses (kg) in the holes of each plane by their holes.
-    fn named(&self, masses: &[Vec<f64>]) -> Vec<Vec<HoleMass>> {
+    pub(super) fn named(&self, masses: &[Vec<f64>]) -> Vec<Vec<HoleMass>> {
         let one = |(hole, mass): (usize, &f64)| HoleMass {
             hole: hole + 1,
             angle_deg: self.angle(hole).to_degrees(),
@@ -171,10 +131,10 @@ impl Holes {
     /// Returns the masses (kg) in the holes of each plane that come nearest to moments (g mm): two beside each moment, and further ones where
     /// those are full. Where that does not reach the moments, all holes of all planes are changed until the squares are least, a convex
     /// problem.
-    fn filled(&self, wanted: &[C], metric: &DMatrix<C>) -> Vec<Vec<f64>> {
+    pub(super) fn filled(&self, wanted: &[C], metric: &DMatrix<C>) -> Vec<Vec<f64>> {
         let fill = |(plane, moment): (usize, &C)| self.fill(plane, *moment);
         let mut masses: Vec<Vec<f64>> = wanted.iter().enumerate().map(fill).collect();
-        let squares = |errors: &[C]| stock::squares(metric, errors);
+        let squares = |errors: &[C]| squares(metric, errors);
         let mut errors: Vec<C> = masses.iter().zip(wanted).map(|(masses, u)| self.moment(masses) - u).collect();
         let mut left = squares(&errors);
         let enough = REACHED * squares(wanted);
@@ -202,7 +162,7 @@ impl Holes {
     }
 
     /// Fills the holes beside the direction of a moment that have room, pair by pair, until nothing is left or no hole has room.
-    fn fill(&self, plane: usize, moment: C) -> Vec<f64> {
+    pub(super) fn fill(&self, plane: usize, moment: C) -> Vec<f64> {
         let mut masses = vec![0.0; self.count];
         let mut left = moment;
         // Each round fills a hole or ends.
@@ -229,81 +189,5 @@ impl Holes {
             }
         }
         masses
-    }
-}
-
-#[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-mod tests {
-    use super::*;
-
-    fn holes(limit: Option<f64>) -> Holes {
-        Holes { count: 16, radius: 0.03, stock: vec![], most: 2, limit, taken: vec![] }
-    }
-
-    fn placed(holes: Holes, removes: bool, wanted: &[C], metric: &DMatrix<C>) -> Placed {
-        Placement { holes: Some(holes), removes, replaces: false }.place(wanted, metric, 1).unwrap()
-    }
-
-    fn one() -> DMatrix<C> {
-        DMatrix::identity(1, 1)
-    }
-
-    #[test]
-    fn masses_in_two_holes_have_the_moment() {
-        for angle in [0.0, 10.0, 22.5, 100.0, 359.0_f64] {
-            let moment = C::from_polar(48.0, angle.to_radians());
-            let found = placed(holes(None), false, &[moment], &one());
-            assert!((found.moments[0] - moment).norm() < 1e-9, "{angle}: {:?}", found.masses);
-            assert!(found.masses[0].len() <= 2, "{angle}: {:?}", found.masses);
-        }
-    }
-
-    /// A moment of two full holes and more goes to those beside them; a hole that is taken stays empty.
-    #[test]
-    fn full_holes_pass_the_rest_to_their_neighbours() {
-        let moment = C::from_polar(50.0, 1.0);
-        let found = placed(holes(Some(0.5e-3)), false, &[moment], &one());
-        assert!(found.masses[0].len() > 2 && (found.moments[0] - moment).norm() < 1e-6, "{:?}", found.masses);
-        assert!(found.masses[0].iter().all(|mass| mass.mass_g <= 0.5 + 1e-9), "{:?}", found.masses);
-        let free = Holes { taken: vec![[0, 2], [1, 3]], ..holes(None) };
-        let found = placed(free, false, &[moment], &one());
-        assert!((found.moments[0] - moment).norm() < 1e-6, "{:?}", found.masses);
-        assert!(found.masses[0].iter().all(|mass| mass.hole != 3), "{:?}", found.masses);
-    }
-
-    /// Moments beyond the holes: no small change of one hole lowers the squares (the conditions of Karush, Kuhn and Tucker), and the other
-    /// plane takes over what the full one cannot hold.
-    #[test]
-    fn full_planes_leave_the_least_squares() {
-        let metric =
-            DMatrix::from_row_slice(2, 2, &[C::new(2.0, 0.0), C::new(1.2, 0.9), C::new(1.2, -0.9), C::new(1.5, 0.0)]);
-        let wanted = [C::from_polar(500.0, 1.0), C::from_polar(10.0, 4.0)];
-        let of = holes(Some(0.5e-3));
-        let masses = of.filled(&wanted, &metric);
-        let squares = |masses: &[Vec<f64>]| {
-            let errors: Vec<C> = masses.iter().zip(&wanted).map(|(masses, u)| of.moment(masses) - u).collect();
-            stock::squares(&metric, &errors)
-        };
-        let least = squares(&masses);
-        for plane in 0..2 {
-            for hole in 0..of.count {
-                for step in [-1e-6, 1e-6] {
-                    let mut other = masses.clone();
-                    other[plane][hole] = (other[plane][hole] + step).clamp(0.0, 0.5e-3);
-                    assert!(squares(&other) >= least * (1.0 - 1e-9), "{plane} {hole} {step}");
-                }
-            }
-        }
-        let alone: Vec<Vec<f64>> = wanted.iter().enumerate().map(|(plane, u)| of.fill(plane, *u)).collect();
-        assert!(least < 0.98 * squares(&alone), "{least}: {}", squares(&alone));
-    }
-
-    #[test]
-    fn what_is_removed_acts_as_the_opposite() {
-        let moment = C::from_polar(12.0, 0.3);
-        let found = placed(Holes { count: 12, ..holes(None) }, true, &[moment], &one());
-        assert!((found.moments[0] - moment).norm() < 1e-9, "{:?}", found.masses);
-        assert!(found.masses[0].iter().all(|mass| (180.0..=211.0).contains(&mass.angle_deg)), "{:?}", found.masses);
     }
 }

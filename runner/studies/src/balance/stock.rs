@@ -33,12 +33,6 @@ pub struct StockChoice {
     pub bound: f64,
 }
 
-/// Returns the squares that a departure adds.
-pub(super) fn squares(metric: &DMatrix<C>, errors: &[C]) -> f64 {
-    let row = |i: usize| errors.iter().enumerate().map(|(j, e)| metric[(i, j)] * e).sum::<C>();
-    errors.iter().enumerate().map(|(i, e)| (e.conj() * row(i)).re).sum()
-}
-
 /// Weights of a plane: hole and kind of each.
 #[derive(Clone)]
 struct Choice {
@@ -202,7 +196,7 @@ pub(super) fn nearest(
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
-    use super::super::holes::Weight;
+    use super::super::holes::{Weight, squares};
     use super::*;
 
     /// Pseudorandom number in -1 to 1 (Park and Miller).
