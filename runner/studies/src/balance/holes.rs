@@ -144,13 +144,13 @@ impl Holes {
             }
             for plane in 0..wanted.len() {
                 let curvature = metric[(plane, plane)].re;
-                for hole in 0..self.count {
+                for (hole, mass) in masses[plane].iter_mut().enumerate() {
                     let unit = self.unit(hole);
                     let row: C = (0..wanted.len()).map(|k| metric[(plane, k)] * errors[k]).sum();
                     let slope = (unit.conj() * row).re / (curvature * unit.norm_sqr()).max(f64::MIN_POSITIVE);
-                    let before = masses[plane][hole];
-                    masses[plane][hole] = (before - slope).clamp(0.0, self.room(plane, hole));
-                    errors[plane] += unit * (masses[plane][hole] - before);
+                    let next = (*mass - slope).clamp(0.0, self.room(plane, hole));
+                    errors[plane] += unit * (next - *mass);
+                    *mass = next;
                 }
             }
             let before = std::mem::replace(&mut left, squares(&errors));
