@@ -1,7 +1,7 @@
 //! Balancing from a table of vectors, and the options that it shares with that of recordings.
 
 use crate::error::wrong_argument;
-use crate::scene::Quantity;
+use crate::quantity::Quantity;
 use crate::text::{json_of, page};
 use ballrace_report as report;
 use ballrace_twin::balance::table::VectorTable;

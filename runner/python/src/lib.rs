@@ -10,6 +10,7 @@ mod error;
 mod fleet;
 mod interrupt;
 mod outcome;
+mod quantity;
 mod recording;
 mod scene;
 mod text;

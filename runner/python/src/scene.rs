@@ -5,6 +5,7 @@ use crate::bearing::Bearing;
 use crate::error::{exception, wrong_argument};
 use crate::interrupt::interruptible;
 use crate::outcome::Outcome;
+use crate::quantity::Quantity;
 use crate::recording::Source;
 use crate::text::{json_of, page};
 use ballrace_report as report;
@@ -21,7 +22,7 @@ use ballrace_twin::scene;
 use ballrace_twin::scene::build::pick;
 use ballrace_twin::scene::edit::{put, value_of_json};
 use ballrace_twin::scene::read::{load, read_str};
-use ballrace_twin::scene::units::{Dimension, parse};
+use ballrace_twin::scene::units::Dimension;
 use ballrace_twin::scene::{Clock, RotationSource};
 use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
 use ballrace_twin::thermal::thermal_equilibrium;
@@ -48,26 +49,6 @@ pub struct Trade {
     result: trade::Trade,
     /// Text of the scene with the chosen model; `None` if no model is chosen.
     chosen: Option<String>,
-}
-
-/// A quantity: a number in SI, or text with a unit.
-#[derive(FromPyObject)]
-pub enum Quantity {
-    Number(f64),
-    Text(String),
-}
-
-impl Quantity {
-    pub fn si(&self, py: Python<'_>, name: &str, dimension: Dimension) -> PyResult<f64> {
-        let value = match self {
-            Self::Number(si) => *si,
-            Self::Text(text) => parse(text, dimension).map_err(|e| wrong_argument(py, &format!("{name}: {e}")))?,
-        };
-        if value.is_finite() {
-            return Ok(value);
-        }
-        Err(wrong_argument(py, &format!("{name}: not finite, expected {}", dimension.expected("in SI or with a unit"))))
-    }
 }
 
 #[pymethods]
