@@ -332,7 +332,7 @@ fn vectors_of_a_run_up() {
     let sandbox = Sandbox::empty();
     let soft = SCENE.replace("[2e7,0", "[4e5,0").replace("3e7", "5e5");
     sandbox.put("fan.toml", &soft);
-    let up = "{ from = \"1500 rpm\", to = \"5500 rpm\", over = \"8 s\" }";
+    let up = "{ from = \"200 rpm\", to = \"5500 rpm\", over = \"8 s\" }";
     let trials = ["-60 mm 20 g mm at 30 deg", "20 mm 20 g mm at 200 deg"];
     let of = ["30 deg\", station = \"-60 mm", "200 deg\", station = \"20 mm"]
         .map(|at| format!("{{ moment = \"20 g mm\", angle = \"{at}\" }}, "));
@@ -355,11 +355,11 @@ fn vectors_of_a_run_up() {
     let has_own = |one: &Value| (one["speed_rpm"].as_f64().unwrap() - 2500.0).abs() < 1.0;
     assert_eq!(out["influence"].as_array().unwrap().iter().filter(|one| has_own(one)).count(), 4, "{out}");
     assert_corrected(&out, 0.04);
-    let fast = "{ from = \"1500 rpm\", to = \"5500 rpm\", over = \"0.5 s\" }";
-    simulated(&sandbox, &soft, fast, "", ["0.5 s", "fast.csv"]);
+    let fast = "{ from = \"1500 rpm\", to = \"5500 rpm\", over = \"0.25 s\" }";
+    simulated(&sandbox, &soft, fast, "", ["0.25 s", "fast.csv"]);
     let output = sandbox.run(&["balance", "fan.toml", "--run", "fast.csv"]);
     assert!(output.err.contains("fast.csv: speed changes by") && output.err.contains("a slower run-up"), "{output:?}");
-    let other = "{ from = \"500 rpm\", to = \"1000 rpm\", over = \"8 s\" }";
+    let other = "{ from = \"700 rpm\", to = \"1000 rpm\", over = \"8 s\" }";
     simulated(&sandbox, &soft, other, &of[1], ["8 s", "trial2.csv"]);
     let output = sandbox.run(&[&BEFORE[..], &args].concat());
     assert!(output.err.contains("no speed in common with the other run-ups"), "{output:?}");

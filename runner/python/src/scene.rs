@@ -313,7 +313,7 @@ impl Scene {
         let placement = options.placement(py, &names)?;
         let found = py.detach(|| {
             let table = vector_table(scene, &runs)?;
-            let twin = TwinCoefficients::new(scene, &runs.planes, &table.speeds().1)?;
+            let twin = TwinCoefficients::new(scene, &runs.planes, &table)?;
             Ok::<_, Error>((balance::balance(&table, Some(&twin), &placement), highest_speed(&table)))
         });
         let (found, highest) = found.map_err(|e| exception(py, e))?;

@@ -151,6 +151,7 @@ pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
         probes: names.collect(),
         unit: UNIT.to_owned(),
         records,
+        has_run_ups: !speeds.is_empty(),
     };
     check_speeds(&table)?;
     Ok(table)

@@ -211,7 +211,7 @@ fn of_recordings(args: &Args, path: &Path) -> Result<Input> {
         check_distinct_paths(&[("--report", report.as_path())], &inputs)?;
     }
     let table = vector_table(&scene, &runs)?;
-    let twin = TwinCoefficients::new(&scene, &runs.planes, &table.speeds().1)?;
+    let twin = TwinCoefficients::new(&scene, &runs.planes, &table)?;
     Ok(Input { table, machine: Some((scene, runs.planes, twin)), file: path.to_owned(), times: None })
 }
 

@@ -17,25 +17,33 @@ const LARGEST_CHANGE: f64 = 0.1;
 pub(super) struct Passed {
     file: PathBuf,
     blocks: Vec<Block>,
-    /// Least and largest speed without its sign, rpm.
+    /// Least and largest speed, without its sign, of blocks between which it changes slowly, rpm.
     range: [f64; 2],
+}
+
+/// Returns by which share the speed changes from one block to the next.
+fn change(pair: &[Block]) -> f64 {
+    (pair[1].speed_rpm / pair[0].speed_rpm - 1.0).abs()
 }
 
 impl Passed {
     /// # Errors
-    /// Returns an error for a recording without a block, or with a change of speed that is too fast.
+    /// Returns an error for a recording without a block, or whose speed changes too fast everywhere.
     pub(super) fn new(file: &Path, blocks: Vec<Block>) -> Result<Self, VectorError> {
-        let speeds = || blocks.iter().map(|block| block.speed_rpm.abs());
-        let range = speeds().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        if blocks.is_empty() {
-            return Err(VectorError::Short { file: file.to_owned(), turns: crate::trend::TURNS + 1 });
+        let turns = crate::trend::TURNS;
+        let Some(first) = blocks.first().map(|block| block.speed_rpm.abs()) else {
+            return Err(VectorError::Short { file: file.to_owned(), turns: turns + 1 });
+        };
+        let least = blocks.windows(2).map(change).fold(f64::INFINITY, f64::min);
+        if least > LARGEST_CHANGE && least.is_finite() {
+            let [found, most] = [least, LARGEST_CHANGE].map(|share| 100.0 * share);
+            return Err(VectorError::FastChange { file: file.to_owned(), turns, found, most });
         }
-        let change = |pair: &[Block]| (pair[1].speed_rpm / pair[0].speed_rpm - 1.0).abs();
-        let largest = blocks.windows(2).map(change).fold(0.0, f64::max);
-        if largest > LARGEST_CHANGE {
-            let [found, most] = [largest, LARGEST_CHANGE].map(|share| 100.0 * share);
-            return Err(VectorError::FastChange { file: file.to_owned(), turns: crate::trend::TURNS, found, most });
-        }
+        // A run-up from standstill is fast at first.
+        let slow = blocks.windows(2).filter(|pair| change(pair) <= LARGEST_CHANGE).flatten();
+        let speeds = slow.map(|block| block.speed_rpm.abs());
+        let [low, high] = speeds.fold([f64::INFINITY, 0.0_f64], |[low, high], x| [low.min(x), high.max(x)]);
+        let range = if low <= high { [low, high] } else { [first, first] };
         Ok(Self { file: file.to_owned(), blocks, range })
     }
 
@@ -52,11 +60,12 @@ impl Passed {
         };
         if self.is_constant() {
             let all = |block: &Block| (block.speed_rpm, probes.iter().map(|i| reading(block, i)).collect());
-            return self.blocks.iter().map(all).collect();
+            let is_in = |block: &&Block| (self.range[0]..=self.range[1]).contains(&block.speed_rpm.abs());
+            return self.blocks.iter().filter(is_in).map(all).collect();
         }
         let mut found = vec![];
         for speed in speeds {
-            for pair in self.blocks.windows(2) {
+            for pair in self.blocks.windows(2).filter(|pair| change(pair) <= LARGEST_CHANGE) {
                 let [from, to] = [pair[0].speed_rpm.abs(), pair[1].speed_rpm.abs()];
                 // A pass at the speed of a block is counted once.
                 if (from <= *speed) == (to <= *speed) {

@@ -36,7 +36,8 @@ pub(crate) fn plane(of: &PlaneCorrection, holes: Option<usize>, angle: f64) -> P
             mark(canvas, angle, &format!("{:.1} g mm", of.moment_g_mm));
         }
     });
-    let note = "Holes counted from the keyphasor mark (triangle) in the direction of positive rotation (arrow).";
+    let note =
+        "Angles and holes count from the keyphasor mark (triangle) in the direction of positive rotation (arrow).";
     Picture { title: format!("Plane {}", of.plane), note: note.to_owned(), drawing, ..Picture::default() }
 }
 

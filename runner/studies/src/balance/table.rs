@@ -52,6 +52,8 @@ pub struct VectorTable {
     pub unit: String,
     /// Records in the order of the file.
     pub records: Vec<Record>,
+    /// Vectors were taken while the speed changed.
+    pub has_run_ups: bool,
 }
 
 /// Error of a table of vectors.
@@ -345,7 +347,13 @@ impl VectorTable {
             return Err(TableError::Records { path: path.to_owned(), found, expected });
         }
         let of = |named: Vec<(String, [usize; 2])>| named.into_iter().map(|(name, _)| name).collect();
-        Ok(Self { planes: of(columns.planes), probes: of(columns.probes), unit: columns.unit, records })
+        Ok(Self {
+            planes: of(columns.planes),
+            probes: of(columns.probes),
+            unit: columns.unit,
+            records,
+            has_run_ups: false,
+        })
     }
 }
 
