@@ -152,7 +152,11 @@ fn masses_that_are_not_those_stated() {
     let output = Machine::with_trials();
     output.sandbox.put("vectors.csv", &output.table);
     let output = output.sandbox.run(&["balance", "--vectors", "vectors.csv", "--replace"]);
-    assert!(output.code == Some(2) && output.err.contains("--replace: no trim run"), "{output:?}");
+    assert!(
+        output.code == Some(2)
+            && output.err.contains("vectors.csv: no trim run, expected one whose masses are taken off"),
+        "{output:?}"
+    );
 }
 
 /// One run more than coefficients tells the scatter about: it neither vanishes nor grows without end.

@@ -158,6 +158,7 @@ def test_wrong_arguments(rotor: Rotor) -> None:
         ({"holes": 16, "radius": "30 mm", "stock": "1 g"}, "stock, taken: a text"),
         ({"holes": 16, "radius": "30 mm", "stock": ["one"]}, "stock: \"one\""),
         ({"holes": 16, "radius": "30 mm", "taken": ["p9 1"]}, "taken: unknown hole"),
+        ({"replace": True}, "no trim run"),
         ({"grade": 2.5}, "mass: none"),
         ({"grade": -1.0}, "grade: out of range"),
     ]

@@ -4,7 +4,7 @@ use super::{Format, check_distinct_paths};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report::balance::{correction_csv, csv, html, text};
-use ballrace_twin::balance::table::{Set, VectorTable};
+use ballrace_twin::balance::table::VectorTable;
 use ballrace_twin::balance::{
     Holes, MOST_WEIGHTS, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, Weight, balance,
 };
@@ -131,9 +131,6 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     };
     let required = requirement(args, &table, machine.as_ref())?;
     let placement = Placement { holes: holes(args, &table.planes)?, removes: args.remove, replaces: args.replace };
-    if args.replace && !table.records.iter().any(|record| record.set == Set::Trim) {
-        bail!(UsageError("--replace: no trim run, expected one whose masses are taken off".to_owned()));
-    }
     let of_file = |error| UsageError(format!("{}: {error}", file.display()));
     let twin = machine.as_ref().map(|(.., twin)| twin);
     let mut balance = balance(&table, twin, &placement).map_err(of_file)?;

@@ -108,13 +108,17 @@ pub struct Balance {
 /// `twin` has the coefficients of a scene for the planes, probes and speeds of the table.
 ///
 /// # Errors
-/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree.
+/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree, if a trim run has other
+/// masses than stated, and for a stock of too many choices.
 pub fn balance(
     table: &VectorTable,
     twin: Option<&TwinCoefficients>,
     placement: &Placement,
 ) -> Result<Balance, BalanceError> {
     let mut runs = Runs::new(table);
+    if placement.replaces && runs.trims.is_empty() {
+        return Err(BalanceError::NoTrim);
+    }
     let is_determined = determined(&runs);
     if twin.is_none() {
         is_determined?;

@@ -78,6 +78,9 @@ pub enum BalanceError {
         /// Masses that explain the vectors.
         likely: String,
     },
+    /// There are no mounted masses to take off.
+    #[error("no trim run, expected one whose masses are taken off")]
+    NoTrim,
     /// A stock has too many choices of weights.
     #[error(
         "the stock has more than {most} choices of weights in the holes of a plane, expected fewer kinds of weights, holes or weights in a plane"
