@@ -5,17 +5,17 @@ use serde_json::Value;
 use std::fmt::Write;
 
 /// Complex number as real and imaginary part.
-type Pair = [f64; 2];
+pub type Pair = [f64; 2];
 
 /// Pseudorandom numbers in -1 to 1 (Park and Miller).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0 * 48_271 % 0x7fff_ffff;
         2.0 * self.0 as f64 / 2_147_483_647.0 - 1.0
     }
-    fn pair(&mut self) -> Pair {
+    pub fn pair(&mut self) -> Pair {
         [self.next(), self.next()]
     }
 }
@@ -24,36 +24,36 @@ fn times(a: Pair, b: Pair) -> Pair {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
-fn plus(a: Pair, b: Pair) -> Pair {
+pub fn plus(a: Pair, b: Pair) -> Pair {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-fn at(moment: f64, degrees: f64) -> Pair {
+pub fn at(moment: f64, degrees: f64) -> Pair {
     let (s, c) = degrees.to_radians().sin_cos();
     [moment * c, moment * s]
 }
 
 /// A run: condition, set, and moment and angle on each plane.
-type Run = (&'static str, &'static str, Vec<(f64, f64)>);
+pub type Run = (&'static str, &'static str, Vec<(f64, f64)>);
 
 /// A rotor of planes and probes by its coefficients.
-struct Rotor {
-    baseline: Vec<Pair>,
+pub struct Rotor {
+    pub baseline: Vec<Pair>,
     /// By probe, then by plane.
-    coefficients: Vec<Vec<Pair>>,
-    random: Random,
-    noise: f64,
+    pub coefficients: Vec<Vec<Pair>>,
+    pub random: Random,
+    pub noise: f64,
 }
 
 impl Rotor {
-    fn new(planes: usize, probes: usize, noise: f64) -> Self {
+    pub fn new(planes: usize, probes: usize, noise: f64) -> Self {
         let mut random = Random(20_261_127);
         let baseline = (0..probes).map(|_| random.pair().map(|x| 20.0 * x)).collect();
         let coefficients = (0..probes).map(|_| (0..planes).map(|_| random.pair().map(|x| 0.1 * x)).collect()).collect();
         Self { baseline, coefficients, random, noise }
     }
 
-    fn vectors(&mut self, moments: &[Pair]) -> Vec<Pair> {
+    pub fn vectors(&mut self, moments: &[Pair]) -> Vec<Pair> {
         let of =
             |(b, row): (&Pair, &Vec<Pair>)| row.iter().zip(moments).fold(*b, |sum, (c, u)| plus(sum, times(*c, *u)));
         let exact: Vec<Pair> = self.baseline.iter().zip(&self.coefficients).map(of).collect();
@@ -61,7 +61,7 @@ impl Rotor {
         exact.into_iter().map(|y| plus(y, self.random.pair().map(|x| noise * x))).collect()
     }
 
-    fn table(&mut self, runs: &[Run]) -> String {
+    pub fn table(&mut self, runs: &[Run]) -> String {
         let planes = self.coefficients[0].len();
         let mut out = "id,set,speed_rpm".to_owned();
         (1..=planes).for_each(|k| write!(out, ",p{k}_g_mm,p{k}_deg").unwrap());
@@ -87,7 +87,7 @@ impl Rotor {
     }
 
     /// Returns the moments with the least sum of squares: real normal equations by Gauss elimination.
-    fn optimum(&self) -> Vec<Pair> {
+    pub fn optimum(&self) -> Vec<Pair> {
         let planes = self.coefficients[0].len();
         let n = 2 * planes;
         // Rows of the real system: the real and the imaginary part of each vector.
@@ -146,11 +146,11 @@ fn runs() -> Vec<Run> {
     RUNS.iter().zip(masses).map(|((id, set), masses)| (*id, *set, masses.to_vec())).collect()
 }
 
-fn moment(of: &Value) -> Pair {
+pub fn moment(of: &Value) -> Pair {
     at(of["moment_g_mm"].as_f64().unwrap(), of["angle_deg"].as_f64().unwrap())
 }
 
-fn apart(a: Pair, b: Pair) -> f64 {
+pub fn apart(a: Pair, b: Pair) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
@@ -262,7 +262,7 @@ fn wrong_tables_have_one_clear_error() {
         (
             "T1_N1_a1,trial,3000,40",
             "T1_N1_a1,test,3000,40",
-            "line 4: set: value out of range: \"test\", expected baseline, trial or blind",
+            "line 4: set: value out of range: \"test\", expected baseline, trial, trim or blind",
         ),
         ("T1_N1_a1,trial,3000", "T1_N1_a1,trial,0", "line 4: speed_rpm: value out of range: \"0\""),
     ] {
@@ -270,6 +270,9 @@ fn wrong_tables_have_one_clear_error() {
         let err = wrong(&good.replacen(from, to, 1));
         assert!(err.contains(message), "{message}: {err}");
     }
+    // Lines that end as on Windows are counted as well.
+    let windows = good.replacen("T1_N1_a1,trial,3000", "T1_N1_a1,trial,0", 1).replace('\n', "\r\n");
+    assert!(wrong(&windows).contains("line 4: speed_rpm"));
     // Records of one condition with other masses.
     let err = wrong(&good.replacen("T1_N1_a2,trial,3000,40", "T1_N1_a2,trial,3000,41", 1));
     assert!(err.contains("line 5: id: value out of range: \"T1_N1_a2\", expected the set and the masses"), "{err}");

@@ -8,6 +8,7 @@ mod bake;
 mod bake_c;
 mod balance;
 mod balance_runs;
+mod balance_trim;
 mod blob;
 mod board;
 mod bounds;

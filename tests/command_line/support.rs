@@ -116,12 +116,16 @@ pub fn spalled() -> &'static Value {
     OUTCOME.get_or_init(|| Sandbox::empty().replay("", &[]))
 }
 
-/// Writes the recordings of the demonstration without and with a trial mass, `before.csv` and `trial.csv`.
+/// Writes the recordings of the demonstration without added masses, with a trial mass, and with a correction mass: `before.csv`, `trial.csv`,
+/// `trim.csv`.
 pub fn put_trial(sandbox: &Sandbox) {
-    let trial = "unbalance = [{ moment = \"60 g mm\", angle = \"90 deg\", station = \"20 mm\" }, ";
-    for (scene, recording) in [(DEMO_SCENE.to_owned(), "before.csv"), (scene(&[("unbalance = [", trial)]), "trial.csv")]
+    for (masses, recording) in
+        [("", "before.csv"), ("60 g mm at 90 deg", "trial.csv"), ("120 g mm at 197 deg", "trim.csv")]
     {
-        sandbox.put("run.toml", scene);
+        let added = masses.split_once(" at ").map_or_else(String::new, |(moment, angle)| {
+            format!("{{ moment = \"{moment}\", angle = \"{angle}\", station = \"20 mm\" }}, ")
+        });
+        sandbox.put("run.toml", scene(&[("unbalance = [", &format!("unbalance = [{added}"))]));
         sandbox.done(&["simulate", "run.toml", "--duration", "0.3 s", "--as-recording", "-o", recording]);
     }
 }

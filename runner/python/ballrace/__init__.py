@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import enum
 
+from ._balance import balance
 from ._errors import Error, InputError, RecordingError, SceneError
 from ._native import VERSION as __version__
 from ._native import Bearing
-from ._results import Balance, Campbell, Equilibrium, Fit, Outcome, Sweep, Trade
+from ._results import Balance, Campbell, Equilibrium, Fit, Masses, Outcome, Sweep, Trade
 from ._scene import Scene, demonstration_recording
 from ._series import Motion, Samples, Spectra, Waterfall
 from ._tables import Record
@@ -44,6 +45,7 @@ __all__ = [
     "Error",
     "Fit",
     "InputError",
+    "Masses",
     "Motion",
     "Outcome",
     "Record",
@@ -57,5 +59,6 @@ __all__ = [
     "Trade",
     "Waterfall",
     "__version__",
+    "balance",
     "demonstration_recording",
 ]

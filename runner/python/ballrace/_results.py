@@ -292,6 +292,10 @@ class Balance(Record, Table, Page):
         """Return the columns of the table of correction planes."""
         return columns_of(self._entries["correction"]["planes"])
 
+    def masses(self) -> Masses:
+        """Return the masses of the blind conditions with their 95 % intervals, a row for each condition and plane."""
+        return Masses(self._entries["planes"], self._entries["conditions"])
+
     def to_html(self) -> str:
         """Return the report as one self-contained page."""
         return self._page
@@ -299,6 +303,28 @@ class Balance(Record, Table, Page):
     def plot(self) -> go.Figure:
         """Return a Plotly figure of the correction of each plane; needs the package plotly."""
         return _plots.balance(self)
+
+
+class Masses(Table):
+    """Masses of blind conditions with their 95 % intervals."""
+
+    def __init__(self, planes: Sequence[str], conditions: Sequence[Mapping[str, Any]]) -> None:
+        self._rows = [
+            {"condition": condition["condition"], "plane": name, **moment}
+            for condition in conditions
+            for name, moment in zip(planes, condition["planes"])
+        ]
+
+    def columns(self) -> dict[str, Sequence[Any] | Floats]:
+        """Return the columns of the table of masses."""
+        return columns_of(self._rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the table as plain dictionaries, lists and numbers."""
+        return {"masses": self._rows}
+
+    def __repr__(self) -> str:
+        return f"Masses({len(self._rows)} rows)"
 
 
 class Campbell(Table):

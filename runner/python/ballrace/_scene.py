@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._balance import options_of
 from ._recording import RecordingLike, columns
 from ._results import Balance, Campbell, Equilibrium, Fit, Outcome, Sweep, Trade
 from ._series import Motion
@@ -148,6 +149,18 @@ class Scene:
         trials: Mapping[Path_, str] | None = None,
         planes: Sequence[str] = (),
         grade: float | None = None,
+        *,
+        trims: Mapping[Path_, str] | None = None,
+        holes: int | None = None,
+        radius: Quantity | None = None,
+        stock: Sequence[Quantity] = (),
+        weights: int = 2,
+        hole_limit: Quantity | None = None,
+        taken: Sequence[str] = (),
+        remove: bool = False,
+        replace: bool = False,
+        mass: Quantity | None = None,
+        service_speed: Quantity | None = None,
     ) -> Balance:
         """Balance the rotor from recordings of runs without and with trial masses.
 
@@ -163,6 +176,10 @@ class Scene:
             Planes of the correction; those of the trials, else of the scene, where it is empty.
         grade : float, optional
             Balance quality grade of ISO 21940-11 that is asked for, such as 2.5.
+        trims : mapping, optional
+            Masses of each trim run, which stay mounted, as those of trials; the correction is that of the rotor with the last ones.
+        holes, radius, stock, weights, hole_limit, taken, remove, replace, mass, service_speed : optional
+            Holes, weights and quality as in :func:`ballrace.balance`.
 
         Examples
         --------
@@ -173,8 +190,21 @@ class Scene:
         '20 mm'
         """
         all_runs = [runs] if isinstance(runs, (str, os.PathLike)) else list(runs)
-        given = [(os.fspath(file), masses) for file, masses in (trials or {}).items()]
-        text, page = self._native.balance([os.fspath(run) for run in all_runs], given, list(planes), grade)
+        of_trials, of_trims = ([(os.fspath(file), masses) for file, masses in (given or {}).items()] for given in (trials, trims))
+        options = options_of(
+            holes=holes,
+            radius=radius,
+            stock=stock,
+            weights=weights,
+            hole_limit=hole_limit,
+            taken=taken,
+            remove=remove,
+            replace=replace,
+            grade=grade,
+            mass=mass,
+            service_speed=service_speed,
+        )
+        text, page = self._native.balance([os.fspath(run) for run in all_runs], of_trials, of_trims, list(planes), options)
         return Balance(json.loads(text), page)
 
     def campbell(self, speeds: str | Iterable[Quantity] = "0rpm..30000rpm:31") -> Campbell:

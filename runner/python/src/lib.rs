@@ -4,11 +4,13 @@
 //! Python package converts to objects. Every computation releases the interpreter.
 
 mod array;
+mod balance;
 mod bearing;
 mod error;
 mod fleet;
 mod interrupt;
 mod outcome;
+mod quantity;
 mod recording;
 mod scene;
 mod text;
@@ -18,6 +20,8 @@ use pyo3::prelude::*;
 /// The extension module.
 #[pymodule(gil_used = false)]
 mod _native {
+    #[pymodule_export]
+    use super::balance::balance;
     #[pymodule_export]
     use super::bearing::Bearing;
     #[pymodule_export]

@@ -1,13 +1,15 @@
 //! A scene and the studies on it.
 
+use crate::balance::{BalanceOptions, highest_speed};
 use crate::bearing::Bearing;
 use crate::error::{exception, wrong_argument};
 use crate::interrupt::interruptible;
 use crate::outcome::Outcome;
+use crate::quantity::Quantity;
 use crate::recording::Source;
 use crate::text::{json_of, page};
 use ballrace_report as report;
-use ballrace_twin::balance::{self, Placement, Requirement, TolerancePlane, TwinCoefficients};
+use ballrace_twin::balance::{self, TolerancePlane, TwinCoefficients};
 use ballrace_twin::campbell::campbell;
 use ballrace_twin::equilibrium::static_equilibrium;
 use ballrace_twin::error::Error;
@@ -20,7 +22,7 @@ use ballrace_twin::scene;
 use ballrace_twin::scene::build::pick;
 use ballrace_twin::scene::edit::{put, value_of_json};
 use ballrace_twin::scene::read::{load, read_str};
-use ballrace_twin::scene::units::{Dimension, parse};
+use ballrace_twin::scene::units::Dimension;
 use ballrace_twin::scene::{Clock, RotationSource};
 use ballrace_twin::sweep::{Axis, Follow, Journal, Measure, Plan};
 use ballrace_twin::thermal::thermal_equilibrium;
@@ -47,26 +49,6 @@ pub struct Trade {
     result: trade::Trade,
     /// Text of the scene with the chosen model; `None` if no model is chosen.
     chosen: Option<String>,
-}
-
-/// A quantity: a number in SI, or text with a unit.
-#[derive(FromPyObject)]
-enum Quantity {
-    Number(f64),
-    Text(String),
-}
-
-impl Quantity {
-    fn si(&self, py: Python<'_>, name: &str, dimension: Dimension) -> PyResult<f64> {
-        let value = match self {
-            Self::Number(si) => *si,
-            Self::Text(text) => parse(text, dimension).map_err(|e| wrong_argument(py, &format!("{name}: {e}")))?,
-        };
-        if value.is_finite() {
-            return Ok(value);
-        }
-        Err(wrong_argument(py, &format!("{name}: not finite, expected {}", dimension.expected("in SI or with a unit"))))
-    }
 }
 
 #[pymethods]
@@ -311,39 +293,35 @@ impl Scene {
     }
 
     /// Balances the rotor from recordings; returns JSON and HTML.
-    #[pyo3(signature = (runs, trials, planes, grade=None))]
+    #[pyo3(signature = (runs, trials, trims, planes, options))]
     fn balance(
         &self,
         py: Python<'_>,
         runs: Vec<PathBuf>,
         trials: Vec<(PathBuf, String)>,
+        trims: Vec<(PathBuf, String)>,
         planes: Vec<String>,
-        grade: Option<f64>,
+        options: BalanceOptions,
     ) -> PyResult<(String, String)> {
         let scene = &self.content;
         let wrong = |message: String| wrong_argument(py, &message);
         if runs.is_empty() {
             return Err(wrong("runs: none, expected a recording without added masses".to_owned()));
         }
-        if let Some(grade) = grade.filter(|grade| !(*grade > 0.0 && grade.is_finite())) {
-            return Err(wrong(format!("grade: out of range: {grade}, expected a grade above 0, such as 2.5")));
-        }
-        let runs = RecordedRuns::new(scene, &runs, &trials, &planes).map_err(|e| wrong(e.to_string()))?;
+        let runs = RecordedRuns::new(scene, &runs, [&trials, &trims], &planes).map_err(|e| wrong(e.to_string()))?;
+        let names: Vec<String> = runs.planes.iter().map(|plane| plane.name.clone()).collect();
+        let placement = options.placement(py, &names)?;
         let found = py.detach(|| {
             let table = vector_table(scene, &runs)?;
-            let speeds = table.speeds().1;
-            let twin = TwinCoefficients::new(scene, &runs.planes, &speeds)?;
-            Ok::<_, Error>((balance::balance(&table, Some(&twin), &Placement::default()), speeds))
+            let twin = TwinCoefficients::new(scene, &runs.planes, &table)?;
+            Ok::<_, Error>((balance::balance(&table, Some(&twin), &placement), highest_speed(&table)))
         });
-        let (found, speeds) = found.map_err(|e| exception(py, e))?;
+        let (found, highest) = found.map_err(|e| exception(py, e))?;
         let mut found = found.map_err(|e| wrong(e.to_string()))?;
         let mass = scene.rotor.as_ref().map(|rotor| rotor.mass);
-        found.quality = grade.zip(mass).map(|(grade, mass)| {
-            let speed_rpm = speeds.into_iter().map(f64::abs).fold(0.0, f64::max);
-            let planes = TolerancePlane::of_scene(scene, &runs.planes);
-            Requirement { grade, mass, speed_rpm, planes }.quality(&found.correction)
-        });
-        Ok((json_of(py, &found)?, page(py, report::balance::html(&scene.name, &found))?))
+        let required = options.requirement(py, mass, highest, TolerancePlane::of_scene(scene, &runs.planes))?;
+        found.quality = required.map(|required| required.quality(&found.correction));
+        options.written(py, &scene.name, &found)
     }
 
     /// Estimates parameters from a recording; returns JSON and the text of the fitted scene.

@@ -4,6 +4,8 @@
 //! the shaft has turned by `theta` since the mark passed. A reading is `c cos(theta) + s sin(theta)`; its vector is `c - i s`, whose angle grows
 //! with that of the mass. A run-out of the scene is subtracted before.
 
+mod speeds;
+
 use super::trend::Trend;
 use ballrace_outcome::Block;
 use ballrace_plant::error::{Error, Result, VectorError};
@@ -14,7 +16,8 @@ use ballrace_recording::run_out::RunOut;
 use ballrace_recording::status::SampleStatus;
 use ballrace_scene::{Recording, RotationSource, Scene};
 use ballrace_studies::balance::table::{C, Record, Set, VectorTable};
-use ballrace_studies::balance::{MassesError, Plane, SAME_SPEED, masses, radial_probes};
+use ballrace_studies::balance::{MassesError, Plane, masses, radial_probes};
+use speeds::{Passed, common};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -26,7 +29,9 @@ const UNIT: &str = "um";
 pub struct RecordedRun {
     /// File.
     pub file: PathBuf,
-    /// Masses added to planes, g mm; none in a run of the rotor as it is.
+    /// Baseline, trial or trim run.
+    pub set: Set,
+    /// Masses added to planes, g mm; none in a baseline.
     pub masses: Vec<(Plane, C)>,
 }
 
@@ -40,23 +45,29 @@ pub struct RecordedRuns {
 }
 
 impl RecordedRuns {
-    /// Returns the runs without masses, and those with trial masses by their text (see [`masses`]); `planes` are bearings or stations.
+    /// Returns the runs without masses, those with trial masses and those with masses that stay mounted, both by their text (see [`masses`]);
+    /// `planes` are bearings or stations.
     ///
     /// # Errors
-    /// Returns an error for a wrong text, a trial mass in another plane than the given ones, or a file that stands twice.
-    pub fn new(
+    /// Returns an error for a wrong text, a mass in another plane than the given ones, or a file that stands twice.
+    pub fn new<'a>(
         scene: &Scene,
         without: &[PathBuf],
-        trials: &[(PathBuf, String)],
+        [trials, trims]: [&'a [(PathBuf, String)]; 2],
         planes: &[String],
     ) -> Result<Self, MassesError> {
         let mut of = Self { planes: vec![], runs: vec![] };
         for plane in planes {
             of.add_plane(&Plane::named(scene, plane)?);
         }
+        let each = |(set, runs): (Set, &'a [(PathBuf, String)])| runs.iter().map(move |run| (set, run));
         let are_given = !planes.is_empty();
-        of.runs.extend(without.iter().map(|file| RecordedRun { file: file.clone(), masses: vec![] }));
-        for (file, text) in trials {
+        of.runs.extend(without.iter().map(|file| RecordedRun {
+            file: file.clone(),
+            set: Set::Baseline,
+            masses: vec![],
+        }));
+        for (set, (file, text)) in [(Set::Trial, trials), (Set::Trim, trims)].into_iter().flat_map(each) {
             let masses = masses(scene, text)?;
             for (plane, _) in &masses {
                 if are_given && !of.planes.iter().any(|other| other.is_same(plane)) {
@@ -68,7 +79,7 @@ impl RecordedRuns {
                 }
                 of.add_plane(plane);
             }
-            of.runs.push(RecordedRun { file: file.clone(), masses });
+            of.runs.push(RecordedRun { file: file.clone(), set, masses });
         }
         let is_repeated = |i: &usize| of.runs.iter().take(*i).any(|run| run.file == of.runs[*i].file);
         if let Some(i) = (0..of.runs.len()).find(is_repeated) {
@@ -97,11 +108,12 @@ fn has_mark(recording: &Recording) -> bool {
     }
 }
 
-/// Reads recordings of a scene as a table of vectors of its radial probes: a record for each block of turns, a condition for each file.
+/// Reads recordings of a scene as a table of vectors of its radial probes, a condition for each file: a record for each block of turns, and of
+/// a run-up for each speed that it passes.
 ///
 /// # Errors
-/// Returns an error for a scene without probes and a mark on the shaft, a recording that cannot be read, is too short or changes its speed, and
-/// for a trial at another speed than the runs without masses.
+/// Returns an error for a scene without probes and a mark on the shaft, a recording that cannot be read, is too short or changes its speed too
+/// fast, and for a trial at another speed than the runs without masses.
 pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
     let RecordedRuns { planes, runs } = of;
     let file = || scene.path.clone();
@@ -114,31 +126,22 @@ pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
         return Err(VectorError::NoMark { file: file() }.into());
     }
     let run_out = RunOut::of(scene)?;
+    let passed = |run: &RecordedRun| -> Result<Passed> {
+        Ok(Passed::new(&run.file, blocks(scene, recording, &run.file, run_out.clone())?)?)
+    };
+    let all = runs.iter().map(passed).collect::<Result<Vec<Passed>>>()?;
+    let speeds = common(&all)?;
     let mut records: Vec<Record> = vec![];
-    for run in runs {
-        let blocks = blocks(scene, recording, &run.file, run_out.clone())?;
-        let speeds = blocks.iter().map(|block| block.speed_rpm);
-        let (low, high) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        if blocks.is_empty() {
-            return Err(VectorError::Short { file: run.file.clone(), turns: super::trend::TURNS + 1 }.into());
-        }
-        if (high - low).abs() > SAME_SPEED * high.abs() {
-            return Err(
-                VectorError::SpeedChanges { file: run.file.clone(), low, high, percent: 100.0 * SAME_SPEED }.into()
-            );
-        }
+    for (run, passed) in runs.iter().zip(&all) {
         let moment =
             |plane: &Plane| run.masses.iter().filter(|(of, _)| of.is_same(plane)).map(|(_, moment)| moment).sum();
         let moments: Vec<C> = planes.iter().map(moment).collect();
-        let set = if run.masses.is_empty() { Set::Baseline } else { Set::Trial };
-        let vector =
-            |block: &Block, i: usize| block.probes.get(i).map(|probe| C::new(probe.one_x_um[0], -probe.one_x_um[1]));
-        records.extend(blocks.iter().map(|block| Record {
+        records.extend(passed.vectors(&probes, &speeds).into_iter().map(|(speed, response)| Record {
             condition: run.file.display().to_string(),
-            set,
-            speed: block.speed_rpm,
+            set: run.set,
+            speed,
             moments: Some(moments.clone()),
-            response: probes.iter().filter_map(|&i| vector(block, i)).collect(),
+            response,
             time: None,
         }));
     }
@@ -148,6 +151,7 @@ pub fn vector_table(scene: &Scene, of: &RecordedRuns) -> Result<VectorTable> {
         probes: names.collect(),
         unit: UNIT.to_owned(),
         records,
+        has_run_ups: !speeds.is_empty(),
     };
     check_speeds(&table)?;
     Ok(table)

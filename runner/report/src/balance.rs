@@ -1,11 +1,12 @@
 //! Masses from vibration vectors: text for the terminal, and the table of blind conditions.
 
-use super::figures::{Shape, vectors};
+use super::figures::{self, Picture, Shape};
 use super::number::fixed;
 use super::page::{self, Column, Page, PageSection, Row, Table};
 use anyhow::Result;
 use ballrace_twin::balance::{
-    Agreement, Balance, HoleMass, Influence, MomentEstimate, PlaneCorrection, Proof, Quality,
+    Agreement, Balance, HoleMass, Influence, MomentEstimate, PlaneCorrection, Proof, Quality, StockChoice, Trim,
+    TrimVector,
 };
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
@@ -26,7 +27,7 @@ pub fn text(of: &Balance) -> Result<String> {
         write!(out, " {plane:>26}")?;
     }
     writeln!(out, " {:>10} {:>10}", "drift", "error")?;
-    for Influence { probe, speed_rpm, baseline: [size, angle], coefficients, drift, error } in &of.influence {
+    for Influence { probe, speed_rpm, baseline: [size, angle], coefficients, drift, error, .. } in &of.influence {
         write!(out, "{probe:<12} {speed_rpm:>8.1} {size:>10.4} at {angle:>4.0}")?;
         for [size, angle, deviation] in coefficients {
             write!(out, " {size:>9.6} +-{deviation:<8.6} {angle:>4.0}")?;
@@ -41,13 +42,6 @@ pub fn text(of: &Balance) -> Result<String> {
             out,
             "The runs have no times: each condition is taken to have drifted on its own. Times narrow the intervals where the drift is slow."
         )?,
-    }
-    if of.condition_number > ILL_CONDITIONED {
-        writeln!(
-            out,
-            "The planes act alike on these probes (condition number {:.0}): the sum of their moments is known better than each.",
-            of.condition_number
-        )?;
     }
     if let Some(twin) = &of.twin {
         writeln!(out, "{}", agreement(twin))?;
@@ -67,6 +61,9 @@ pub fn text(of: &Balance) -> Result<String> {
                 )?;
             }
         }
+    }
+    if let Some(trim) = &of.trim {
+        of_trim(&mut out, of, trim)?;
     }
     correction(&mut out, of)?;
     if let Some(quality) = &of.quality {
@@ -169,6 +166,14 @@ const KNOWN: f64 = 0.5;
 
 /// Returns a sentence where a correction is hardly known.
 fn hardly_known(of: &Balance) -> Option<String> {
+    if of.trim.is_some() {
+        let is_shown = |one: &PlaneCorrection| one.moment_g_mm > 2.0 * one.deviation_g_mm;
+        let is_done = !of.correction.replaces && !of.correction.planes.iter().any(is_shown);
+        return is_done.then(|| {
+            "The next moments lie within their intervals: these runs do not show that further masses lower the vibration."
+                .to_owned()
+        });
+    }
     let is_vague = |one: &&PlaneCorrection| one.moment_g_mm > 0.0 && 2.0 * one.deviation_g_mm > KNOWN * one.moment_g_mm;
     let planes: Vec<&str> = of.correction.planes.iter().filter(is_vague).map(|one| one.plane.as_str()).collect();
     (!planes.is_empty()).then(|| {
@@ -179,8 +184,81 @@ fn hardly_known(of: &Balance) -> Option<String> {
     })
 }
 
+/// Returns the moments that stay mounted as text.
+fn mounted(of: &Balance, trim: &Trim) -> String {
+    let is_loaded = |(_, [moment, _]): &(&String, &[f64; 2])| *moment > 0.0;
+    let loaded = of.planes.iter().zip(&trim.mounted).filter(is_loaded);
+    let texts: Vec<String> =
+        loaded.map(|(plane, [moment, angle])| format!("{plane} {moment:.1} g mm at {angle:.1} deg")).collect();
+    if texts.is_empty() { "no masses".to_owned() } else { texts.join(", ") }
+}
+
+/// Returns whether the vectors of a trim run are those that the other runs expect.
+fn trim_agreement(of: &Trim) -> String {
+    match of.misfit {
+        None => "The other runs do not tell what to expect of the mounted masses.".to_owned(),
+        Some(misfit) if misfit > 1.0 => format!(
+            "The vectors of {} are {misfit:.1} times as far from the expected ones as errors allow: other masses or angles than stated, or a machine \
+             that has changed. Its vectors count; check the masses, or repeat the trials.",
+            of.condition
+        ),
+        Some(_) => {
+            format!(
+                "The vectors of {} are those that the other runs expect. They improve the coefficients.",
+                of.condition
+            )
+        }
+    }
+}
+
+fn of_trim(out: &mut String, of: &Balance, trim: &Trim) -> Result<()> {
+    writeln!(out, "\nTRIM RUN {}, mounted: {}", trim.condition, mounted(of, trim))?;
+    writeln!(out, "{:<12} {:>8} {:>10} {:>21} {:>10}", "probe", "rpm", "no masses", "expected", "measured")?;
+    for one in &trim.vectors {
+        let expected =
+            one.expected.map_or_else(String::new, |[size, _, deviation]| format!("{size:.4} +-{:.4}", 2.0 * deviation));
+        let without = without_masses(of, one).map_or(f64::NAN, |influence| influence.baseline[0]);
+        writeln!(
+            out,
+            "{:<12} {:>8.1} {without:>10.4} {expected:>21} {:>10.4} {}",
+            one.probe, one.speed_rpm, one.measured[0], of.unit
+        )?;
+    }
+    writeln!(out, "{}", trim_agreement(trim))?;
+    Ok(())
+}
+
+/// Returns the channel of a vector of a trim run.
+fn without_masses<'a>(of: &'a Balance, vector: &TrimVector) -> Option<&'a Influence> {
+    of.influence.iter().find(|one| one.probe == vector.probe && one.speed_rpm == vector.speed_rpm)
+}
+
+/// Returns of which rotor the correction is.
+fn state(of: &Balance) -> String {
+    match &of.trim {
+        None => "of the rotor without added masses".to_owned(),
+        Some(trim) if of.correction.replaces => {
+            format!("instead of the masses of {}, which are taken off", trim.condition)
+        }
+        Some(trim) => format!("beside the masses of {}, which stay", trim.condition),
+    }
+}
+
+/// Returns what a choice of weights of the stock adds.
+fn stock(of: &StockChoice, unit: &str) -> String {
+    let StockChoice { choices, added, bound } = of;
+    let best = if bound < added {
+        format!("no choice adds less than {bound:.4}")
+    } else {
+        "no other choice adds less".to_owned()
+    };
+    format!(
+        "The weights of the stock add {added:.4} {unit} (rms of all vectors) to what the exact moments would leave; of {choices} choices a plane, {best}."
+    )
+}
+
 fn correction(out: &mut String, of: &Balance) -> Result<()> {
-    writeln!(out, "\nCORRECTION of the rotor without added masses")?;
+    writeln!(out, "\nCORRECTION {}", state(of))?;
     let removes = of.correction.removes;
     for one in &of.correction.planes {
         let PlaneCorrection { plane, moment_g_mm, deviation_g_mm, left_g_mm, .. } = one;
@@ -192,20 +270,12 @@ fn correction(out: &mut String, of: &Balance) -> Result<()> {
         }
         let masses = in_holes(one, removes);
         writeln!(out, " deg{}{masses}", if masses.is_empty() { "" } else { ": " })?;
-        if *left_g_mm > LEFT * moment_g_mm {
+        if *left_g_mm > LEFT * moment_g_mm && left_g_mm > deviation_g_mm {
             writeln!(out, "{:<12} these masses leave {left_g_mm:.1} g mm: others are needed", "")?;
         }
     }
-    if let Some(sentence) = hardly_known(of) {
+    for sentence in sentences(of) {
         writeln!(out, "{sentence}")?;
-    }
-    if of.correction.not_observed > 0 {
-        writeln!(
-            out,
-            "{} of {} combinations of the planes move the probes less than drift and errors do: they stay 0.",
-            of.correction.not_observed,
-            of.planes.len()
-        )?;
     }
     writeln!(out, "{:<12} {:>8} {:>10} {:>18}", "probe", "rpm", "before", "after, expected")?;
     for one in &of.correction.predicted {
@@ -221,6 +291,29 @@ fn correction(out: &mut String, of: &Balance) -> Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// Returns what is to be known of the correction beside its masses.
+fn sentences(of: &Balance) -> Vec<String> {
+    let not_observed = (of.correction.not_observed > 0).then(|| {
+        format!(
+            "{} of {} combinations of the planes move the probes less than drift and errors do: they stay 0.",
+            of.correction.not_observed,
+            of.planes.len()
+        )
+    });
+    let stock = of.correction.stock.as_ref().map(|choice| stock(choice, &of.unit));
+    hardly_known(of).into_iter().chain(stock).chain(not_observed).chain(ill_conditioned(of)).collect()
+}
+
+/// Returns a sentence where the planes act alike.
+fn ill_conditioned(of: &Balance) -> Option<String> {
+    (of.condition_number > ILL_CONDITIONED).then(|| {
+        format!(
+            "The planes act alike on these probes (condition number {:.0}): the sum of their moments is known better than each.",
+            of.condition_number
+        )
+    })
 }
 
 fn duration(seconds: f64) -> String {
@@ -240,11 +333,12 @@ fn in_holes(of: &PlaneCorrection, removes: bool) -> String {
     of.holes.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the HTML page, one file without external references: the correction, polar plots of the vectors, the balance quality.
+/// Returns the HTML page, one file without external references, for the shop: the masses to place with a drawing of each plane, the trim run,
+/// polar plots of the vectors, the balance quality. `holes` is the number of holes of each plane.
 ///
 /// # Errors
 /// Returns an error if the page cannot be rendered.
-pub fn html(name: &str, of: &Balance) -> Result<String> {
+pub fn html(name: &str, of: &Balance, holes: Option<usize>) -> Result<String> {
     let removes = of.correction.removes;
     let mut corrections = Table {
         columns: vec![
@@ -267,11 +361,20 @@ pub fn html(name: &str, of: &Balance) -> Result<String> {
             in_holes(plane, removes),
         ]));
     }
-    let figures = of.correction.predicted.iter().map(|one| vectors(one, &of.unit)).collect();
+    let plane = |one: &PlaneCorrection| figures::plane(one, holes, placed_angle(one, removes));
+    let planes: Vec<Picture> = of.correction.planes.iter().map(plane).collect();
+    let predicted = of.correction.predicted.iter().map(|one| figures::correction(one, &of.unit)).collect();
     let mut sections = vec![
-        PageSection::table("Correction", corrections),
-        PageSection::figures("Vectors before and after", Shape::Square, figures),
+        PageSection { note: format!("Correction {}.", state(of)), ..PageSection::table("Correction", corrections) },
+        PageSection::figures(if removes { "Masses to remove" } else { "Masses to add" }, Shape::Square, planes),
     ];
+    if let Some(trim) = &of.trim {
+        let one = |one: &TrimVector| Some(figures::trim(one, without_masses(of, one)?, &of.unit));
+        let vectors = trim.vectors.iter().filter_map(one).collect();
+        let figures = PageSection::figures(&format!("Trim run {}", trim.condition), Shape::Square, vectors);
+        sections.push(PageSection { note: format!("Mounted: {}. {}", mounted(of, trim), figures.note), ..figures });
+    }
+    sections.push(PageSection::figures("Vectors before and after", Shape::Square, predicted));
     if let Some(quality) = &of.quality {
         let mut planes = Table {
             columns: vec![
@@ -290,7 +393,8 @@ pub fn html(name: &str, of: &Balance) -> Result<String> {
         }
         sections.push(PageSection::table("Balance quality by ISO 21940-11", planes));
     }
-    let notes = hardly_known(of).into_iter().chain(of.twin.iter().map(agreement));
+    let notes =
+        sentences(of).into_iter().chain(of.trim.iter().map(trim_agreement)).chain(of.twin.iter().map(agreement));
     let notes = notes.chain([proof(&of.proof)]).chain(of.quality.iter().map(grades));
     sections.push(PageSection::list("Notes", notes.collect()));
     page::render(Page {

@@ -5,7 +5,9 @@ use crate::error::UsageError;
 use anyhow::{Result, bail};
 use ballrace_report::balance::{correction_csv, csv, html, text};
 use ballrace_twin::balance::table::VectorTable;
-use ballrace_twin::balance::{Holes, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, balance};
+use ballrace_twin::balance::{
+    Holes, MOST_WEIGHTS, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, Weight, balance,
+};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::Scene;
 use ballrace_twin::scene::read::read_file;
@@ -30,11 +32,14 @@ pub struct Args {
     /// positive rotation.
     #[arg(long = "trial", value_name = "MASSES", requires = "scene")]
     trials: Vec<String>,
+    /// Recording with correction masses that stay mounted, as --trial; the correction is then that of the rotor with the masses of the last one.
+    #[arg(long = "trim", value_name = "MASSES", requires = "scene")]
+    trims: Vec<String>,
     /// Planes of the correction, a bearing or a station each, separated by commas [default: those of the trials, else of the unbalances
     /// or disks of the scene].
     #[arg(long = "plane", value_name = "PLANE", requires = "scene", value_delimiter = ',', allow_hyphen_values = true)]
     planes: Vec<String>,
-    /// Table of once-per-turn vectors: id, set (baseline, trial or blind), `speed_rpm`, `PLANE_g_mm` and `PLANE_deg`, `PROBE_re_um` and `PROBE_im_um`.
+    /// Table of once-per-turn vectors: id, set (baseline, trial, trim or blind), `speed_rpm`, `PLANE_g_mm` and `PLANE_deg`, `PROBE_re_um` and `PROBE_im_um`.
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     vectors: Option<PathBuf>,
     /// Times of the runs: condition, speed, `unix_time_of_one_record` [default: times.csv beside the vectors, if it is there].
@@ -49,15 +54,24 @@ pub struct Args {
     /// Radius of the circle of holes, e.g. "30 mm".
     #[arg(long, value_name = "R", requires = "holes", value_parser = parse_length)]
     radius: Option<f64>,
-    /// Weights in stock, separated by commas, e.g. "0.4 g,0.8 g" [default: any weight].
-    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = parse_mass)]
-    stock: Vec<f64>,
+    /// Weights in stock, one for a hole, separated by commas, e.g. "0.4 g,0.8 g"; "3 x 0.8 g" where there are 3 for all planes [default: any weight].
+    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = Weight::parse)]
+    stock: Vec<Weight>,
+    /// Most weights of the stock in a plane.
+    #[arg(long, value_name = "N", requires = "stock", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=MOST_WEIGHTS as i64))]
+    weights: u8,
+    /// Hole that takes no mass: "PLANE HOLE", e.g. "fan 3"; further ones after commas.
+    #[arg(long, value_name = "HOLES", requires = "holes", value_delimiter = ',', allow_hyphen_values = true)]
+    taken: Vec<String>,
     /// Largest mass of a hole, e.g. "5 g"; what it does not hold goes to the holes beside it.
     #[arg(long, value_name = "M", requires = "holes", value_parser = parse_mass)]
     hole_limit: Option<f64>,
     /// Remove masses, as by drilling, opposite to where they would be added.
     #[arg(long, conflicts_with = "stock")]
     remove: bool,
+    /// Take off the masses of the last trim run: the correction is instead of them, not beside them.
+    #[arg(long)]
+    replace: bool,
     /// HTML page with polar plots of the vectors before and after the correction.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -94,9 +108,6 @@ fn parse_grade(text: &str) -> Result<f64, String> {
     grade.ok_or_else(|| "expected a grade of ISO 21940-11, such as G2.5 or G6.3".to_owned())
 }
 
-/// Most weights in stock: all pairs of them are compared.
-const MOST_WEIGHTS: usize = 1000;
-
 /// Vectors of the runs, with what is known of the machine besides.
 struct Input {
     table: VectorTable,
@@ -113,22 +124,13 @@ struct Input {
 /// # Errors
 /// Returns an error if the vectors are invalid or do not determine the coefficients, or the output cannot be written.
 pub fn run(args: &Args, format: Format) -> Result<()> {
-    if args.stock.len() > MOST_WEIGHTS {
-        bail!(UsageError(format!("--stock: {} weights, expected at most {MOST_WEIGHTS}", args.stock.len())));
-    }
     let Input { table, machine, file, times } = match (&args.scene, &args.vectors) {
         (Some(scene), _) => of_recordings(args, scene)?,
         (None, Some(vectors)) => of_table(args, vectors)?,
         (None, None) => bail!(UsageError("missing vectors, expected a scene with --run, or --vectors".to_owned())),
     };
     let required = requirement(args, &table, machine.as_ref())?;
-    let holes = args.holes.zip(args.radius).map(|(count, radius)| Holes {
-        count: count.into(),
-        radius,
-        stock: args.stock.clone(),
-        limit: args.hole_limit,
-    });
-    let placement = Placement { holes, removes: args.remove };
+    let placement = Placement { holes: holes(args, &table.planes)?, removes: args.remove, replaces: args.replace };
     let of_file = |error| UsageError(format!("{}: {error}", file.display()));
     let twin = machine.as_ref().map(|(.., twin)| twin);
     let mut balance = balance(&table, twin, &placement).map_err(of_file)?;
@@ -138,7 +140,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     }
     if let Some(report) = &args.report {
         let name = machine.as_ref().map_or_else(|| file.display().to_string(), |(scene, ..)| scene.name.clone());
-        AtomicFile::write(report, &html(&name, &balance)?)?;
+        AtomicFile::write(report, &html(&name, &balance, args.holes.map(usize::from))?)?;
     }
     let mut out = super::standard_output(format);
     match format {
@@ -160,6 +162,22 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     Ok(out.flush()?)
 }
 
+/// Returns the holes and weights that are given.
+fn holes(args: &Args, planes: &[String]) -> Result<Option<Holes>> {
+    let Some((count, radius)) = args.holes.zip(args.radius) else { return Ok(None) };
+    let hole = |text: &String| {
+        Holes::hole(planes, count.into(), text).map_err(|error| UsageError(format!("--taken: {error}")))
+    };
+    Ok(Some(Holes {
+        count: count.into(),
+        radius,
+        stock: args.stock.clone(),
+        most: args.weights.into(),
+        limit: args.hole_limit,
+        taken: args.taken.iter().map(hole).collect::<Result<_, _>>()?,
+    }))
+}
+
 /// Reads a table of vectors.
 fn of_table(args: &Args, vectors: &Path) -> Result<Input> {
     let beside = vectors.with_file_name("times.csv");
@@ -168,32 +186,29 @@ fn of_table(args: &Args, vectors: &Path) -> Result<Input> {
     let outputs = [("--output", args.output.as_deref()), ("--report", args.report.as_deref())];
     let outputs: Vec<(&str, &Path)> = outputs.into_iter().filter_map(|(name, path)| Some((name, path?))).collect();
     check_distinct_paths(&outputs, &inputs)?;
-    let read = |times: Option<&Path>| VectorTable::read(vectors, times).map_err(UsageError::new);
-    let mut table = read(args.times.as_deref())?;
-    let mut times = args.times.clone();
-    if !table.has_times() && beside.is_file() {
-        table = read(Some(&beside))?;
-        times = Some(beside);
-    }
+    let (table, times) = VectorTable::read(vectors, args.times.as_deref()).map_err(UsageError::new)?;
     Ok(Input { table, machine: None, file: vectors.to_owned(), times })
 }
 
 /// Reads the recordings of a scene.
 fn of_recordings(args: &Args, path: &Path) -> Result<Input> {
     let scene = read_file(path)?;
-    let trial = |text: &String| {
-        let expected = "FILE: PLANE MOMENT at ANGLE, such as \"trial.csv: DE 5 g mm at 30 deg\"";
-        let parts = text.split_once(": ").map(|(file, masses)| (PathBuf::from(file), masses.to_owned()));
-        parts.ok_or_else(|| UsageError(format!("--trial: no \": \" in {text:?}, expected {expected}")))
+    let masses = |option: &'static str| {
+        move |text: &String| {
+            let expected = "FILE: PLANE MOMENT at ANGLE, such as \"trial.csv: DE 5 g mm at 30 deg\"";
+            let parts = text.split_once(": ").map(|(file, masses)| (PathBuf::from(file), masses.to_owned()));
+            parts.ok_or_else(|| UsageError(format!("{option}: no \": \" in {text:?}, expected {expected}")))
+        }
     };
-    let trials = args.trials.iter().map(trial).collect::<Result<Vec<_>, UsageError>>()?;
-    let runs = RecordedRuns::new(&scene, &args.runs, &trials, &args.planes).map_err(UsageError::new)?;
+    let trials = args.trials.iter().map(masses("--trial")).collect::<Result<Vec<_>, UsageError>>()?;
+    let trims = args.trims.iter().map(masses("--trim")).collect::<Result<Vec<_>, UsageError>>()?;
+    let runs = RecordedRuns::new(&scene, &args.runs, [&trials, &trims], &args.planes).map_err(UsageError::new)?;
     let inputs: Vec<&Path> = runs.runs.iter().map(|run| run.file.as_path()).chain([path]).collect();
     if let Some(report) = &args.report {
         check_distinct_paths(&[("--report", report.as_path())], &inputs)?;
     }
     let table = vector_table(&scene, &runs)?;
-    let twin = TwinCoefficients::new(&scene, &runs.planes, &table.speeds().1)?;
+    let twin = TwinCoefficients::new(&scene, &runs.planes, &table)?;
     Ok(Input { table, machine: Some((scene, runs.planes, twin)), file: path.to_owned(), times: None })
 }
 

@@ -20,25 +20,33 @@ mod condition;
 mod correction;
 mod drift;
 mod error;
+mod holes;
 mod moments;
+mod placement;
 mod plane;
 mod quality;
 mod runs;
+mod stock;
 pub mod table;
+mod trim;
 mod twin;
 mod vectors;
 
 pub use agreement::Agreement;
 use ballrace_base::parallel;
 pub use condition::{Condition, Proof};
-pub use correction::{Correction, HoleMass, Holes, Placement, PlaneCorrection, Predicted};
+pub use correction::{Correction, PlaneCorrection, Predicted};
 pub use error::BalanceError;
+pub use holes::{HoleMass, Holes, Weight};
 pub use moments::MomentEstimate;
+pub use placement::Placement;
 pub use plane::{MassesError, Plane, masses};
 pub use quality::{PlaneQuality, Quality, Requirement, TolerancePlane};
 use runs::{Runs, determined};
 use serde::Serialize;
+pub use stock::{MOST_WEIGHTS, StockChoice};
 use table::{C, VectorTable};
+pub use trim::{Trim, TrimVector};
 pub use twin::{TwinCoefficients, radial_probes};
 use vectors::Vectors;
 
@@ -56,6 +64,8 @@ pub struct Influence {
     pub speed_rpm: f64,
     /// Vector without added masses: size and angle in degrees.
     pub baseline: [f64; 2],
+    /// Standard deviation of a further vector without added masses: by the estimate, the drift and the error of a run.
+    pub baseline_deviation: f64,
     /// Influence coefficient of each plane per g mm: size, angle in degrees and standard deviation.
     pub coefficients: Vec<[f64; 3]>,
     /// Standard deviation of the drift, and of the error of a run.
@@ -81,7 +91,10 @@ pub struct Balance {
     pub conditions: Vec<Condition>,
     /// Each known condition estimated from the others.
     pub proof: Proof,
-    /// Correction of the rotor without added masses.
+    /// Last trim run against what the other runs expect of it; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trim: Option<Trim>,
+    /// Correction of the rotor: with the masses of the last trim run, else without added masses.
     pub correction: Correction,
     /// Agreement of the vectors with the coefficients of the twin; `None` without a twin.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -95,13 +108,17 @@ pub struct Balance {
 /// `twin` has the coefficients of a scene for the planes, probes and speeds of the table.
 ///
 /// # Errors
-/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree.
+/// Returns an error if trials and twin do not determine the coefficients of every plane at every speed, or do not agree, if a trim run has other
+/// masses than stated, and for a stock of too many choices.
 pub fn balance(
     table: &VectorTable,
     twin: Option<&TwinCoefficients>,
     placement: &Placement,
 ) -> Result<Balance, BalanceError> {
     let mut runs = Runs::new(table);
+    if placement.replaces && runs.trims.is_empty() {
+        return Err(BalanceError::NoTrim);
+    }
     let is_determined = determined(&runs);
     if twin.is_none() {
         is_determined?;
@@ -113,7 +130,13 @@ pub fn balance(
         let singular = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
         runs = runs.with_twin(twin).ok_or_else(singular)?;
     }
-    let dependent = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
+    let trim = runs.trim(table)?;
+    let speed = runs.speeds.first().copied().unwrap_or_default();
+    let dependent = || BalanceError::Dependent { speed };
+    if !runs.trims.is_empty() {
+        let (_, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
+        runs = runs.with_errors_of_masses(&solution.theta);
+    }
     let (drift, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
     let theta = solution.theta.clone();
     let mirrored = runs.mirrored().learned(&[drift.time]);
@@ -126,10 +149,12 @@ pub fn balance(
         return Err(BalanceError::NoResponse);
     }
     let polar = |x: C| [x.norm(), x.arg().to_degrees().rem_euclid(360.0)];
+    let of_baseline = vectors.errors(&vec![C::new(0.0, 0.0); runs.planes]);
     let influence = |channel: usize| Influence {
         probe: vectors.probe(channel).to_owned(),
         speed_rpm: vectors.speed(channel),
         baseline: polar(vectors.baseline(channel)),
+        baseline_deviation: of_baseline[(channel, channel)].re.max(0.0).sqrt(),
         coefficients: (0..runs.planes)
             .map(|k| {
                 let [size, angle] = polar(vectors.coefficient(channel, k));
@@ -150,7 +175,8 @@ pub fn balance(
         drift_time_s: runs.has_times.then_some(drift.time),
         conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
-        correction: correction::correction(&vectors, placement).ok_or_else(dependent)?,
+        trim,
+        correction: correction::correction(&vectors, placement)?,
         twin: agreement,
         quality: None,
     })

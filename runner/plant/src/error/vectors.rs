@@ -31,17 +31,27 @@ pub enum VectorError {
         /// Least number of turns.
         turns: i64,
     },
-    /// The speed of a recording changes.
-    #[error("{}: speed from {low:.1} to {high:.1} rpm, expected one speed, within {percent} %", file.display())]
-    SpeedChanges {
+    /// The speed of a recording changes too fast.
+    #[error("{}: speed changes by {found:.0} % within {turns} turns, expected at most {most} %, a slower run-up", file.display())]
+    FastChange {
         /// Recording.
         file: PathBuf,
-        /// Slowest block, rpm.
+        /// Turns of a block.
+        turns: i64,
+        /// Largest change between two blocks, %.
+        found: f64,
+        /// Largest allowed change, %.
+        most: f64,
+    },
+    /// Recordings of changing speed have no speed in common.
+    #[error("{}: no speed in common with the other run-ups, which begin at {low:.1} rpm and end at {high:.1} rpm, expected ranges that overlap", file.display())]
+    NoCommonSpeed {
+        /// Recording.
+        file: PathBuf,
+        /// Largest of the lowest speeds, rpm.
         low: f64,
-        /// Fastest block, rpm.
+        /// Least of the highest speeds, rpm.
         high: f64,
-        /// Largest difference, %.
-        percent: f64,
     },
     /// A trial has another speed than the runs without masses.
     #[error("{}: {found:.1} rpm, expected a speed of the runs without masses: {}", file.display(), list(expected))]

@@ -1,7 +1,7 @@
 //! Agreement of runs with the twin of their machine, and the probable error where they disagree: probes or planes exchanged, angles counted the
 //! other way, a trial without its mass.
 
-use super::correction::{self, Placement};
+use super::correction;
 use super::error::BalanceError;
 use super::runs::{Run, Runs, determined};
 use super::table::{C, VectorTable};
@@ -42,8 +42,8 @@ impl Runs {
             return Some(over_largest(solution.left, known.saturating_sub(self.channels())));
         }
         let vectors = Vectors::new(&with, table, &drift, solution);
-        let correction = correction::correction(&vectors, &Placement::default())?;
-        vectors.unexplained(&correction.moments)
+        let optimum = correction::optimum(&vectors)?;
+        vectors.unexplained(optimum.moments.as_slice())
     }
 
     /// Returns the runs with the vectors of two probes exchanged in one condition, or in all.

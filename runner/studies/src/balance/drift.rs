@@ -24,6 +24,8 @@ pub struct Observation {
     pub count: usize,
     /// Rows of `A`.
     pub design: DMatrix<C>,
+    /// Further covariance of the vectors, that of the errors of its masses.
+    pub by_masses: Option<DMatrix<C>>,
 }
 
 impl Observation {
@@ -49,6 +51,7 @@ pub struct Drift {
 }
 
 /// Least squares of the coefficients under a drift.
+#[derive(Clone)]
 pub struct Solution {
     pub theta: DVector<C>,
     /// Covariance of the coefficients.
@@ -71,6 +74,8 @@ struct Filtered {
     mean: DMatrix<C>,
 }
 
+/// Largest factor of covariances by the share of the coefficients.
+const MOST_SHARE: f64 = 1.75;
 /// Rounds of expectation and maximisation.
 const ROUNDS: usize = 40;
 /// Records that the scale from which the covariance starts counts as.
@@ -94,7 +99,8 @@ impl Drift {
     fn error(&self, of: &Observation) -> DMatrix<C> {
         let probes = of.response.len();
         let at = |p: usize| self.variance[of.first + p] + self.repeat[of.first + p] / of.count as f64;
-        DMatrix::from_fn(probes, probes, |i, j| if i == j { C::new(at(i), 0.0) } else { zero() })
+        let own = DMatrix::from_fn(probes, probes, |i, j| if i == j { C::new(at(i), 0.0) } else { zero() });
+        of.by_masses.as_ref().map_or_else(|| own.clone(), |by_masses| &own + by_masses)
     }
 
     /// Runs the filter over vectors and columns; returns the states, and the weighted squares of the innovations with the logarithm of the
@@ -194,7 +200,12 @@ impl Drift {
         let of_rest = |mean: &DMatrix<C>| -> DVector<C> { mean.column(0) - mean.columns(1, theta.len()) * &theta };
         let q = self.channels();
         let n = all.len();
-        let coefficients = theta.len() as f64 / q as f64;
+        // The coefficients take their share of what is left, and of its covariance. A factor of 2 of both covariances, of drift and error, would
+        // let them grow round by round without end.
+        let values = all.iter().map(|of| of.response.len()).sum::<usize>() as f64;
+        let share = values / (values - theta.len() as f64).max(1.0);
+        let of_covariance = share.min(MOST_SHARE);
+        let (share, of_covariance) = (C::new(share / of_covariance, 0.0), C::new(of_covariance, 0.0));
         let mut sum = DMatrix::<C>::zeros(q, q);
         let mut steps = 0.0;
         let mut errors = vec![(0.0, 0usize); q];
@@ -219,7 +230,7 @@ impl Drift {
                 if lost > f64::EPSILON {
                     let step = next - &smoothed * kept;
                     let together = next_covariance * gain.adjoint();
-                    let moment = &step * step.adjoint() + next_covariance + &covariance * (kept * kept)
+                    let moment = &step * step.adjoint() * share + next_covariance + &covariance * (kept * kept)
                         - (&together + together.adjoint()) * kept;
                     sum += moment / C::new(lost, 0.0);
                     steps += 1.0;
@@ -227,28 +238,27 @@ impl Drift {
             }
             let of = &all[i];
             let fitted = &of.design * &theta;
-            for p in 0..of.response.len() {
+            // Vectors with errors of mounted masses tell nothing of the smaller errors of a run.
+            for p in (0..of.response.len()).filter(|_| of.by_masses.is_none()) {
                 let channel = of.first + p;
                 let left = (of.response[p] - fitted[p] - smoothed[channel]).norm_sqr();
                 let (total, count) = &mut errors[channel];
-                *total += left + covariance[(channel, channel)].re - self.repeat[channel] / of.count as f64;
+                *total += share.re * left + covariance[(channel, channel)].re - self.repeat[channel] / of.count as f64;
                 *count += 1;
             }
             if i == 0 {
-                sum += &smoothed * smoothed.adjoint() + &covariance;
+                sum += &smoothed * smoothed.adjoint() * share + &covariance;
                 steps += 1.0;
             }
             let gain = gain.unwrap_or_default();
             later = Some((smoothed, covariance, gain));
         }
-        // The coefficients take their share of the drift.
-        let share = steps / (steps - coefficients).max(1.0);
-        let covariance = (sum * C::new(share, 0.0) + start * C::new(PRIOR, 0.0)) / C::new(steps + PRIOR, 0.0);
+        let covariance = (sum * of_covariance + start * C::new(PRIOR, 0.0)) / C::new(steps + PRIOR, 0.0);
         let covariance = (&covariance + covariance.adjoint()) * C::new(0.5, 0.0);
         let variance = (0..q).map(|channel| {
             let (total, count) = errors[channel];
             let least = (0.1 * self.repeat[channel]).max(1e-6 * start[(channel, channel)].re);
-            (share * total / count.max(1) as f64).max(least)
+            (of_covariance.re * total / count.max(1) as f64).max(least)
         });
         Some(Self { variance: variance.collect(), covariance, ..self.clone() })
     }
@@ -275,9 +285,14 @@ fn scales(all: &[Observation], repeat: &[f64]) -> Option<Vec<f64>> {
         repeat: vec![0.0; repeat.len()],
         prior: None,
     };
-    let theta = plain.solve(all)?.theta;
+    // Vectors with errors of mounted masses tell less of the scatter.
+    let exact: Vec<Observation> = all.iter().filter(|of| of.by_masses.is_none()).cloned().collect();
+    let theta = match plain.solve(&exact) {
+        Some(solution) => solution.theta,
+        None => plain.solve(all)?.theta,
+    };
     let mut sums = vec![(0.0, 0usize, 0.0); repeat.len()];
-    for of in all {
+    for of in &exact {
         let fitted = &of.design * &theta;
         for p in 0..of.response.len() {
             let (sum, count, size) = &mut sums[of.first + p];

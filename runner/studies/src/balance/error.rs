@@ -68,6 +68,27 @@ pub enum BalanceError {
         /// Condition.
         condition: String,
     },
+    /// The masses of a trim run are not those that are stated.
+    #[error(
+        "{condition}: the vectors are not those expected with the stated masses, but with {likely}, expected the masses that are mounted"
+    )]
+    Mounted {
+        /// Condition.
+        condition: String,
+        /// Masses that explain the vectors.
+        likely: String,
+    },
+    /// There are no mounted masses to take off.
+    #[error("no trim run, expected one whose masses are taken off")]
+    NoTrim,
+    /// A stock has too many choices of weights.
+    #[error(
+        "the stock has more than {most} choices of weights in the holes of a plane, expected fewer kinds of weights, holes or weights in a plane"
+    )]
+    Choices {
+        /// Most choices.
+        most: usize,
+    },
     /// Two probes are exchanged.
     #[error("{}: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene", if condition.is_empty() { "all runs" } else { condition })]
     Exchanged {

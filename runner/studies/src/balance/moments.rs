@@ -27,7 +27,7 @@ pub struct MomentEstimate {
 /// Points by which the distribution of a moment is described, about.
 const POINTS: usize = 2000;
 /// Relative standard deviation of a moment by the weights and by the radius of the holes, which trials and the sought masses have alike.
-const MASS_ERROR: f64 = 0.02;
+pub(super) const MASS_ERROR: f64 = 0.02;
 /// Shares of a distribution outside its interval of 95 %.
 const OUTSIDE: f64 = 0.025;
 

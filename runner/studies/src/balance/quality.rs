@@ -48,7 +48,7 @@ pub struct PlaneQuality {
     pub plane: String,
     /// Permissible residual unbalance, g mm.
     pub permissible_g_mm: f64,
-    /// Unbalance without added masses, g mm.
+    /// Unbalance before the correction, g mm.
     pub before_g_mm: f64,
     /// Unbalance with the correction, g mm.
     pub after_g_mm: f64,
@@ -69,7 +69,7 @@ pub struct Quality {
     pub permissible_g_mm: f64,
     /// By tolerance plane.
     pub planes: Vec<PlaneQuality>,
-    /// Grade without added masses: that of the plane farthest beyond its tolerance, mm/s.
+    /// Grade before the correction: that of the plane farthest beyond its tolerance, mm/s.
     pub before: f64,
     /// Grade with the correction.
     pub after: f64,
@@ -125,8 +125,8 @@ impl Requirement {
     #[must_use]
     pub fn quality(&self, correction: &Correction) -> Quality {
         let permissible = self.permissible();
-        let before: Vec<C> = correction.moments.iter().map(|moment| -moment).collect();
-        let after: Vec<C> = before.iter().zip(&correction.added).map(|(u, added)| u + added).collect();
+        let with = |mounted: &[C]| -> Vec<C> { correction.moments.iter().zip(mounted).map(|(u, m)| m - u).collect() };
+        let (before, after) = (with(&correction.mounted), with(&correction.added));
         let plane = |of: &TolerancePlane| {
             let sum = |u: &[C]| of.weights.iter().zip(u).map(|(weight, u)| u * *weight).sum::<C>().norm();
             let weights = DVector::from_iterator(of.weights.len(), of.weights.iter().map(|w| C::new(*w, 0.0)));

@@ -2,7 +2,8 @@
 
 use super::drift::{Drift, Observation, Solution};
 use super::error::BalanceError;
-use super::table::{C, Record, VectorTable};
+use super::moments::MASS_ERROR;
+use super::table::{C, Record, Set, VectorTable};
 use super::twin::{TwinCoefficients, flat};
 use nalgebra::{DMatrix, DVector};
 
@@ -18,6 +19,8 @@ pub(super) struct Run {
     pub(super) count: usize,
     pub(super) response: DVector<C>,
     pub(super) moments: Option<Vec<C>>,
+    /// Covariance of its vectors by the errors of masses that stay mounted.
+    pub(super) by_masses: Option<DMatrix<C>>,
 }
 
 /// Runs of a table, in the order of time.
@@ -33,6 +36,8 @@ pub(super) struct Runs {
     pub(super) has_times: bool,
     /// Mean square of the trial moments that are not 0.
     pub(super) usual: f64,
+    /// Conditions of the trim runs in the order of time: the masses of the last one stay mounted.
+    pub(super) trims: Vec<usize>,
     /// Squares by which the coefficients of a twin enter the estimate.
     pub(super) prior: Option<DMatrix<C>>,
 }
@@ -59,6 +64,7 @@ impl Runs {
                     count: 0,
                     response: DVector::zeros(probes),
                     moments: record.moments.clone(),
+                    by_masses: None,
                 };
                 groups.push((run, vec![record]));
             }
@@ -85,6 +91,13 @@ impl Runs {
         };
         let mut all: Vec<Run> = groups.into_iter().map(finished).collect();
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let is_trim = |condition: usize| {
+            let mut records = table.records.iter().filter(|record| record.condition == conditions[condition]);
+            records.any(|record| record.set == Set::Trim)
+        };
+        // Without times conditions are in the order of the table.
+        let mut trims: Vec<usize> = all.iter().map(|run| run.condition).filter(|of| is_trim(*of)).collect();
+        trims.dedup();
         let moments = all.iter().filter_map(|run| run.moments.as_ref()).flatten().filter(|u| u.norm_sqr() > 0.0);
         let (sum, count) = moments.fold((0.0, 0), |(sum, count), u| (sum + u.norm_sqr(), count + 1));
         Self {
@@ -95,6 +108,7 @@ impl Runs {
             repeat: squares.into_iter().map(|(sum, count)| sum / count.max(1) as f64).collect(),
             has_times,
             usual: sum / f64::from(count.max(1)),
+            trims,
             prior: None,
             all,
         }
@@ -108,6 +122,33 @@ impl Runs {
     pub(super) fn known(&self) -> usize {
         let at = |speed| self.all.iter().filter(|run| run.speed == speed && run.moments.is_some()).count();
         (0..self.speeds.len()).map(at).min().unwrap_or_default()
+    }
+
+    /// Returns the moments that stay mounted: those of the last trim run, else none.
+    pub(super) fn mounted(&self) -> Vec<C> {
+        let moments = self.last_trim().next().and_then(|run| run.moments.clone());
+        moments.unwrap_or_else(|| vec![C::new(0.0, 0.0); self.planes])
+    }
+
+    /// Returns the runs of the last trim condition.
+    pub(super) fn last_trim(&self) -> impl Iterator<Item = &Run> {
+        self.all.iter().filter(|run| Some(&run.condition) == self.trims.last())
+    }
+
+    /// Returns the runs, with the errors of mounted masses as errors of the vectors of each trim run: coefficients from `theta`.
+    pub(super) fn with_errors_of_masses(&self, theta: &DVector<C>) -> Self {
+        let changed = |run: &Run| {
+            let mut run = run.clone();
+            if let Some(moments) = run.moments.as_ref().filter(|_| self.trims.contains(&run.condition)) {
+                let of = |p: usize, k: usize| {
+                    theta[self.column(run.speed * self.probes + p, 1 + k)] * (MASS_ERROR * moments[k].norm())
+                };
+                let moved = DMatrix::from_fn(self.probes, self.planes, of);
+                run.by_masses = Some(&moved * moved.adjoint());
+            }
+            run
+        };
+        self.with(self.all.iter().map(changed).collect())
     }
 
     /// Columns of the coefficients: of each channel the baseline and each plane.
@@ -130,7 +171,14 @@ impl Runs {
                 design[(p, self.column(first + p, 1 + k))] = *moment;
             }
         }
-        Observation { time: run.time, first, response: run.response.clone(), count: run.count, design }
+        Observation {
+            time: run.time,
+            first,
+            response: run.response.clone(),
+            count: run.count,
+            design,
+            by_masses: run.by_masses.clone(),
+        }
     }
 
     /// Returns the times of a drift that are tried, s. Without times each condition has a drift of its own.
@@ -198,6 +246,7 @@ impl Runs {
             conditions: self.conditions.clone(),
             speeds: self.speeds.clone(),
             repeat: self.repeat.clone(),
+            trims: self.trims.clone(),
             prior: self.prior.clone(),
             ..*self
         }

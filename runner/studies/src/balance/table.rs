@@ -18,6 +18,8 @@ pub enum Set {
     Baseline,
     /// The added masses are given.
     Trial,
+    /// The added masses are given and stay mounted.
+    Trim,
     /// The added masses are asked for.
     Blind,
 }
@@ -50,6 +52,8 @@ pub struct VectorTable {
     pub unit: String,
     /// Records in the order of the file.
     pub records: Vec<Record>,
+    /// Vectors were taken while the speed changed.
+    pub has_run_ups: bool,
 }
 
 /// Error of a table of vectors.
@@ -105,6 +109,8 @@ pub enum TableError {
 const UNITS: [&str; 4] = ["um", "mil", "mm", "m"];
 /// Columns of every table.
 const FIXED: [&str; 3] = ["id", "set", "speed_rpm"];
+/// Words of the column `set`.
+const SETS: &str = "baseline, trial, trim or blind";
 /// Column of the time of a record.
 const TIME: &str = "time_s";
 
@@ -129,7 +135,7 @@ impl Columns {
         let required = |name: &str, why: &str| at(name).ok_or_else(|| error(name, "missing", why.to_owned()));
         let fixed = [
             required(FIXED[0], "an identifier such as A007_N1_m1_a1")?,
-            required(FIXED[1], "baseline, trial or blind")?,
+            required(FIXED[1], SETS)?,
             required(FIXED[2], "the shaft speed")?,
         ];
         let (mut planes, mut probes, mut unit) = (vec![], vec![], None);
@@ -238,16 +244,35 @@ impl VectorTable {
         self.records.iter().all(|record| record.time.is_some())
     }
 
-    /// Reads a table; `times` holds `condition, speed, unix_time_of_one_record`, where the table has no column of times.
+    /// Reads a table; `times` holds `condition, speed, unix_time_of_one_record`, where the table has no column of times. Without both, `times.csv`
+    /// beside the table is read where it is there; returns the file of times.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, or a column or a cell is invalid.
-    pub fn read(path: &Path, times: Option<&Path>) -> Result<Self, TableError> {
+    pub fn read(path: &Path, times: Option<&Path>) -> Result<(Self, Option<PathBuf>), TableError> {
+        let text =
+            std::fs::read(path).map_err(|source| TableError::File { path: path.to_owned(), source: source.into() })?;
+        let table = Self::parse(&text, path, times)?;
+        let beside = times.is_none().then(|| path.with_file_name("times.csv"));
+        match beside.filter(|beside| !table.has_times() && beside.is_file()) {
+            Some(beside) => Ok((Self::parse(&text, path, Some(&beside))?, Some(beside))),
+            None => Ok((table, times.map(Path::to_owned))),
+        }
+    }
+
+    /// Reads a table from its text; `path` names it in errors.
+    ///
+    /// # Errors
+    /// Returns an error if the file of times cannot be read, or a column or a cell is invalid.
+    pub fn parse(text: &[u8], path: &Path, times: Option<&Path>) -> Result<Self, TableError> {
         let file = |path: &Path| {
             let path = path.to_owned();
             move |source: csv::Error| TableError::File { path: path.clone(), source }
         };
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(file(path))?;
+        // A line that ends with two characters would count the next one as itself.
+        let is_part = |(i, byte): &(usize, &u8)| !(**byte == b'\r' && text.get(i + 1) == Some(&b'\n'));
+        let plain: Vec<u8> = text.iter().enumerate().filter(is_part).map(|(_, byte)| *byte).collect();
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(plain.as_slice());
         let names = reader.headers().map_err(file(path))?.clone();
         let columns = Columns::new(path, &names)?;
         if let Some(times) = times.filter(|_| columns.time.is_some()) {
@@ -271,12 +296,13 @@ impl VectorTable {
             let set = match line.text(set) {
                 "baseline" => Set::Baseline,
                 "trial" => Set::Trial,
+                "trim" => Set::Trim,
                 "blind" => Set::Blind,
-                _ => return Err(line.error(set, "baseline, trial or blind")),
+                _ => return Err(line.error(set, SETS)),
             };
             let moments = match set {
                 Set::Baseline => Some(vec![C::new(0.0, 0.0); columns.planes.len()]),
-                Set::Trial => {
+                Set::Trial | Set::Trim => {
                     Some(columns.planes.iter().map(|(_, pair)| line.moment(*pair)).collect::<Result<Vec<_>, _>>()?)
                 }
                 Set::Blind => None,
@@ -321,7 +347,13 @@ impl VectorTable {
             return Err(TableError::Records { path: path.to_owned(), found, expected });
         }
         let of = |named: Vec<(String, [usize; 2])>| named.into_iter().map(|(name, _)| name).collect();
-        Ok(Self { planes: of(columns.planes), probes: of(columns.probes), unit: columns.unit, records })
+        Ok(Self {
+            planes: of(columns.planes),
+            probes: of(columns.probes),
+            unit: columns.unit,
+            records,
+            has_run_ups: false,
+        })
     }
 }
 

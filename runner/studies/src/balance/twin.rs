@@ -6,7 +6,7 @@
 //! 1.6 of preload. Each changes all coefficients together, by the slope between its two ends.
 
 use super::plane::Plane;
-use super::table::C;
+use super::table::{C, VectorTable};
 use crate::fit::parameters::{Group, Parameter, parameters, with};
 use ballrace_base::parallel;
 use ballrace_outcome::ALLOWED_REDUCTION_ERRORS;
@@ -27,6 +27,9 @@ const LEAST_SHARE: f64 = 1e-3;
 /// Relative standard deviation of the scale of a probe: API 670 allows 5 %, taken as evenly distributed.
 const PROBE_SCALE: f64 = 0.05 / 1.732;
 
+/// Assumed deviation of a coefficient over the largest of its probe, where the speed changes: a resonance follows the speed late.
+const RUN_UP: f64 = 0.1;
+
 /// Influence coefficients of a twin.
 #[derive(Debug, Clone)]
 pub struct TwinCoefficients {
@@ -43,11 +46,12 @@ pub fn radial_probes(recording: &Recording) -> impl Iterator<Item = (usize, &Pro
 }
 
 impl TwinCoefficients {
-    /// Computes the coefficients of the radial probes of a scene for these planes at these speeds, rpm.
+    /// Computes the coefficients of the radial probes of a scene for these planes at the speeds of a table.
     ///
     /// # Errors
     /// Returns an error if the scene has no rotor, bearings with moving balls, or a parameter that the kernel rejects.
-    pub fn new(scene: &Scene, planes: &[Plane], speeds: &[f64]) -> Result<Self> {
+    pub fn new(scene: &Scene, planes: &[Plane], table: &VectorTable) -> Result<Self> {
+        let speeds = &table.speeds().1;
         only_rotor(scene, "balance")?;
         only_observable(scene, "balance")?;
         let mean = coefficients(scene, planes, speeds)?;
@@ -81,11 +85,12 @@ impl TwinCoefficients {
         }
         // The reduced rotor has an error of its own in each coefficient; a probe at a node of the motion has one too.
         let least = LEAST_SHARE * mean.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let share = if table.has_run_ups { RUN_UP } else { ALLOWED_REDUCTION_ERRORS[2] };
         for channel in 0..mean.nrows() {
             let largest = mean.row(channel).iter().map(|c| c.norm()).fold(least, f64::max);
             for plane in 0..mean.ncols() {
                 let at = channel * mean.ncols() + plane;
-                covariance[(at, at)] += (ALLOWED_REDUCTION_ERRORS[2] * largest).powi(2);
+                covariance[(at, at)] += (share * largest).powi(2);
             }
         }
         Ok(Self { mean, covariance })
