@@ -198,6 +198,18 @@ fn a_yielding_support_is_no_fault_of_a_bearing() {
     assert!(low < 20.0 && 20.0 < high && high - low < 10.0, "{stiffness}");
 }
 
+/// Waves of sound races move a rotor on a light axial load along its axis, where its bearings are soft: without a baseline, their lines beside a large
+/// clearance are no damage.
+#[test]
+fn a_worn_bearing_without_a_baseline_has_no_spall() {
+    let sandbox = site();
+    let worn = sandbox.read("sound.toml").replacen("clearance = \"10 um\"", "clearance = \"24 um\"", 1);
+    sandbox.put("worn.toml", worn);
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "worn.toml", 33..33 + TURNS), |_, _, _| 0.0));
+    let outcome = sandbox.replay("scene.toml", &["--no-report"]);
+    assert!(kinds(&outcome).iter().all(|kind| ["clearance", "other"].contains(kind)), "{:#}", outcome["findings"]);
+}
+
 /// The lines of bearings of one kind coincide: a wave is named on the bearing that has it.
 #[test]
 fn a_wave_is_named_on_its_bearing() {
