@@ -193,6 +193,39 @@ fn four_planes_and_twelve_probes_are_balanced_as_by_another_program() {
     }
 }
 
+/// One record of four with a knock is named and not used: the correction is that without it.
+#[test]
+fn a_record_with_a_knock_is_not_used() {
+    let sandbox = Sandbox::empty();
+    let mut rotor = Rotor::new(4, 12, 0.02);
+    let [first, again] = [rotor.table(&runs()), rotor.table(&runs()).replace("_a", "_b")];
+    let table = first + again.split_once('\n').unwrap().1;
+    sandbox.put("vectors.csv", &table);
+    let json =
+        |args: &[&str]| -> Value { sandbox.done(&[&["balance", "--vectors", "vectors.csv"], args].concat()).json() };
+    let sound = json(&["--format", "json"]);
+    assert!(sound["outliers"].is_null(), "{}", sound["outliers"]);
+    let knocked = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        cells[15] = (cells[15].parse::<f64>().unwrap() + 2.0).to_string();
+        cells.join(",") + "\n"
+    };
+    let lines =
+        table.lines().map(|line| if line.starts_with("T3_N1_b2") { knocked(line) } else { format!("{line}\n") });
+    sandbox.put("vectors.csv", lines.collect::<String>());
+    let found = json(&["--format", "json"]);
+    let outliers = found["outliers"].as_array().unwrap();
+    let of = |one: &Value| (one["condition"].clone(), one["record"].clone(), one["probe"].clone());
+    assert_eq!(outliers.iter().map(of).collect::<Vec<_>>(), [("T3".into(), 4.into(), "s3".into())]);
+    let planes = |of: &Value| of["correction"]["planes"].as_array().unwrap().iter().map(moment).collect::<Vec<_>>();
+    for (found, sound) in planes(&found).into_iter().zip(planes(&sound)) {
+        assert!(apart(found, sound) < 0.5, "{found:?}: {sound:?}");
+    }
+    let text = sandbox.done(&["balance", "--vectors", "vectors.csv"]).out;
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("Record 4 of T3 is not used: at s3 and 3000 rpm it is "), "{text}");
+}
+
 /// The classical minimum: a baseline and one trial for each plane determine the correction, without a proof and with wide intervals.
 #[test]
 fn one_trial_for_each_plane() {

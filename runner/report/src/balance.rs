@@ -5,8 +5,8 @@ use super::number::fixed;
 use super::page::{self, Column, Page, PageSection, Row, Table};
 use anyhow::Result;
 use ballrace_twin::balance::{
-    Agreement, Balance, HoleMass, Influence, MomentEstimate, PlaneCorrection, Proof, Quality, StockChoice, Trim,
-    TrimVector,
+    Agreement, Balance, HoleMass, Influence, MomentEstimate, Outlier, PlaneCorrection, Proof, Quality, StockChoice,
+    Trim, TrimVector,
 };
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
@@ -303,7 +303,21 @@ fn sentences(of: &Balance) -> Vec<String> {
         )
     });
     let stock = of.correction.stock.as_ref().map(|choice| stock(choice, &of.unit));
-    hardly_known(of).into_iter().chain(stock).chain(not_observed).chain(ill_conditioned(of)).collect()
+    let outliers = of.outliers.iter().map(|one| outlier(one, &of.unit));
+    outliers.chain(hardly_known(of)).chain(stock).chain(not_observed).chain(ill_conditioned(of)).collect()
+}
+
+/// Returns a sentence on a record that is not used.
+fn outlier(of: &Outlier, unit: &str) -> String {
+    format!(
+        "Record {} of {} is not used: at {} and {:.0} rpm it is {:.3} {unit} from the mean of the others, {:.1} of its deviations; record it again.",
+        of.record,
+        of.condition,
+        of.probe,
+        of.speed_rpm,
+        of.distance,
+        of.distance / of.deviation
+    )
 }
 
 /// Returns a sentence where the planes act alike.

@@ -22,6 +22,7 @@ mod drift;
 mod error;
 mod holes;
 mod moments;
+mod outlier;
 mod placement;
 mod plane;
 mod quality;
@@ -39,6 +40,7 @@ pub use correction::{Correction, PlaneCorrection, Predicted};
 pub use error::BalanceError;
 pub use holes::{HoleMass, Holes, Weight};
 pub use moments::MomentEstimate;
+pub use outlier::Outlier;
 pub use placement::Placement;
 pub use plane::{MassesError, Plane, masses};
 pub use quality::{PlaneQuality, Quality, Requirement, TolerancePlane};
@@ -81,6 +83,9 @@ pub struct Balance {
     pub planes: Vec<String>,
     /// Unit of the vectors.
     pub unit: String,
+    /// Records that are not used: each departs from the others of its condition.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outliers: Vec<Outlier>,
     /// Influence coefficients, by speed and probe.
     pub influence: Vec<Influence>,
     /// Largest over least singular value of the coefficients in units of their errors: how far the planes lie apart.
@@ -115,7 +120,8 @@ pub fn balance(
     twin: Option<&TwinCoefficients>,
     placement: &Placement,
 ) -> Result<Balance, BalanceError> {
-    let mut runs = Runs::new(table);
+    let (used, outliers) = outlier::without_outliers(table);
+    let mut runs = Runs::new(&used);
     if placement.replaces && runs.trims.is_empty() {
         return Err(BalanceError::NoTrim);
     }
@@ -170,6 +176,7 @@ pub fn balance(
     Ok(Balance {
         planes: table.planes.clone(),
         unit: table.unit.clone(),
+        outliers,
         influence: (0..runs.channels()).map(influence).collect(),
         condition_number: singular.max() / singular.min().max(f64::MIN_POSITIVE),
         drift_time_s: runs.has_times.then_some(drift.time),
