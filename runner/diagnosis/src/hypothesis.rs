@@ -5,7 +5,7 @@ use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
 use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
-use super::parameter::{CAGE_SLIP, union};
+use super::parameter::{CAGE_SLIP, Unknown, union};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::{Prepared, Result, cage};
@@ -164,7 +164,9 @@ const MIN_SHARE_OF_SITE: f64 = 0.2;
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
 const ROUNDS_OF_SITE: usize = 2;
 /// The same of the machine that was selected.
-const LAST_ROUNDS_OF_SITE: usize = 8;
+const LAST_ROUNDS_OF_SITE: usize = 4;
+/// Move of every parameter over its standard deviation by noise below which it stays.
+const SETTLED: f64 = 0.2;
 /// Spreads of the sum of the lines of a surface that a fault of it exceeds.
 const SPREADS: f64 = 2.0;
 
@@ -636,16 +638,18 @@ fn weighted_from<'a>(
     Ok((own.unwrap_or(first), fitted, observable))
 }
 
-/// Fits a machine in weights of its own until chi-squared stays, in at most so many rounds; returns it with the recording so weighted, `None`
+/// Fits a machine in weights of its own until chi-squared or its parameters stay, in at most so many rounds; returns it with the recording so weighted, `None`
 /// without a round.
 fn in_own_weights<'a>(of: &Prepared<'a>, mut fitted: Fitted, rounds: usize) -> Result<(Option<Evidence<'a>>, Fitted)> {
     let mut last = None;
     for _ in 0..rounds {
-        let before = fitted.chi_square;
         let own = of.weighted_for(&fitted.machine)?;
-        fitted = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
+        let next = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
         last = Some(own);
-        if (fitted.chi_square - before).abs() < MIN_FALL {
+        let before = std::mem::replace(&mut fitted, next);
+        let moved = |unknown: &Unknown| (unknown.get(&fitted.machine) - unknown.get(&before.machine)).abs();
+        let stays = |unknown: &Unknown| moved(unknown) < SETTLED * fitted.deviation(*unknown);
+        if (fitted.chi_square - before.chi_square).abs() < MIN_FALL || fitted.unknowns.iter().all(stays) {
             break;
         }
     }
