@@ -1,17 +1,19 @@
 //! Hypotheses: faults added to the machine, one after the other, as long as the recording supports them.
 
-use super::cage::SLIPS;
+mod own_weights;
+
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
-use super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
+use super::fit::{Fitted, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
-use super::parameter::{CAGE_SLIP, Unknown, union};
+use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::{Prepared, Result, cage};
 use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
+use own_weights::{LAST_ROUNDS_OF_SITE, in_own_weights, weighted, with_cages};
 
 /// Identified fault, with the machine that contains it and all faults before it.
 #[derive(Clone)]
@@ -122,16 +124,6 @@ fn fall_by_uncertain(changes: &[Vec<f64>], residual: &[f64]) -> f64 {
     along.dot(&factors.solve(&along)) - logarithm
 }
 
-/// Fits a candidate with all cages searched again: in the fit of the machine without the fault, false cage angles explain part of
-/// the fault.
-fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
-    let (settled, observable) = cage::fit_cages(&of.evidence, &of.band, &first.machine, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable, &settled.machine);
-    unknowns.extend(candidate.own_unknowns());
-    let again = fit(&of.evidence, &settled, &unknowns, 10)?;
-    Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
-}
-
 /// Largest number of faults in one diagnosis.
 pub const MAX_FAULTS: usize = 3;
 /// Largest number of fitted candidates, and their least share of the gain of the first.
@@ -161,12 +153,6 @@ const EXPLAINED_MOTION: f64 = 0.5;
 const MIN_SHARE: f64 = 0.3;
 const MIN_SHARE_OF_SITE: f64 = 0.2;
 
-/// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
-const ROUNDS_OF_SITE: usize = 2;
-/// The same of the machine that was selected.
-const LAST_ROUNDS_OF_SITE: usize = 4;
-/// Move of every parameter over its standard deviation by noise below which it stays.
-const SETTLED: f64 = 0.2;
 /// Spreads of the sum of the lines of a surface that a fault of it exceeds.
 const SPREADS: f64 = 2.0;
 
@@ -605,55 +591,6 @@ fn pruned(of: &Prepared, faults: &mut Vec<IdentifiedFault>, mut now: Fitted) -> 
         }
     }
     Ok(now)
-}
-
-/// Fits a candidate that changes the stiffness, weighted by the noise that the residual has with it.
-///
-/// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
-/// different stiffness can be compared by their chi-squared.
-fn weighted<'a>(of: &Prepared<'a>, candidate: &Candidate, first: &Fitted) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
-    let (found, _) = with_cages(of, candidate, first)?;
-    let best = weighted_from(of, candidate, &found.machine)?;
-    let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
-    if is_explained || first.chi_square - found.chi_square < MIN_FALL {
-        return Ok(best);
-    }
-    let other = weighted_from(of, candidate, &first.machine)?;
-    Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
-}
-
-fn weighted_from<'a>(
-    of: &Prepared<'a>,
-    candidate: &Candidate,
-    start: &Machine,
-) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
-    let first = of.weighted_for(start)?;
-    let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
-    let mut unknowns = cage::unknowns(&observable, &settled.machine);
-    unknowns.extend(candidate.own_unknowns());
-    let fitted = fit(&first, &settled, &unknowns, 12)?;
-    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
-    let (own, fitted) = in_own_weights(of, fitted, rounds)?;
-    Ok((own.unwrap_or(first), fitted, observable))
-}
-
-/// Fits a machine in weights of its own until chi-squared or its parameters stay, in at most so many rounds; returns it with the recording so weighted, `None`
-/// without a round.
-fn in_own_weights<'a>(of: &Prepared<'a>, mut fitted: Fitted, rounds: usize) -> Result<(Option<Evidence<'a>>, Fitted)> {
-    let mut last = None;
-    for _ in 0..rounds {
-        let own = of.weighted_for(&fitted.machine)?;
-        let next = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
-        last = Some(own);
-        let before = std::mem::replace(&mut fitted, next);
-        let moved = |unknown: &Unknown| (unknown.get(&fitted.machine) - unknown.get(&before.machine)).abs();
-        let stays = |unknown: &Unknown| moved(unknown) < SETTLED * fitted.deviation(*unknown);
-        if (fitted.chi_square - before.chi_square).abs() < MIN_FALL || fitted.unknowns.iter().all(stays) {
-            break;
-        }
-    }
-    Ok((last, fitted))
 }
 
 #[cfg(test)]

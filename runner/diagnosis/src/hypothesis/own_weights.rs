@@ -1,0 +1,83 @@
+//! Fit of a candidate that changes the stiffness, in the weights that its residual has with it.
+
+use super::super::cage::{self, SLIPS};
+use super::super::faults::candidates::Candidate;
+use super::super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
+use super::super::machine::Machine;
+use super::super::parameter::Unknown;
+use super::super::residual::Evidence;
+use super::super::{Prepared, Result};
+
+/// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
+const ROUNDS_OF_SITE: usize = 2;
+/// The same of the machine that was selected.
+pub(super) const LAST_ROUNDS_OF_SITE: usize = 4;
+/// Move of every parameter over its standard deviation by noise below which it stays.
+const SETTLED: f64 = 0.2;
+
+/// Fits a candidate with all cages searched again: in the fit of the machine without the fault, false cage angles explain part of
+/// the fault.
+pub(super) fn with_cages(of: &Prepared, candidate: &Candidate, first: &Fitted) -> Result<(Fitted, Vec<bool>)> {
+    let (settled, observable) = cage::fit_cages(&of.evidence, &of.band, &first.machine, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable, &settled.machine);
+    unknowns.extend(candidate.own_unknowns());
+    let again = fit(&of.evidence, &settled, &unknowns, 10)?;
+    Ok(if again.chi_square < first.chi_square { (again, observable) } else { (first.clone(), of.observable.clone()) })
+}
+
+/// Fits a candidate that changes the stiffness, weighted by the noise that the residual has with it.
+///
+/// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
+/// different stiffness can be compared by their chi-squared.
+pub(super) fn weighted<'a>(
+    of: &Prepared<'a>,
+    candidate: &Candidate,
+    first: &Fitted,
+) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
+    let (found, _) = with_cages(of, candidate, first)?;
+    let best = weighted_from(of, candidate, &found.machine)?;
+    let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
+    if is_explained || first.chi_square - found.chi_square < MIN_FALL {
+        return Ok(best);
+    }
+    let other = weighted_from(of, candidate, &first.machine)?;
+    Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
+}
+
+fn weighted_from<'a>(
+    of: &Prepared<'a>,
+    candidate: &Candidate,
+    start: &Machine,
+) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    let first = of.weighted_for(start)?;
+    let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
+    let mut unknowns = cage::unknowns(&observable, &settled.machine);
+    unknowns.extend(candidate.own_unknowns());
+    let fitted = fit(&first, &settled, &unknowns, 12)?;
+    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
+    let (own, fitted) = in_own_weights(of, fitted, rounds)?;
+    Ok((own.unwrap_or(first), fitted, observable))
+}
+
+/// Fits a machine in weights of its own until chi-squared or its parameters stay, in at most so many rounds; returns it with the recording so weighted, `None`
+/// without a round.
+pub(super) fn in_own_weights<'a>(
+    of: &Prepared<'a>,
+    mut fitted: Fitted,
+    rounds: usize,
+) -> Result<(Option<Evidence<'a>>, Fitted)> {
+    let mut last = None;
+    for _ in 0..rounds {
+        let own = of.weighted_for(&fitted.machine)?;
+        let next = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
+        last = Some(own);
+        let before = std::mem::replace(&mut fitted, next);
+        let moved = |unknown: &Unknown| (unknown.get(&fitted.machine) - unknown.get(&before.machine)).abs();
+        let stays = |unknown: &Unknown| moved(unknown) < SETTLED * fitted.deviation(*unknown);
+        if (fitted.chi_square - before.chi_square).abs() < MIN_FALL || fitted.unknowns.iter().all(stays) {
+            break;
+        }
+    }
+    Ok((last, fitted))
+}
