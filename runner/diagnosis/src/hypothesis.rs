@@ -199,6 +199,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
             identified.gain += before - fitted.chi_square;
             identified.fitted = fitted;
             evidence = own.or(evidence);
+            identified.explain(evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
         }
         now = identified.fitted.clone();
         of.observable.clone_from(&identified.observable);
