@@ -108,17 +108,28 @@ fn what_a_measurement_adds_is_no_fault() {
     assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{}", with_hum["findings"]);
 }
 
+/// Place and size of a spall are known to the error of the model at its lines: the interval of each contains the truth.
 #[test]
 fn a_spall_is_found_beside_it() {
     let sandbox = site();
-    let spall = "defect = [{ surface = \"outer\", azimuth = \"-90 deg\", half_width = \"2.5 deg\", depth = \"6 um\", shape = \"half-sine\" }]\n";
-    let spalled = swap(&sandbox.read("sound.toml"), "name = \"A\"\n", &format!("name = \"A\"\n{spall}"));
-    sandbox.put("spalled.toml", spalled);
-    sandbox.put("recording.csv", readings(&motion(&sandbox, "spalled.toml", 20..20 + TURNS), |_, _, _| 0.0));
-    let outcome = outcome(&sandbox);
-    let findings = list(&outcome, "findings");
-    assert_eq!(kinds(&outcome), ["outer-race"], "{findings:#?}");
-    assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
+    let (azimuth, half_width, depth) = (-90.0, 2.5, 6.0);
+    for (surface, kind) in [("outer", "outer-race"), ("inner", "inner-race")] {
+        let spall = format!(
+            "defect = [{{ surface = \"{surface}\", azimuth = \"{azimuth} deg\", half_width = \"{half_width} deg\", depth = \"{depth} um\", \
+             shape = \"half-sine\" }}]\n"
+        );
+        let spalled = swap(&sandbox.read("sound.toml"), "name = \"A\"\n", &format!("name = \"A\"\n{spall}"));
+        sandbox.put("spalled.toml", spalled);
+        sandbox.put("recording.csv", readings(&motion(&sandbox, "spalled.toml", 20..20 + TURNS), |_, _, _| 0.0));
+        let outcome = outcome(&sandbox);
+        let findings = list(&outcome, "findings");
+        assert_eq!(kinds(&outcome), [kind], "{findings:#?}");
+        assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
+        for (key, truth) in [("azimuth_deg", azimuth + 360.0), ("half_width_deg", half_width), ("depth_um", depth)] {
+            let [low, high] = ["/low", "/high"].map(|end| number(&findings[0][key], end));
+            assert!(low < truth && truth < high, "{surface}: {key} {}", findings[0][key]);
+        }
+    }
 }
 
 /// A machine that was never recorded in good order has the errors of its scene, and none of them is a fault.
@@ -225,5 +236,8 @@ fn a_wave_is_named_on_its_bearing() {
         let findings = list(&outcome, "findings");
         assert_eq!(kinds(&outcome), ["outer-race"], "{bearing}: {findings:#?}");
         assert_eq!(findings[0]["bearing"], bearing, "{findings:#?}");
+        // Normal to the race: 0.8 um along the radius.
+        let [low, high] = ["/low", "/high"].map(|end| number(&findings[0]["amplitude_um"], end));
+        assert!(low < 0.8 && 0.75 < high && high < 2.0 * low, "{}", findings[0]["amplitude_um"]);
     }
 }

@@ -4,12 +4,11 @@ use super::Result;
 use super::fit::{Fitted, changed, fit};
 use super::parameter::Unknown;
 use super::residual::Evidence;
-use super::residual::site::GAIN_ERROR;
+use super::residual::site::{DEPENDENT, GAIN_ERROR};
 use super::surface::Component;
-use ballrace_base::least_squares::dot;
 use ballrace_outcome::Estimate;
 use ballrace_scene::RotationSource;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
 /// Number of standard deviations within which a normally distributed error lies in 95 of 100 cases.
@@ -31,6 +30,8 @@ pub struct Estimates<'a, 'b> {
     pub last: &'a Fitted,
     /// Factor of deviations: residual over noise.
     pub inflation: f64,
+    /// Relative standard deviation of a size by what the fault leaves at its lines.
+    pub error_at_lines: f64,
 }
 
 impl Estimates<'_, '_> {
@@ -148,31 +149,53 @@ impl Estimates<'_, '_> {
         let (along, across) =
             (self.deviation_along([x, y], [a / size, b / size]), self.deviation_along([x, y], [-b / size, a / size]));
         let across = (across / size).hypot(self.direction_error());
+        let along = (along / unit).hypot(self.scale_error(STIFFNESS_ERROR) * size / unit);
+        // An error of the model multiplies the size.
+        let factor = 1.0 + WITHIN_95 * self.error_at_lines;
+        let Estimate { value, low, high } = around(size / unit, along);
         [
-            not_negative(around(size / unit, (along / unit).hypot(self.scale_error(STIFFNESS_ERROR) * size / unit))),
+            not_negative(Estimate { value, low: low / factor, high: high * factor }),
             within_turn(around(b.atan2(a).to_degrees(), across.to_degrees())),
         ]
     }
 }
 
-/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit.
-///
-/// With the slopes `J` of the unknowns and the change `v` of the residual by one deviation of a parameter, the unknowns change by
-/// `-C J^T v`.
+/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit. Of a site, [`DEPENDENT`] values of the residual are
+/// evidence of one.
 pub(crate) fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
     let changes = e.uncertain_changes(&last.spectra, &last.machine)?;
     if changes.is_empty() || last.unknowns.is_empty() {
         return Ok(last);
     }
-    let slopes = e.slopes(&last.spectra, &last.machine, &last.unknowns)?;
-    let mut covariance = last.covariance.clone();
-    for change in &changes {
-        let along = DVector::from_iterator(slopes.len(), slopes.iter().map(|slope| dot(slope, change)));
-        let moved = &last.covariance * along;
-        covariance += &moved * moved.transpose();
-    }
-    last.covariance = covariance;
+    let dependent = if e.site.is_some() { DEPENDENT } else { 1.0 };
+    let slopes = matrix(&e.slopes(&last.spectra, &last.machine, &last.unknowns)?);
+    let residual = DVector::from_column_slice(&last.residual);
+    last.covariance += by_uncertain(&last.covariance, &slopes, matrix(&changes), &residual, dependent);
     Ok(last)
+}
+
+/// Returns what uncertain parameters add to the covariance `C` of unknowns with the slopes `J`.
+///
+/// With the changes `V` of the residual `r` by one deviation of each parameter, the unknowns change by `-C J^T V` per deviation. What the
+/// unknowns do not make up for, `W = V - J C J^T V`, limits the parameters to the covariance `S = (1 + W^T W)^-1` about the mean `S W^T r`.
+fn by_uncertain(
+    covariance: &DMatrix<f64>,
+    slopes: &DMatrix<f64>,
+    changes: DMatrix<f64>,
+    residual: &DVector<f64>,
+    dependent: f64,
+) -> DMatrix<f64> {
+    let moved = covariance * slopes.tr_mul(&changes);
+    let left = changes - slopes * &moved;
+    let precision = DMatrix::<f64>::identity(left.ncols(), left.ncols()) + left.tr_mul(&left) / dependent;
+    let known = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(left.ncols(), left.ncols()));
+    let mean = &known * left.tr_mul(residual) / dependent;
+    &moved * (known + &mean * mean.transpose()) * moved.transpose()
+}
+
+/// Returns the matrix of some columns.
+fn matrix(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, j| columns[j][i])
 }
 
 /// Returns the estimate of a size, whose interval has no negative part.
@@ -208,6 +231,33 @@ pub(crate) fn within_turn(e: Estimate) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Against the covariance of a fit of both together, whose parameters are known with a deviation of 1.
+    #[test]
+    fn uncertain_parameters_add_what_a_fit_of_both_has() {
+        let value = |i: usize, j: usize| (0.7 * i as f64 + 2.1 * j as f64).sin();
+        let slopes = DMatrix::from_fn(40, 3, |i, j| 3.0 * value(i, j));
+        let changes = DMatrix::from_fn(40, 2, |i, j| value(i, j) + 0.3 * value(3 * i, j + 5));
+        let inverse = |x: DMatrix<f64>| x.try_inverse().unwrap_or_default();
+        let covariance = inverse(slopes.tr_mul(&slopes));
+        let none = DVector::zeros(40);
+        let added = by_uncertain(&covariance, &slopes, changes.clone(), &none, 1.0);
+        let both = DMatrix::from_fn(40, 5, |i, j| if j < 3 { slopes[(i, j)] } else { changes[(i, j - 3)] });
+        let mut normal = both.tr_mul(&both);
+        (3..5).for_each(|j| normal[(j, j)] += 1.0);
+        let whole = inverse(normal);
+        let expected = whole.view((0, 0), (3, 3)) - &covariance;
+        assert!((&added - &expected).norm() < 1e-9 * expected.norm(), "{added} instead of {expected}");
+        // A residual along what the unknowns do not make up for is a parameter that is off: they are as well.
+        let left = &changes - &slopes * (&covariance * slopes.tr_mul(&changes));
+        let off = by_uncertain(&covariance, &slopes, changes.clone(), &(5.0 * left.column(0)), 1.0);
+        assert!(off.trace() > 2.0 * added.trace());
+        // Where many values are evidence of one, the parameters are known as before.
+        let vague = by_uncertain(&covariance, &slopes, changes.clone(), &none, 1e9);
+        let moved = &covariance * slopes.tr_mul(&changes);
+        let unlimited = &moved * moved.transpose();
+        assert!((&vague - &unlimited).norm() < 1e-6 * unlimited.norm());
+    }
 
     #[test]
     fn a_size_has_no_negative_part() {

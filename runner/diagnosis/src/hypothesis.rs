@@ -208,8 +208,13 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         }
         if is_sound {
             of.deviations.push(identified.fault);
-            if faults.is_empty() {
-                of.healthy = now.clone();
+            match faults.last_mut() {
+                None => of.healthy = now.clone(),
+                // The faults so far are those of the machine with the deviation.
+                Some(last) => {
+                    let unknowns = union(last.fitted.unknowns.clone(), &now.unknowns);
+                    last.fitted = Fitted { unknowns, ..now.clone() };
+                }
             }
             continue;
         }

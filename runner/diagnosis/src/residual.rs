@@ -102,6 +102,8 @@ pub(super) struct Evidence<'a> {
     uncertain: Option<(Vec<Unknown>, DMatrix<f64>)>,
     /// Changes of the whitened residual of the machine by which it is weighted, by each of them.
     uncertain_slopes: Arc<Vec<Vec<f64>>>,
+    /// Relative error of the model at the lines of a fault whose size is estimated; `None` while faults are searched.
+    error_at_fault: Option<f64>,
     /// Directions of the whitened residual that they lead to.
     tolerance: Vec<Direction>,
     /// Mean stiffness of the machine by which the residual is weighted, and its dynamic stiffness line by line.
@@ -262,6 +264,7 @@ impl<'a> Evidence<'a> {
             is_axially_free: false,
             uncertain: None,
             uncertain_slopes: Arc::default(),
+            error_at_fault: None,
             tolerance: vec![],
             reference: MeanStiffness::default(),
             reference_lines: Arc::default(),
@@ -549,16 +552,16 @@ impl<'a> Evidence<'a> {
     /// is subtracted from every residual: the same fault has another force where the bearing is stiffer.
     pub(crate) fn uncertain_changes(&self, spectra: &Spectra, machine: &Machine) -> Result<Vec<Vec<f64>>> {
         let Some((unknowns, root)) = &self.uncertain else { return Ok(vec![]) };
-        let left = self.left_by_baseline();
-        let mut slopes = self.slopes_of_uncertain(spectra, machine, unknowns)?;
-        for (slope, reference) in slopes.iter_mut().zip(self.uncertain_slopes.iter()) {
-            let reference = self.tolerated(reference.clone());
+        let slopes = self.slopes_of_uncertain(spectra, machine, unknowns)?;
+        let differs = |(mut slope, reference): (Vec<f64>, &Vec<f64>)| {
             slope.iter_mut().zip(reference).for_each(|(slope, x)| *slope -= x);
-        }
+            self.tolerated(slope)
+        };
+        let slopes: Vec<Vec<f64>> = slopes.into_iter().zip(self.uncertain_slopes.iter()).map(differs).collect();
         let change = |column: usize| {
             let mut sum = vec![0.0; slopes.first().map_or(0, Vec::len)];
             for (slope, weight) in slopes.iter().zip(root.column(column).iter()) {
-                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += left * weight * x);
+                sum.iter_mut().zip(slope).for_each(|(sum, x)| *sum += weight * x);
             }
             sum
         };
@@ -587,13 +590,6 @@ impl<'a> Evidence<'a> {
     pub fn known_deviation(&self, unknown: Unknown) -> f64 {
         let Some((unknowns, root)) = &self.uncertain else { return 0.0 };
         unknowns.iter().position(|own| *own == unknown).map_or(0.0, |i| root.row(i).norm())
-    }
-
-    /// Returns the change of the residual by each parameter that is not exactly known: at a site the rotor moves with it.
-    fn slopes_of_uncertain(&self, spectra: &Spectra, machine: &Machine, unknowns: &[Unknown]) -> Result<Vec<Vec<f64>>> {
-        let mut slopes = self.force_slopes(spectra, machine, unknowns)?;
-        self.keep_mean_forces(spectra, machine, &mut slopes)?;
-        Ok(parallel::map(&slopes, |slope| self.at_probes(slope)))
     }
 
     /// Returns the change of the unexplained force by each unknown.

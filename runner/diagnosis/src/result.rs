@@ -4,22 +4,27 @@ use super::cage::unknowns;
 use super::estimates::{Estimates, around, with_uncertain_parameters};
 use super::fault_figures::Contrast;
 use super::faults::AnyFault;
-use super::fit::{Fitted, fit};
+use super::fit::{Fitted, evaluate, fit};
 use super::hypothesis::{IdentifiedFault, MIN_GAIN};
 use super::parameter::{CAGE_PHASE, CAGE_SLIP, union};
 use super::residual::Evidence;
 use super::residual::site::{self, DEPENDENT};
-use super::site::SiteRecording;
+use super::site::{RESOLUTION, SiteRecording};
 use super::unexplained::unexplained_lines;
 use super::{DiagnosisInput, Prepared, Result};
 use ballrace_outcome::{
     CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FailureMode, FaultFigures, FaultForm,
     FaultKind, FaultParameters, ProbeReadings, UnexplainedLine,
 };
-use std::f64::consts::TAU;
+use std::borrow::Cow;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Largest odds that are reported: beyond it, the model error dominates.
 const LARGEST_ODDS: f64 = 1e12;
+/// Least share that a fault explains of the motion at its lines, by which its size is estimated.
+const LEAST_EXPLAINED: f64 = 0.1;
+/// Fits for the sizes of spalls, each in the weights of the machine before.
+const ROUNDS: usize = 2;
 /// Confidence of a diagnosis that names no cause.
 const UNDECIDED: f64 = 0.5;
 /// Least odds against another kind of fault, or another bearing, for one to be named: it is right in 19 of 20 cases.
@@ -115,15 +120,15 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 /// Returns the result of a diagnosis with its figures and notes.
 pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[IdentifiedFault]) -> Result<DiagnosisResult> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
-    let last = joint(of, faults)?;
-    let e = &of.evidence;
+    let (e, last) = joint(of, faults)?;
+    let e = &*e;
     let after = last.chi_square / last.residual.len().max(1) as f64;
     // The model error may act along the unknowns: each unknown takes its share of the excess of chi-squared.
     let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
     let dependent = if e.site.is_some() { DEPENDENT } else { 1.0 };
     let inflation = (1.0 + excess / (dependent * last.unknowns.len().max(1) as f64)).sqrt();
     let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last)? };
-    let estimates = Estimates { e, last: &last, inflation };
+    let estimates = Estimates { e, last: &last, inflation, error_at_lines: 0.0 };
     let mut diagnoses: Vec<Diagnosis> = vec![];
     for (i, identified) in faults.iter().enumerate() {
         let fault = identified.fault;
@@ -133,8 +138,16 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         }
         let lacking = fault.removed(&last.machine, &of.healthy.machine);
         let contrast = Contrast::new(input, e, &last, &lacking, fault.surface(), fault.bearing())?;
+        // A wave has one line, so that no fit shows the error of the model there: half of its square is in phase with the wave.
+        let is_wave = e.site.is_some() && matches!(fault, AnyFault::Waviness(_));
+        let error_at_lines = if is_wave { identified.error_at_lines() * FRAC_1_SQRT_2 } else { 0.0 };
+        let estimates = Estimates { error_at_lines, ..estimates };
         let diagnosis = estimates.diagnosis(identified, i == 0).with_figures(fault.figures(&contrast));
         if i > 0 && !diagnosis.parameters.is_significant() {
+            continue;
+        }
+        if e.site.is_some() && fault.surface().is_some() && diagnoses.iter().any(|known| coincide(e, known, &diagnosis))
+        {
             continue;
         }
         let explained = diagnosis.parameters.explained.unwrap_or(0.0);
@@ -201,6 +214,11 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
 }
 
 impl IdentifiedFault {
+    /// Returns the error of the model at the lines of a fault of a surface, over the motion that it explains there: as large as what it leaves.
+    fn error_at_lines(&self) -> f64 {
+        (1.0 / self.explained.max(LEAST_EXPLAINED) - 1.0).sqrt()
+    }
+
     /// Returns the odds against the second-best candidate; `None` without one.
     fn odds(&self) -> Option<f64> {
         self.next.map(|(_, odds)| odds.min(LARGEST_ODDS.ln()).exp())
@@ -218,6 +236,13 @@ impl IdentifiedFault {
         let is_other = (next.kind(), next.bearing()) != (self.fault.kind(), self.fault.bearing());
         (is_other && self.odds()? < LEAST_ODDS).then_some(next)
     }
+}
+
+/// Returns true where the record does not tell the lines of two faults of a site apart: an error of the model at the lines of the first is no
+/// second fault.
+fn coincide(e: &Evidence, a: &Diagnosis, b: &Diagnosis) -> bool {
+    let turns = (e.motion.turns[e.motion.len() - 1] - e.motion.turns[0]).abs();
+    a.order > 0.0 && (a.order - b.order).abs() * turns < RESOLUTION
 }
 
 /// Returns true for a fault that does not move the shaft, or lowers the square of the unexplained motion at a probe by more than half.
@@ -273,12 +298,23 @@ fn undecided(first: Diagnosis, fault: AnyFault, other: AnyFault, e: &Evidence, h
     }
 }
 
-/// Fits the unknowns of all faults together.
-fn joint(of: &Prepared, faults: &[IdentifiedFault]) -> Result<Fitted> {
-    let Some(last) = faults.last() else { return Ok(of.healthy.clone()) };
+/// Fits the unknowns of all faults together; with the recording in the weights of this fit.
+///
+/// A spall of a site has many lines: it is fitted again where each counts by the error of the model there, which is as large as what the faults
+/// leave.
+fn joint<'a, 'b>(of: &'b Prepared<'a>, faults: &[IdentifiedFault]) -> Result<(Cow<'b, Evidence<'a>>, Fitted)> {
+    let mut e = Cow::Borrowed(&of.evidence);
+    let Some(last) = faults.last() else { return Ok((e, of.healthy.clone())) };
     let of_cages = unknowns(&of.observable, &last.fitted.machine);
     let all = faults.iter().fold(of_cages, |all, fault| union(all, &fault.fitted.unknowns));
-    fit(&of.evidence, &last.fitted, &all, 30)
+    let mut fitted = fit(&e, &last.fitted, &all, 30)?;
+    let is_spall = |one: &&IdentifiedFault| e.site.is_some() && matches!(one.fault, AnyFault::Spall(_));
+    let error = faults.iter().filter(is_spall).map(IdentifiedFault::error_at_lines).reduce(f64::max);
+    for error in std::iter::repeat_n(error, ROUNDS).flatten() {
+        e.to_mut().weight_for_sizes(&fitted.machine, error)?;
+        fitted = fit(&e, &evaluate(&e, &fitted.machine)?, &all, 30)?;
+    }
+    Ok((e, fitted))
 }
 
 impl Estimates<'_, '_> {

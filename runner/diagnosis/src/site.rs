@@ -27,7 +27,7 @@ const UNBALANCE_LATER: f64 = 0.0;
 const IMPLAUSIBLE: f64 = 5.0;
 
 /// Distance of two lines from which a record tells them apart, over the inverse of its duration.
-const RESOLUTION: f64 = 3.0;
+pub const RESOLUTION: f64 = 3.0;
 
 /// Least drift over the record, and run-out that show a site, m, and the multiples of the shaft angle of which so many have it. The
 /// first is also that of an unbalance.

@@ -71,6 +71,11 @@ pub const DEPENDENT: f64 = 100.0;
 /// Mean square of the residual, in units of its noise with what is expected, beyond which a recording of a site is not explained.
 pub const UNEXPLAINED: f64 = 1.25;
 
+/// Returns the number of lines on each side of line `k` that are of one motion.
+pub(super) fn half_width(k: usize) -> usize {
+    SPREAD + (SPEED_SPREAD * k as f64) as usize
+}
+
 /// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
 const SAG: f64 = 20e-6;
 
@@ -303,6 +308,8 @@ impl Evidence<'_> {
                 let mean = if k < MEAN_LINES { self.mean_weight() } else { 1.0 };
                 let mut covariance = DMatrix::<C>::identity(rows, rows);
                 let error = if self.is_without_baseline() { MODEL_ERROR.hypot(GAIN_ERROR) } else { MODEL_ERROR };
+                // One error of the model is that of the values of all probes.
+                let error = self.error_at_fault.map_or(error, |at_fault| (at_fault * (rows as f64).sqrt()).max(error));
                 let error = error * self.amplification(k).max(1.0);
                 for (p, expected) in site.expected.iter().enumerate() {
                     let variance = expected.variance[k]
@@ -354,7 +361,7 @@ impl Evidence<'_> {
             // The lines of one motion have one error, and are compared as if each had its own: the variance of each is so much larger that
             // the error counts as one value.
             let around = |k: usize| {
-                let half_width = SPREAD + (SPEED_SPREAD * k as f64) as usize;
+                let half_width = half_width(k);
                 let lines = k.saturating_sub(half_width)..(k + half_width + 1).min(squares.len());
                 squares[lines].iter().sum::<f64>()
             };

@@ -5,9 +5,11 @@ use super::super::dynamics::{Square, Tangent};
 use super::super::machine::{Evaluated, Machine};
 use super::super::motion::{C, D, Motion};
 use super::super::parameter::{ForceSource, Unknown};
-use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting};
+use super::site::half_width;
+use super::{Direction, ELASTICITY_ERROR, Evidence, MEAN_LINES, MeanStiffness, Spectra, Weighting, whitened};
 use ballrace::Displacement;
 use ballrace_base::least_squares::dot;
+use ballrace_base::parallel;
 use ballrace_plant::probes;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::Arc;
@@ -84,9 +86,50 @@ impl Evidence<'_> {
         self.uncertain.clone_from(&other.uncertain);
     }
 
-    /// Returns the share of the deviations of the uncertain parameters that a baseline leaves.
-    pub(super) fn left_by_baseline(&self) -> f64 {
-        if self.site.is_some() && !self.is_without_baseline() { LEFT_BY_BASELINE } else { 1.0 }
+    /// Weights residuals for the sizes of the faults of a machine, whose model has a relative error at their lines: the error also has the motion
+    /// that they add, and of that no baseline knows the parameters.
+    pub(crate) fn weight_for_sizes(&mut self, machine: &Machine, error: f64) -> Result<()> {
+        self.error_at_fault = Some(error);
+        self.weight_for(machine)
+    }
+
+    /// Returns the share of the deviations of the uncertain parameters that a baseline leaves, line by line.
+    fn left_by_baseline(&self) -> Vec<f64> {
+        let speed = self.motion.mean_speed().abs().max(f64::MIN_POSITIVE);
+        let apart = self.transform.lines.get(1).map_or(1.0, |w| w / speed);
+        // The mean and the harmonics of the shaft.
+        let is_of_baseline = |k: usize| {
+            let order = k as f64 * apart;
+            k < MEAN_LINES || (order - order.round()).abs() <= half_width(k) as f64 * apart
+        };
+        let is_learned = self.site.is_some() && !self.is_without_baseline();
+        let is_left = |k: usize| is_learned && (self.error_at_fault.is_none() || is_of_baseline(k));
+        (0..self.transform.lines.len()).map(|k| if is_left(k) { LEFT_BY_BASELINE } else { 1.0 }).collect()
+    }
+
+    /// Returns the change of the residual by each parameter that is not exactly known, without what a baseline has of it, before anything is
+    /// tolerated: at a site the rotor moves with it.
+    pub(super) fn slopes_of_uncertain(
+        &self,
+        spectra: &Spectra,
+        machine: &Machine,
+        unknowns: &[Unknown],
+    ) -> Result<Vec<Vec<f64>>> {
+        // Damping and unbalance have no mean force.
+        let (of_bearings, of_rotor): (Vec<Unknown>, Vec<Unknown>) =
+            unknowns.iter().partition(|unknown| matches!(unknown.part(), ForceSource::Bearing(_)));
+        let mut slopes = self.force_slopes(spectra, machine, &of_bearings)?;
+        self.keep_mean_forces(spectra, machine, &mut slopes)?;
+        slopes.extend(self.force_slopes(spectra, machine, &of_rotor)?);
+        let left = self.left_by_baseline();
+        Ok(parallel::map(&slopes, |slope| {
+            let mut slope = whitened(&self.whitening, slope);
+            slope
+                .chunks_mut(2 * self.rows)
+                .zip(&left)
+                .for_each(|(line, left)| line.iter_mut().for_each(|x| *x *= left));
+            slope
+        }))
     }
 
     /// Finds the directions of the residual along which the uncertain parameters move it.
@@ -107,9 +150,7 @@ impl Evidence<'_> {
             return Ok(());
         }
         // Elasticity and instants are independent of the rest, their slopes those of one deviation.
-        let left = self.left_by_baseline();
-        let root =
-            DMatrix::from_fn(n, n, |i, j| known.get((i, j)).map_or(if i == j { 1.0 } else { 0.0 }, |x| left * x));
+        let root = DMatrix::from_fn(n, n, |i, j| known.get((i, j)).copied().unwrap_or(if i == j { 1.0 } else { 0.0 }));
         let root = &root;
         let products = DMatrix::from_fn(n, n, |i, j| if i <= j { dot(&slopes[i], &slopes[j]) } else { 0.0 });
         let products = DMatrix::from_fn(n, n, |i, j| products[(i.min(j), i.max(j))]);
