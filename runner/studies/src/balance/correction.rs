@@ -1,7 +1,7 @@
 //! Correction masses: the moments that leave the least vibration, and the holes and weights that come nearest to them.
 
 use super::error::BalanceError;
-use super::holes::HoleMass;
+use super::holes::{HoleMass, PlaneHoles};
 use super::placement::Placement;
 use super::stock::StockChoice;
 use super::table::C;
@@ -20,6 +20,9 @@ pub struct PlaneCorrection {
     pub angle_deg: f64,
     /// Standard deviation of the moment in any direction, g mm.
     pub deviation_g_mm: f64,
+    /// Holes of the plane; `None` for masses at any angle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub circle: Option<PlaneHoles>,
     /// Masses in holes that come nearest to it; empty without holes.
     pub holes: Vec<HoleMass>,
     /// Moment that these masses leave, g mm.
@@ -130,6 +133,7 @@ pub(super) fn correction(of: &Vectors, placement: &Placement) -> Result<Correcti
         moment_g_mm: wanted[k].norm(),
         angle_deg: degrees(wanted[k]),
         deviation_g_mm: of_moments[(k, k)].re.max(0.0).sqrt(),
+        circle: placement.holes.as_ref().map(|holes| PlaneHoles::from(&holes.circles[k])),
         holes,
         left_g_mm: (wanted[k] - placed.moments[k]).norm(),
     };
