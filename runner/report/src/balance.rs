@@ -5,8 +5,8 @@ use super::number::fixed;
 use super::page::{self, Column, Page, PageSection, Row, Table};
 use anyhow::Result;
 use ballrace_twin::balance::{
-    Agreement, Balance, HoleMass, Influence, MomentEstimate, Outlier, PlaneCorrection, Proof, Quality, StockChoice,
-    Trim, TrimVector,
+    Agreement, Balance, Departure, HoleMass, Influence, MomentEstimate, Outlier, PlaneCorrection, Proof, Quality,
+    StockChoice, Trim, TrimVector,
 };
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
@@ -308,6 +308,8 @@ fn sentences(of: &Balance) -> Vec<String> {
     holes
         .into_iter()
         .chain(outliers)
+        .chain(of.departure.as_ref().map(departure))
+        .chain(not_shown(&of.correction.planes))
         .chain(hardly_known(of))
         .chain(stock)
         .chain(not_observed)
@@ -333,6 +335,26 @@ fn outlier(of: &Outlier, unit: &str) -> String {
         of.speed_rpm,
         of.distance,
         of.distance / of.deviation
+    )
+}
+
+/// Returns a sentence on planes whose masses no probe shows.
+fn not_shown(planes: &[PlaneCorrection]) -> Option<String> {
+    let not_shown: Vec<&str> = planes.iter().filter(|one| !one.observed).map(|one| one.plane.as_str()).collect();
+    (!not_shown.is_empty()).then(|| {
+        format!(
+            "The probes do not show the masses of {} above drift and errors: make a trial with a larger mass there, and check that it was mounted.",
+            not_shown.join(", ")
+        )
+    })
+}
+
+/// Returns a sentence on a condition that departs from the others.
+fn departure(of: &Departure) -> String {
+    format!(
+        "The vectors of {} are {:.1} times as far from those that the other runs expect as errors allow: check its masses, angles and probes, or \
+         repeat it.",
+        of.condition, of.misfit
     )
 }
 

@@ -2,6 +2,7 @@
 //! other way, a trial without its mass.
 
 use super::correction;
+use super::departure::pairs;
 use super::error::BalanceError;
 use super::runs::{Run, Runs, determined};
 use super::table::{C, VectorTable};
@@ -119,9 +120,4 @@ pub(super) fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceEr
     let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
     let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
     if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
-}
-
-/// Returns each pair of two numbers below `count`.
-fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
-    (0..count).flat_map(move |a| (a + 1..count).map(move |b| [a, b]))
 }

@@ -68,15 +68,15 @@ pub enum BalanceError {
         /// Condition.
         condition: String,
     },
-    /// The masses of a trim run are not those that are stated.
-    #[error(
-        "{condition}: the vectors are not those expected with the stated masses, but with {likely}, expected the masses that are mounted"
-    )]
+    /// The vectors of a run are not those that the others expect of its masses.
+    #[error("{condition}: the vectors agree with the other runs only with {likely}, expected {expected}")]
     Mounted {
         /// Condition.
         condition: String,
-        /// Masses that explain the vectors.
+        /// Masses, probes or unit that explain the vectors.
         likely: String,
+        /// What is expected of the table or of the machine.
+        expected: &'static str,
     },
     /// There are no mounted masses to take off.
     #[error("no trim run, expected one whose masses are taken off")]
