@@ -84,10 +84,12 @@ pub struct PlaneHoles {
 
 impl From<&HoleCircle> for PlaneHoles {
     fn from(of: &HoleCircle) -> Self {
+        // As it was written.
+        let rounded = |x: f64| (1e9 * x).round() / 1e9;
         Self {
             number: of.count,
-            radius_mm: 1e3 * of.radius,
-            first_deg: of.first.to_degrees(),
+            radius_mm: rounded(1e3 * of.radius),
+            first_deg: rounded(of.first.to_degrees()),
             taken: of.taken.iter().map(|hole| hole + 1).collect(),
         }
     }
