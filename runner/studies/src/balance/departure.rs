@@ -47,11 +47,18 @@ pub(super) struct Measured {
 }
 
 /// A condition as it is without a probable error.
-struct Cause {
+pub(super) struct Cause {
     moments: Vec<C>,
     response: Vec<C>,
-    likely: String,
-    expected: &'static str,
+    pub(super) likely: String,
+    pub(super) expected: &'static str,
+}
+
+impl Cause {
+    /// Returns true for an error of the masses.
+    pub(super) fn has_other_masses(&self, stated: &[C]) -> bool {
+        self.moments != stated
+    }
 }
 
 impl Measured {
@@ -164,17 +171,43 @@ impl Runs {
         of: &Vectors,
         stated: &[C],
     ) -> Option<(f64, BalanceError)> {
-        let causes = self.other_masses(table, condition, stated).into_iter().map(|(moments, likely)| Cause {
-            moments,
-            response: measured.response.clone(),
-            likely,
-            expected: "the masses that are mounted",
-        });
         let misfit = |cause: &Cause| measured.misfit(of, &cause.moments, &cause.response).unwrap_or(f64::INFINITY);
-        let causes = causes.chain(other_vectors(table, measured, stated)).map(|cause| (misfit(&cause), cause));
+        let causes = self.causes(table, (condition, measured), stated).into_iter().map(|cause| (misfit(&cause), cause));
         let (misfit, Cause { likely, expected, .. }) = causes.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let condition = self.conditions[condition].clone();
         (misfit <= 1.0).then(|| (misfit, BalanceError::Mounted { condition, likely, expected }))
+    }
+
+    /// Returns a known condition as it would be without each probable error.
+    pub(super) fn causes(
+        &self,
+        table: &VectorTable,
+        (condition, measured): (usize, &Measured),
+        stated: &[C],
+    ) -> Vec<Cause> {
+        let of_masses = |(moments, likely): (Vec<C>, String)| {
+            let expected = "the masses that are mounted";
+            Cause { moments, response: measured.response.clone(), likely, expected }
+        };
+        let mut all: Vec<Cause> = self.other_masses(table, condition, stated).into_iter().map(of_masses).collect();
+        all.extend(other_vectors(table, measured, stated));
+        all
+    }
+
+    /// Returns the runs with a condition as it is without a probable error.
+    pub(super) fn without_error(&self, condition: usize, cause: &Cause) -> Self {
+        let mut vectors = cause.response.chunks(self.probes);
+        let mut changed = |run: &Run| {
+            let mut run = run.clone();
+            if run.condition == condition
+                && let Some(response) = vectors.next()
+            {
+                run.response = DVector::from_column_slice(response);
+                run.moments = Some(cause.moments.clone());
+            }
+            run
+        };
+        self.with(self.all.iter().map(&mut changed).collect())
     }
 
     /// Returns masses that may be mounted instead of the stated ones, each in words.
