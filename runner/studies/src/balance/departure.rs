@@ -37,6 +37,20 @@ pub struct Departure {
     pub misfit: f64,
 }
 
+/// An error that explains the vectors of a condition.
+pub(super) struct ProbableError {
+    /// Chi-squared without the error over its largest value.
+    misfit: f64,
+    pub(super) error: BalanceError,
+}
+
+/// A condition that departs from the others.
+struct Departing {
+    condition: usize,
+    misfit: f64,
+    cause: Option<ProbableError>,
+}
+
 /// Runs of one condition as one vector of their channels.
 pub(super) struct Measured {
     probes: usize,
@@ -128,22 +142,19 @@ impl Runs {
         };
         let asked: Vec<usize> = (0..self.conditions.len()).filter(is_asked).collect();
         let found = parallel::map(&asked, |condition| self.against_the_others(table, time, *condition));
-        let mut departing: Vec<(f64, usize, Option<(f64, BalanceError)>)> = found.into_iter().flatten().collect();
-        let best = departing.iter_mut().filter_map(|(.., cause)| cause.take()).min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, error)) = best {
-            return Err(error);
+        let mut departing: Vec<Departing> = found.into_iter().flatten().collect();
+        let causes = departing.iter_mut().filter_map(|one| one.cause.take());
+        if let Some(best) = causes.min_by(|a, b| a.misfit.total_cmp(&b.misfit)) {
+            return Err(best.error);
         }
-        let largest = departing.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(largest.map(|(misfit, of, _)| Departure { condition: self.conditions[of].clone(), misfit }))
+        let largest = departing.into_iter().max_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        let named =
+            |one: Departing| Departure { condition: self.conditions[one.condition].clone(), misfit: one.misfit };
+        Ok(largest.map(named))
     }
 
-    /// Returns the misfit of a condition that departs from the others, with its probable error and the misfit without it.
-    fn against_the_others(
-        &self,
-        table: &VectorTable,
-        time: f64,
-        condition: usize,
-    ) -> Option<(f64, usize, Option<(f64, BalanceError)>)> {
+    /// Returns a condition where it departs from the others, with its probable error.
+    fn against_the_others(&self, table: &VectorTable, time: f64, condition: usize) -> Option<Departing> {
         let others = self.without(condition);
         determined(&others).ok()?;
         let (drift, solution) = others.learned(&[time])?;
@@ -155,7 +166,8 @@ impl Runs {
             return None;
         }
         let cause = self.probable_error(table, (condition, &measured), &of, &stated);
-        (cause.is_some() || others.known() > self.planes + SPARE).then_some((misfit, condition, cause))
+        let is_told = cause.is_some() || others.known() > self.planes + SPARE;
+        is_told.then_some(Departing { condition, misfit, cause })
     }
 
     /// Returns the runs of the other conditions.
@@ -163,19 +175,20 @@ impl Runs {
         self.with(self.all.iter().filter(|run| run.condition != condition).cloned().collect())
     }
 
-    /// Returns the probable error that explains the vectors of a condition, with the misfit without it.
+    /// Returns the probable error that explains the vectors of a condition.
     pub(super) fn probable_error(
         &self,
         table: &VectorTable,
         (condition, measured): (usize, &Measured),
         of: &Vectors,
         stated: &[C],
-    ) -> Option<(f64, BalanceError)> {
+    ) -> Option<ProbableError> {
         let misfit = |cause: &Cause| measured.misfit(of, &cause.moments, &cause.response).unwrap_or(f64::INFINITY);
         let causes = self.causes(table, (condition, measured), stated).into_iter().map(|cause| (misfit(&cause), cause));
         let (misfit, Cause { likely, expected, .. }) = causes.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let condition = self.conditions[condition].clone();
-        (misfit <= 1.0).then(|| (misfit, BalanceError::Mounted { condition, likely, expected }))
+        let error = BalanceError::Mounted { condition, likely, expected };
+        (misfit <= 1.0).then_some(ProbableError { misfit, error })
     }
 
     /// Returns a known condition as it would be without each probable error.

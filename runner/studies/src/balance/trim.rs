@@ -56,9 +56,9 @@ impl Runs {
             let of = Vectors::new(&others, table, drift, solution.clone());
             misfit = measured.misfit(&of, &mounted, &measured.response);
             if misfit.is_some_and(|misfit| misfit > 1.0)
-                && let Some((_, error)) = self.probable_error(table, (condition, &measured), &of, &mounted)
+                && let Some(probable) = self.probable_error(table, (condition, &measured), &of, &mounted)
             {
-                return Err(error);
+                return Err(probable.error);
             }
             expected = Some(measured.expected(&of, &mounted));
         }
