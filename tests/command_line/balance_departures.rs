@@ -1,10 +1,13 @@
 //! `ballrace balance`: runs of a table that are not what they are stated to be, each named by its probable error, and planes that no probe shows.
 
-use crate::balance::{Pair, Rotor, at, plus};
+use crate::balance::{Pair, Rotor, Run, at, plus};
 use crate::support::Sandbox;
 use std::fmt::Write;
 
 const ZERO: Pair = [0.0, 0.0];
+
+/// A mistake: condition, change of its masses or vectors, words of the error.
+type Mistake<T> = (&'static str, fn(&mut T), &'static str);
 
 /// Seven known conditions of two planes: condition, set, stated masses.
 fn runs() -> [(&'static str, &'static str, [Pair; 2]); 7] {
@@ -43,7 +46,7 @@ fn table(acting: impl Fn(&str, &mut [Pair; 2]), read: impl Fn(&str, &mut Vec<Pai
 #[test]
 fn a_run_with_other_masses_is_named() {
     let sandbox = Sandbox::empty();
-    let cases: [(&str, fn(&mut [Pair; 2]), &str); 6] = [
+    let cases: [Mistake<[Pair; 2]>; 6] = [
         ("T1", |u| *u = [ZERO, ZERO], "T1: the vectors agree with the other runs only with no mass mounted"),
         (
             "T4",
@@ -83,7 +86,7 @@ fn a_run_with_other_masses_is_named() {
 #[test]
 fn a_run_with_other_vectors_is_named() {
     let sandbox = Sandbox::empty();
-    let cases: [(&str, fn(&mut Vec<Pair>), &str); 4] = [
+    let cases: [Mistake<Vec<Pair>>; 4] = [
         ("T1", |y| y.swap(1, 3), "T1: the vectors agree with the other runs only with probes s2 and s4 exchanged"),
         (
             "T2",
@@ -158,7 +161,7 @@ fn a_plane_that_no_probe_shows_is_named() {
 fn more_planes_than_vectors() {
     let sandbox = Sandbox::empty();
     let mut rotor = Rotor::new(3, 2, 0.01);
-    let mut runs: Vec<(&str, &str, Vec<(f64, f64)>)> = vec![("BASE", "baseline", vec![(0.0, 0.0); 3])];
+    let mut runs: Vec<Run> = vec![("BASE", "baseline", vec![(0.0, 0.0); 3])];
     for (plane, name) in ["T1", "T2", "T3"].into_iter().enumerate() {
         let mass = |k: usize| if k == plane { (40.0, 70.0 * plane as f64) } else { (0.0, 0.0) };
         runs.push((name, "trial", (0..3).map(mass).collect()));

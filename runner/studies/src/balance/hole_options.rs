@@ -249,10 +249,14 @@ mod tests {
         assert_eq!((found.circles[2].taken.as_slice(), found.circles[3].taken.as_slice()), (&[7][..], &[11][..]));
     }
 
+    /// Holes, radius, the other options, and words of the error.
+    type Case = (&'static [&'static str], &'static [&'static str], [&'static [&'static str]; 3], &'static str);
+
     #[test]
     fn wrong_entries_have_one_clear_error() {
-        let (holes, radius, none): (&[&str], &[&str], &[&str]) = (&["16"], &["30 mm"], &[]);
-        let cases: [(&[&str], &[&str], [&[&str]; 3], &str); 14] = [
+        let (holes, radius, none): (&'static [&'static str], &'static [&'static str], &'static [&'static str]) =
+            (&["16"], &["30 mm"], &[]);
+        let cases: [Case; 14] = [
             (&["2"], radius, [none; 3], "holes: \"2\", expected 3 holes or more"),
             (&["fan 2"], radius, [none; 3], "holes: plane fan: \"2\", expected 3 holes or more"),
             (
