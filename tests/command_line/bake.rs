@@ -389,3 +389,44 @@ fn the_name_of_the_file_gives_the_language() {
         &["--output: invalid name for --language rust: one.h"],
     );
 }
+
+/// A bearing whose contact angle follows the displacement needs w: `bake` states it where no probe of the scene is axial, with the force that is
+/// lost, which is that of `ballrace force`. Lumped elements need no w, and have a path of constant time on a core without an FPU.
+#[test]
+fn what_firmware_needs_beside_the_constants() {
+    let sandbox = Sandbox::rig();
+    let bake = |scene: &str, core: &str| -> Value {
+        sandbox.put("needs.toml", scene);
+        sandbox.done(&["bake", "needs.toml", "-o", "needs.rs", "--core", core, "--format", "json"]).json()
+    };
+    let demo = sandbox.read("scene.toml");
+    let axial = demo.lines().find(|line| line.contains("axial = true")).unwrap();
+    assert!(bake(&demo, "cortex-m4f")[0].get("unmeasured_axial").is_none());
+    let radial = swap(&demo, axial, "");
+    let out = bake(&radial, "cortex-m4f");
+    let needs = &out[0]["unmeasured_axial"];
+    let number = |of: &str| needs[of].as_f64().unwrap();
+    // The rotor's weight is on two bearings, and 60 N along the shaft.
+    assert!(number("force_without_n") < 1e-9 && (35.0..50.0).contains(&number("force_n")), "{needs}");
+    let equilibrium: Value = sandbox.done(&["equilibrium", "needs.toml", "--format", "json"]).json();
+    let w = 1e6 * equilibrium["displacement"][2].as_f64().unwrap();
+    assert!((number("w_um") - w).abs() < 1e-3 * w.abs(), "{w}: {needs}");
+    let text = sandbox.done(&["bake", "needs.toml", "-o", "needs.rs"]).out;
+    assert!(
+        text.contains("no probe of the scene measures w: with u and v alone the force at rest is 0.0 N in place of"),
+        "{text}"
+    );
+
+    let scenes = sandbox.done(&["scenes", "tiwari-balanced"]).out;
+    let out = bake(&scenes, "cortex-m0plus");
+    let path = &out[0]["fixed_point"];
+    assert_eq!((path["exponent"].as_f64(), path["has_axial"].as_bool()), (Some(1.5), Some(false)), "{out}");
+    assert!(out[0].get("unmeasured_axial").is_none(), "{out}");
+    let law = sandbox.read("needs.rs");
+    let stiffness = path["stiffness"].as_f64().unwrap() as f32;
+    assert!(law.contains(&format!("stiffness: {stiffness:?}")), "{path}");
+    assert!(bake(&scenes, "cortex-m4f")[0].get("fixed_point").is_none());
+    let text = sandbox.done(&["bake", "needs.toml", "-o", "needs.rs", "--core", "cortex-m0plus"]).out;
+    assert!(text.contains("bearing::fixed_point takes a constant one: stiffness "), "{text}");
+    assert!(bake(&radial, "cortex-m0plus")[0].get("fixed_point").is_none());
+}

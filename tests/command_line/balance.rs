@@ -271,6 +271,65 @@ fn masses_in_holes() {
     assert!(text.contains("CORRECTION") && text.contains(" g in hole "), "{text}");
 }
 
+/// Planes of other holes: an entry with a plane in front holds for that plane, one without for the others, and the report draws each.
+#[test]
+fn holes_of_each_plane() {
+    let sandbox = Sandbox::empty();
+    sandbox.put("vectors.csv", Rotor::new(4, 12, 0.02).table(&runs()));
+    let holes = ["--holes", "16,p3 9 from 15 deg", "--radius", "30 mm", "--radius", "p3 40 mm,p4 25 mm"];
+    let args = [&["balance", "--vectors", "vectors.csv"], &holes[..]].concat();
+    let further = ["--hole-limit", "p1 4 g", "--taken", "p3 9", "--report", "report.html"];
+    let out: Value = sandbox.done(&[&args[..], &further, &["--format", "json"]].concat()).json();
+    let planes = out["correction"]["planes"].as_array().unwrap();
+    for (plane, (count, first, radius)) in
+        planes.iter().zip([(16, 0.0, 30.0), (16, 0.0, 30.0), (9, 15.0, 40.0), (16, 0.0, 25.0)])
+    {
+        let circle = &plane["circle"];
+        assert!(circle["number"] == count && circle["first_deg"].as_f64().unwrap() == first, "{plane}");
+        let mut sum = [0.0; 2];
+        for mass in plane["holes"].as_array().unwrap() {
+            let number = |of: &str| mass[of].as_f64().unwrap();
+            let angle = first + 360.0 / f64::from(count) * (number("hole") - 1.0);
+            assert!((angle - number("angle_deg")).abs() < 1e-9, "{mass}");
+            sum = plus(sum, at(radius * number("mass_g"), angle));
+        }
+        let exact = moment(plane);
+        assert!(apart(sum, exact) < 1e-6 * exact[0].hypot(exact[1]), "{plane}");
+    }
+    let masses = |plane: usize| planes[plane]["holes"].as_array().unwrap().iter();
+    assert!(masses(0).all(|mass| mass["mass_g"].as_f64().unwrap() < 4.0 + 1e-9), "{}", planes[0]);
+    assert!(masses(2).all(|mass| mass["hole"] != 9), "{}", planes[2]);
+    let sentence = "p3 9 on a radius of 40 mm, hole 1 at 15 deg; p4 16 on a radius of 25 mm";
+    assert!(sandbox.done(&args).out.contains(sentence));
+    let page = sandbox.read("report.html");
+    assert!(
+        page.contains("Holes: 9 on a radius of 40 mm, hole 1 at 15 deg; those with a cross take no mass."),
+        "{page}"
+    );
+    // The weights of one plane fit no other.
+    let stock = ["--stock", "2 g,1 g,p3 3 g", "--weights", "3", "--format", "json"];
+    let out: Value = sandbox.done(&[&args[..], &stock].concat()).json();
+    for (k, plane) in out["correction"]["planes"].as_array().unwrap().iter().enumerate() {
+        for mass in plane["holes"].as_array().unwrap() {
+            assert_eq!(mass["mass_g"].as_f64().unwrap() > 2.5, k == 2, "{plane}");
+        }
+    }
+    for (args, message) in [
+        (
+            &["--holes", "p1 16", "--radius", "30 mm"][..],
+            "--holes: none for plane p2, expected \"16\" for all planes, or \"p2 16\"",
+        ),
+        (&["--holes", "2", "--radius", "30 mm"], "--holes: \"2\", expected 3 holes or more"),
+        (&["--holes", "16,p5 9", "--radius", "30 mm"], "--holes: \"p5 9\", expected 3 holes or more"),
+        (&["--holes", "16", "--radius", "30 mm,p2 40"], "--radius: plane p2: \"40\" (has no unit), expected a length"),
+        (&["--holes", "16", "--radius", "30 mm,40 mm"], "--radius: two values for all planes, expected one"),
+        (&["--holes", "16"], "--radius"),
+    ] {
+        let output = sandbox.run(&[&["balance", "--vectors", "vectors.csv"], args].concat());
+        assert!(output.code == Some(2) && output.err.contains(message), "{message}: {}", output.err);
+    }
+}
+
 #[test]
 fn wrong_tables_have_one_clear_error() {
     let sandbox = Sandbox::empty();

@@ -378,7 +378,7 @@ fn trim_run_of_recordings() {
     assert!(out["correction"]["planes"][0]["moment_g_mm"].as_f64().unwrap() < 0.5, "{out}");
     let wrong = ["--trim", "trim.csv: -60 mm 15 g mm at 250 deg, 20 mm 37 g mm at 70 deg"];
     let err = sandbox.run(&[&BEFORE[..], &ONE, &TWO, &wrong].concat()).err;
-    assert!(err.contains("trim.csv: the vectors are not those expected") && err.contains("half a turn"), "{err}");
+    assert!(err.contains("trim.csv: the vectors agree with the other runs only with the masses half a turn"), "{err}");
     let err = sandbox.run(&[&BEFORE[..], &["--trim", "trim.csv"]].concat()).err;
     assert!(err.contains("--trim: no \": \" in \"trim.csv\""), "{err}");
 }
@@ -455,6 +455,17 @@ fn wrong_runs_have_one_clear_error() {
         let text = sandbox.read(name);
         sandbox.put(&format!("swapped-{name}"), swap(&text, "DE_X,DE_Y", "DE_Y,DE_X"));
     };
+    let in_mil = |name: &str, new: &str| {
+        let converted = |line: &str| -> String {
+            let cells = line.split(',').enumerate().map(|(column, cell)| match cell.parse::<f64>() {
+                Ok(um) if column < 4 => format!("{}", um / 25.4),
+                _ => cell.to_owned(),
+            });
+            cells.collect::<Vec<_>>().join(",") + "\n"
+        };
+        sandbox.put(new, sandbox.read(name).lines().map(converted).collect::<String>());
+    };
+    in_mil("trial1.csv", "mil.csv");
     swapped("before.csv");
     swapped("trial1.csv");
     sandbox.put("short.csv", recording(&[], 0.0, 3));
@@ -487,7 +498,7 @@ fn wrong_runs_have_one_clear_error() {
         ),
         (
             [&with("same.csv: 20 mm 20 g mm at 30 deg")[..], &planes].concat(),
-            "same.csv: the vectors are those without added masses",
+            "same.csv: the vectors agree with the twin only with no mass mounted, expected the masses that are mounted, or a scene",
         ),
         (
             [&with("trial1.csv: DE 20 g mm at 30 deg")[..], &planes].concat(),
@@ -495,7 +506,19 @@ fn wrong_runs_have_one_clear_error() {
         ),
         (
             [&with("swapped-trial1.csv: -60 mm 20 g mm at 30 deg")[..], &planes].concat(),
-            "swapped-trial1.csv: probes DE_X and DE_Y look exchanged",
+            "swapped-trial1.csv: the vectors agree with the twin only with probes DE_X and DE_Y exchanged",
+        ),
+        (
+            [&with("trial1.csv: -60 mm 20 g mm at 210 deg")[..], &planes].concat(),
+            "trial1.csv: the vectors agree with the twin only with the masses half a turn from the stated angles",
+        ),
+        (
+            [&with("trial1.csv: -60 mm 2 g mm at 30 deg")[..], &planes].concat(),
+            "trial1.csv: the vectors agree with the twin only with the masses in g cm",
+        ),
+        (
+            [&with("mil.csv: -60 mm 20 g mm at 30 deg")[..], &planes].concat(),
+            "mil.csv: the vectors agree with the twin only with vectors in mil in place of um",
         ),
         (["balance", "fan.toml", "--run", "swapped-before.csv"].to_vec(), "probes DE_X and DE_Y look exchanged"),
         (["balance", "fan.toml"].to_vec(), "--run"),

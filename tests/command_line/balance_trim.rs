@@ -132,12 +132,15 @@ fn masses_that_are_not_those_stated() {
     let turned = stated.map(|[x, y]| [-x, -y]);
     let left = [plus(stated[0], at(40.0, 0.0)), stated[1]];
     for (acting, message) in [
-        ([zero, zero], "C1: the vectors are not those expected with the stated masses, but with none mounted"),
-        (turned, "with these half a turn from the stated angles"),
-        ([stated[0], zero], "with none in plane p2"),
-        ([stated[1], stated[0]], "with those of planes p1 and p2 exchanged"),
-        ([at(90.0, 340.0), at(50.0, 100.0)], "with the angles of these counted the other way"),
-        (left, "with those of T1 mounted besides"),
+        (
+            [zero, zero],
+            "C1: the vectors agree with the other runs only with no mass mounted, expected the masses that are mounted",
+        ),
+        (turned, "with the masses half a turn from the stated angles"),
+        ([stated[0], zero], "with no mass in plane p2"),
+        ([stated[1], stated[0]], "with the masses of planes p1 and p2 exchanged"),
+        ([at(90.0, 340.0), at(50.0, 100.0)], "with the angles of the masses counted the other way"),
+        (left, "with the masses of T1 mounted besides"),
     ] {
         let mut machine = Machine::with_trials();
         machine.measure("C1", "trim", &stated, &acting);

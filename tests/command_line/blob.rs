@@ -97,5 +97,33 @@ fn a_blob_refuses_what_it_cannot_hold() {
     let parts = ["--output: invalid name for --language blob: bearings.bin, expected a name that ends in .blob"];
     sandbox.refused(&["bake", "scene.toml", "--language", "blob", "-o", "bearings.bin"], 2, &parts);
     std::fs::write(sandbox.path("bearings.blob"), "BRBL").unwrap();
-    sandbox.refused(&["verify", "bearings.blob"], 2, &["bearings.txt: this file cannot be read"]);
+    let parts = ["bearings.blob: no certificate beside this blob (not a blob of ballrace): bearings.txt is missing"];
+    sandbox.refused(&["verify", "bearings.blob"], 2, &parts);
+}
+
+/// A blob is named by its scene and by the CRC-32 that a device reads; without its certificate, by what it has, and a scene is the measure.
+#[test]
+fn a_blob_is_named() {
+    let (sandbox, blob) = baked(EVERY_MODEL_OF_C);
+    let crc32 = u32::from_le_bytes(*blob.last_chunk().unwrap());
+    let name = format!("Blob: CRC-32 {crc32:#010x}");
+    let out = sandbox.done(&["verify", "bearings.blob"]).out;
+    let scene = out.lines().find(|line| line.starts_with("Scene ") && line.contains(": SHA-256 ")).unwrap().to_owned();
+    assert!(sandbox.read("bearings.txt").contains(scene.rsplit(' ').next().unwrap()), "{out}");
+    assert!(out.contains(&name), "{out}");
+    std::fs::remove_file(sandbox.path("bearings.txt")).unwrap();
+    let names: Vec<String> = at(0, &blob, |bytes| {
+        let blob = Blob::try_new(bytes).unwrap();
+        blob.bearings().map(|one| String::from_utf8_lossy(one.name()).into_owned()).collect()
+    });
+    let found = format!("bearings {}, CRC-32 {crc32:#010x}): bearings.txt is missing", names.join(", "));
+    sandbox.refused(&["verify", "bearings.blob"], 2, &[&found]);
+    let out = sandbox.done(&["verify", "bearings.blob", "--scene", "scene.toml"]).out;
+    assert!(out.contains("equal to its scene") && out.contains(&scene) && out.contains(&name), "{out}");
+    let mut damaged = blob.clone();
+    damaged[100] ^= 1;
+    std::fs::write(sandbox.path("bearings.blob"), &damaged).unwrap();
+    sandbox.refused(&["verify", "bearings.blob"], 2, &["damaged: its bytes have 0x"]);
+    let answer = sandbox.run(&["verify", "bearings.blob", "--scene", "scene.toml"]);
+    assert!(answer.code == Some(1) && answer.out.contains("byte 100, header of bearing radial"), "{answer:?}");
 }

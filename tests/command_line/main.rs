@@ -7,6 +7,7 @@ mod bad_scene;
 mod bake;
 mod bake_c;
 mod balance;
+mod balance_departures;
 mod balance_runs;
 mod balance_trim;
 mod blob;

@@ -6,26 +6,26 @@ import csv
 import io
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from . import _native
 from ._errors import InputError
 from ._recording import RecordingLike, _access
 from ._results import Balance
+from .typing import ByPlane, Holes, Quantity, Stock
 from .typing import Path as Path_
-from .typing import Quantity
 
 
 def balance(
     vectors: RecordingLike,
     *,
     times: Path_ | None = None,
-    holes: int | None = None,
-    radius: Quantity | None = None,
-    stock: Sequence[Quantity] = (),
+    holes: Holes | None = None,
+    radius: ByPlane | None = None,
+    stock: Stock = (),
     weights: int = 2,
-    hole_limit: Quantity | None = None,
+    hole_limit: ByPlane | None = None,
     taken: Sequence[str] = (),
     remove: bool = False,
     replace: bool = False,
@@ -43,13 +43,14 @@ def balance(
         ``time_s`` where there are times.
     times : path, optional
         Table of ``condition, speed, unix_time_of_one_record``.
-    holes, radius : int, and float or str, optional
-        Holes of each plane and the radius of their circle, in m or with a unit.
-    stock : sequence of float or str, optional
+    holes, radius : int or str, and float or str, or mappings of planes, optional
+        Holes, evenly spread, and the radius of their circle, in m or with a unit: ``16`` for all planes, or
+        ``{"fan": 12, "coupling": "8 from 22.5 deg"}`` where planes differ or the first hole is not at 0.
+    stock : sequence of float or str, or mapping of planes, optional
         Weights, one for a hole, in kg or with a unit: ``"2 g"``, or ``"3 x 2 g"`` where there are three. Any mass where it is empty.
     weights : int, optional
         Most weights of the stock in a plane, at most 4.
-    hole_limit : float or str, optional
+    hole_limit : float or str, or mapping of planes, optional
         Largest mass of a hole.
     taken : sequence of str, optional
         Holes that take no mass: ``"fan 3"``.
@@ -110,12 +111,38 @@ def balance(
     return Balance(json.loads(found), page)
 
 
-def options_of(*, stock: Sequence[Quantity], taken: Sequence[str], **others: Any) -> dict[str, Any]:
+def options_of(
+    *,
+    holes: Holes | None,
+    radius: ByPlane | None,
+    hole_limit: ByPlane | None,
+    stock: Stock,
+    taken: Sequence[str],
+    **others: Any,
+) -> dict[str, Any]:
     """Return the options of a correction as the extension module takes them."""
-    if isinstance(stock, str) or isinstance(taken, str):
+    if any(isinstance(text, str) for text in (stock, taken)):
         raise InputError("stock, taken: a text, expected a list of weights and of holes")
-    weights = [weight if isinstance(weight, str) else f"{float(weight)!r} kg" for weight in stock]
-    return {**others, "stock": weights, "taken": list(taken)}
+    of_planes = stock if isinstance(stock, Mapping) else {"": stock}
+    return {
+        **others,
+        "holes": _entries(holes, str),
+        "radius": _entries(radius, lambda length: _text(length, "m")),
+        "hole_limit": _entries(hole_limit, lambda mass: _text(mass, "kg")),
+        "stock": [f"{plane} {_text(mass, 'kg')}" for plane, masses in of_planes.items() for mass in masses],
+        "taken": list(taken),
+    }
+
+
+def _entries(value: Any, text: Callable[[Any], str]) -> list[str]:
+    """Return an option as entries, each with its plane in front where planes are named."""
+    if value is None:
+        return []
+    return [f"{plane} {text(of)}" for plane, of in value.items()] if isinstance(value, Mapping) else [text(value)]
+
+
+def _text(of: Quantity, unit: str) -> str:
+    return of if isinstance(of, str) else f"{float(of)!r} {unit}"
 
 
 def _as_csv(table: Any) -> str:

@@ -16,7 +16,7 @@ from ._balance import options_of
 from ._recording import RecordingLike, columns
 from ._results import Balance, Campbell, Equilibrium, Fit, Outcome, Sweep, Trade
 from ._series import Motion
-from .typing import FitGroup, Follow, ForceSource, Quantity, Section, Target
+from .typing import ByPlane, FitGroup, Follow, ForceSource, Holes, Quantity, Section, Stock, Target
 from .typing import Path as Path_
 
 #: Folder of the built-in scene and its recordings.
@@ -151,11 +151,11 @@ class Scene:
         grade: float | None = None,
         *,
         trims: Mapping[Path_, str] | None = None,
-        holes: int | None = None,
-        radius: Quantity | None = None,
-        stock: Sequence[Quantity] = (),
+        holes: Holes | None = None,
+        radius: ByPlane | None = None,
+        stock: Stock = (),
         weights: int = 2,
-        hole_limit: Quantity | None = None,
+        hole_limit: ByPlane | None = None,
         taken: Sequence[str] = (),
         remove: bool = False,
         replace: bool = False,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 from typing import Literal, Union
 
 #: Bearing models with forces.
@@ -32,4 +33,10 @@ Along = Literal["time", "speed"]
 FitGroup = Literal["unbalance", "clearance", "damping", "stiffness", "offset"]
 #: A number in SI, or text with a unit such as ``"12 um"``.
 Quantity = Union[float, str]
+#: A quantity of all planes, or of each by its name.
+ByPlane = Union[Quantity, Mapping[str, Quantity]]
+#: Number of holes, or text with the angle of the first one such as ``"12 from 15 deg"``, of all planes or of each.
+Holes = Union[int, str, Mapping[str, Union[int, str]]]
+#: Weights of all planes, or of each.
+Stock = Union[Sequence[Quantity], Mapping[str, Sequence[Quantity]]]
 Path = Union[str, "os.PathLike[str]"]

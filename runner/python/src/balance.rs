@@ -6,7 +6,7 @@ use crate::text::{json_of, page};
 use ballrace_report as report;
 use ballrace_twin::balance::table::VectorTable;
 use ballrace_twin::balance::{
-    Balance, Holes, MOST_WEIGHTS, Placement, Requirement, TolerancePlane, Weight, balance as of_vectors,
+    Balance, HoleOptions, MOST_WEIGHTS, OptionError, Placement, Requirement, TolerancePlane, balance as of_vectors,
 };
 use ballrace_twin::scene::units::Dimension;
 use pyo3::prelude::*;
@@ -17,11 +17,11 @@ use std::path::PathBuf;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct BalanceOptions {
-    holes: Option<usize>,
-    radius: Option<Quantity>,
+    holes: Vec<String>,
+    radius: Vec<String>,
     stock: Vec<String>,
     weights: usize,
-    hole_limit: Option<Quantity>,
+    hole_limit: Vec<String>,
     taken: Vec<String>,
     remove: bool,
     replace: bool,
@@ -39,32 +39,29 @@ fn positive(py: Python<'_>, name: &str, of: &Quantity, dimension: Dimension) -> 
     Err(wrong_argument(py, &format!("{name}: out of range: {value}, expected {}", dimension.expected("above 0"))))
 }
 
+/// Returns the argument of an option.
+fn argument(option: &'static str) -> &'static str {
+    if option == "hole-limit" { "hole_limit" } else { option }
+}
+
 impl BalanceOptions {
     /// Returns how masses are placed in these planes.
     pub fn placement(&self, py: Python<'_>, planes: &[String]) -> PyResult<Placement> {
         let wrong = |message: String| wrong_argument(py, &message);
-        let holes = match (self.holes, &self.radius) {
-            (None, None) if self.stock.is_empty() && self.hole_limit.is_none() && self.taken.is_empty() => None,
-            (Some(count), Some(radius)) if count >= 3 => {
-                let stock = |text: &String| Weight::parse(text).map_err(|e| wrong(format!("stock: {text:?}, {e}")));
-                let hole = |text: &String| Holes::hole(planes, count, text).map_err(|e| wrong(format!("taken: {e}")));
-                let limit = self.hole_limit.as_ref().map(|limit| positive(py, "hole_limit", limit, Dimension::Mass));
-                if !(1..=MOST_WEIGHTS).contains(&self.weights) {
-                    return Err(wrong(format!("weights: {}, expected 1 to {MOST_WEIGHTS}", self.weights)));
-                }
-                Some(Holes {
-                    count,
-                    radius: positive(py, "radius", radius, Dimension::Length)?,
-                    stock: self.stock.iter().map(stock).collect::<PyResult<_>>()?,
-                    most: self.weights,
-                    limit: limit.transpose()?,
-                    taken: self.taken.iter().map(hole).collect::<PyResult<_>>()?,
-                })
-            }
-            _ => {
-                return Err(wrong("holes, radius: expected 3 holes or more and the radius of their circle".to_owned()));
-            }
+        if !(1..=MOST_WEIGHTS).contains(&self.weights) {
+            return Err(wrong(format!("weights: {}, expected 1 to {MOST_WEIGHTS}", self.weights)));
+        }
+        let options = HoleOptions {
+            holes: self.holes.clone(),
+            radius: self.radius.clone(),
+            hole_limit: self.hole_limit.clone(),
+            stock: self.stock.clone(),
+            taken: self.taken.clone(),
+            weights: self.weights,
         };
+        let of_argument =
+            |error: OptionError| wrong(OptionError { option: argument(error.option), ..error }.to_string());
+        let holes = options.read(planes).map_err(of_argument)?;
         if self.remove && !self.stock.is_empty() {
             return Err(wrong("remove: masses of a stock, expected one of remove and stock".to_owned()));
         }
@@ -94,7 +91,7 @@ impl BalanceOptions {
 
     /// Returns a balance as JSON and HTML.
     pub fn written(&self, py: Python<'_>, name: &str, of: &Balance) -> PyResult<(String, String)> {
-        Ok((json_of(py, of)?, page(py, report::balance::html(name, of, self.holes))?))
+        Ok((json_of(py, of)?, page(py, report::balance::html(name, of))?))
     }
 }
 

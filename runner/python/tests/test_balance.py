@@ -138,6 +138,26 @@ def test_holes_weights_and_quality(rotor: Rotor) -> None:
     assert abs(found.quality.permissible_g_mm - 9549.3 * 2.5 * 12 / 3000) < 0.1
 
 
+def test_holes_of_each_plane(rotor: Rotor, program: Path, tmp_path: Path) -> None:
+    """Each plane has its own circle, limit and weights, as on the command line; the masses have the moment of that circle."""
+    planes = ["p1", "p2", "p3", "p4"]
+    radius: dict[str, Any] = {"p1": "30 mm", "p2": 0.03, "p3": "40 mm", "p4": "30 mm"}
+    found = ballrace.balance(rotor.frame(), holes=dict.fromkeys(planes, 16) | {"p3": "9 from 15 deg"}, radius=radius, hole_limit={"p3": 0.1})
+    file = tmp_path / "vectors.csv"
+    rotor.frame().to_csv(file, index=False)
+    options = ["--holes", "16,p3 9 from 15 deg", "--radius", "30 mm,p3 40 mm", "--hole-limit", "p3 100 g"]
+    output = subprocess.run([program, "balance", "--vectors", file, *options, "--format", "json"], capture_output=True, check=True, text=True)
+    assert json.loads(output.stdout) == found.to_dict()
+    assert [plane.circle.number for plane in found.correction.planes] == [16, 16, 9, 16]
+    third = found.correction.planes[2]
+    assert all(mass.angle_deg == pytest.approx(15 + 40 * (mass.hole - 1)) for mass in third.holes)
+    placed = sum(_at(40 * mass.mass_g, mass.angle_deg) for mass in third.holes)
+    assert abs(placed - _at(third.moment_g_mm, third.angle_deg)) < 1e-6
+    weights = ballrace.balance(rotor.frame(), holes=16, radius=0.03, stock=dict.fromkeys(planes, ["2 g"]) | {"p3": ["1 x 3 g", 0.001]})
+    masses = [{mass.mass_g for mass in plane.holes} for plane in weights.correction.planes]
+    assert masses[2] <= {1.0, 3.0} and all(one <= {2.0} for one in masses[:2] + masses[3:])
+
+
 def test_a_trim_run_gives_the_next_masses(rotor: Rotor) -> None:
     trimmed = Rotor(20261130)
     trimmed.rows = [row for row in rotor.rows if row["set"] != "blind"]
@@ -152,8 +172,11 @@ def test_a_trim_run_gives_the_next_masses(rotor: Rotor) -> None:
 def test_wrong_arguments(rotor: Rotor) -> None:
     frame = rotor.frame()
     cases: list[tuple[dict[str, Any], str]] = [
-        ({"holes": 16}, "holes, radius: expected"),
-        ({"stock": ["1 g"]}, "holes, radius: expected"),
+        ({"holes": 16}, "radius: missing, expected"),
+        ({"stock": ["1 g"]}, "holes: missing, expected"),
+        ({"holes": {"p1": 16}, "radius": "30 mm"}, "holes: none for plane p2, expected"),
+        ({"holes": 16, "radius": {"p5": 0.03}}, 'radius: "p5 0.03 m" .*, with a plane .p1, p2, p3, p4. in front'),
+        ({"holes": 16, "radius": 0.03, "hole_limit": {"p1": -1}}, "hole_limit: plane p1: out of range"),
         ({"holes": 16, "radius": "3 kg"}, "radius: "),
         ({"holes": 16, "radius": "30 mm", "stock": "1 g"}, "stock, taken: a text"),
         ({"holes": 16, "radius": "30 mm", "stock": ["one"]}, "stock: \"one\""),

@@ -5,8 +5,8 @@ use super::number::fixed;
 use super::page::{self, Column, Page, PageSection, Row, Table};
 use anyhow::Result;
 use ballrace_twin::balance::{
-    Agreement, Balance, HoleMass, Influence, MomentEstimate, Outlier, PlaneCorrection, Proof, Quality, StockChoice,
-    Trim, TrimVector,
+    Agreement, Balance, Departure, HoleMass, Influence, MomentEstimate, Outlier, PlaneCorrection, Proof, Quality,
+    StockChoice, Trim, TrimVector,
 };
 use ballrace_twin::output::cell_text;
 use std::fmt::Write;
@@ -253,7 +253,7 @@ fn stock(of: &StockChoice, unit: &str) -> String {
         "no other choice adds less".to_owned()
     };
     format!(
-        "The weights of the stock add {added:.4} {unit} (rms of all vectors) to what the exact moments would leave; of {choices} choices a plane, {best}."
+        "The weights of the stock add {added:.4} {unit} (rms of all vectors) to what the exact moments would leave; of up to {choices} choices a plane, {best}."
     )
 }
 
@@ -303,8 +303,26 @@ fn sentences(of: &Balance) -> Vec<String> {
         )
     });
     let stock = of.correction.stock.as_ref().map(|choice| stock(choice, &of.unit));
+    let holes = circles(&of.correction.planes);
     let outliers = of.outliers.iter().map(|one| outlier(one, &of.unit));
-    outliers.chain(hardly_known(of)).chain(stock).chain(not_observed).chain(ill_conditioned(of)).collect()
+    holes
+        .into_iter()
+        .chain(outliers)
+        .chain(of.departure.as_ref().map(departure))
+        .chain(not_shown(&of.correction.planes))
+        .chain(hardly_known(of))
+        .chain(stock)
+        .chain(not_observed)
+        .chain(ill_conditioned(of))
+        .collect()
+}
+
+/// Returns a sentence with the holes of each plane; none where masses are placed at any angle.
+fn circles(planes: &[PlaneCorrection]) -> Option<String> {
+    let one =
+        |one: &PlaneCorrection| one.circle.as_ref().map(|circle| format!("{} {}", one.plane, figures::circle(circle)));
+    let all: Vec<String> = planes.iter().filter_map(one).collect();
+    (!all.is_empty()).then(|| format!("Holes: {}.", all.join("; ")))
 }
 
 /// Returns a sentence on a record that is not used.
@@ -317,6 +335,26 @@ fn outlier(of: &Outlier, unit: &str) -> String {
         of.speed_rpm,
         of.distance,
         of.distance / of.deviation
+    )
+}
+
+/// Returns a sentence on planes whose masses no probe shows.
+fn not_shown(planes: &[PlaneCorrection]) -> Option<String> {
+    let not_shown: Vec<&str> = planes.iter().filter(|one| !one.observed).map(|one| one.plane.as_str()).collect();
+    (!not_shown.is_empty()).then(|| {
+        format!(
+            "The probes do not show the masses of {} above drift and errors: make a trial with a larger mass there, and check that it was mounted.",
+            not_shown.join(", ")
+        )
+    })
+}
+
+/// Returns a sentence on a condition that departs from the others.
+fn departure(of: &Departure) -> String {
+    format!(
+        "The vectors of {} are {:.1} times as far from those that the other runs expect as errors allow: check its masses, angles and probes, or \
+         repeat it.",
+        of.condition, of.misfit
     )
 }
 
@@ -348,11 +386,11 @@ fn in_holes(of: &PlaneCorrection, removes: bool) -> String {
 }
 
 /// Returns the HTML page, one file without external references, for the shop: the masses to place with a drawing of each plane, the trim run,
-/// polar plots of the vectors, the balance quality. `holes` is the number of holes of each plane.
+/// polar plots of the vectors, the balance quality.
 ///
 /// # Errors
 /// Returns an error if the page cannot be rendered.
-pub fn html(name: &str, of: &Balance, holes: Option<usize>) -> Result<String> {
+pub fn html(name: &str, of: &Balance) -> Result<String> {
     let removes = of.correction.removes;
     let mut corrections = Table {
         columns: vec![
@@ -375,7 +413,7 @@ pub fn html(name: &str, of: &Balance, holes: Option<usize>) -> Result<String> {
             in_holes(plane, removes),
         ]));
     }
-    let plane = |one: &PlaneCorrection| figures::plane(one, holes, placed_angle(one, removes));
+    let plane = |one: &PlaneCorrection| figures::plane(one, placed_angle(one, removes));
     let planes: Vec<Picture> = of.correction.planes.iter().map(plane).collect();
     let predicted = of.correction.predicted.iter().map(|one| figures::correction(one, &of.unit)).collect();
     let mut sections = vec![

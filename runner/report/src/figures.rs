@@ -44,7 +44,7 @@ pub(super) use campbell::diagram;
 pub(super) use equilibria::{NamedCurve, over, over_time};
 pub(super) use fit::{changes, residuals};
 pub(super) use mode_shape::mode_shapes;
-pub(super) use plane::plane;
+pub(super) use plane::{circle, plane};
 pub(super) use ring::present_loads;
 pub(super) use rotor::rotor;
 pub(super) use sweep::{Curve, bifurcation, response, waterfall};

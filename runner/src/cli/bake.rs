@@ -3,11 +3,14 @@
 use super::{Format, check_distinct_paths, print_effects};
 use crate::error::UsageError;
 use anyhow::{Result, bail};
-use ballrace_twin::bake::{BakeOptions, Baked, BearingCertificate, Core, Language, bake};
+use ballrace_twin::bake::{
+    BakeOptions, Baked, BearingCertificate, Core, FixedPointPath, Language, UnmeasuredAxial, bake,
+};
 use ballrace_twin::effect_significance;
 use ballrace_twin::error::Error;
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::output::quoted;
+use ballrace_twin::printable::number;
 use ballrace_twin::scene::read::{load, read_str};
 use std::io::Write;
 use std::path::PathBuf;
@@ -121,7 +124,7 @@ fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) 
                 out,
                 "bearing,module,nodes,bytes,model,poses,largest_load_N,largest_error_N,instructions,cycles,stack,flash,checksum"
             )?;
-            for Baked { bearing, module, nodes, bytes, certificate } in baked {
+            for Baked { bearing, module, nodes, bytes, certificate, .. } in baked {
                 let BearingCertificate { model, poses, largest_load, error, cost, checksum, .. } = certificate;
                 let cost = cost.map_or(",,,".to_owned(), |cost| {
                     let figures = [Some(cost.instructions), cost.cycles, cost.stack, cost.flash];
@@ -148,7 +151,7 @@ fn print(baked: &[Baked], (args, outputs): (&Args, &[PathBuf]), format: Format) 
 }
 
 fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> {
-    let Baked { bearing, module, nodes, bytes, certificate } = baked;
+    let Baked { bearing, module, nodes, bytes, certificate, unmeasured_axial, fixed_point } = baked;
     let BearingCertificate { poses, poses_from, reference, largest_load, error, cost, checksum, .. } = certificate;
     writeln!(out, "Bearing {bearing}: module {module}, table of {nodes} nodes, {bytes} bytes of flash")?;
     writeln!(
@@ -171,5 +174,22 @@ fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> 
         None => writeln!(out, "  cost not counted on {} with these effects", core.name())?,
     }
     writeln!(out, "  checksum {checksum:#018x}")?;
+    if let Some(FixedPointPath { stiffness, exponent, radial_play, has_axial }) = fixed_point {
+        let axial = if *has_axial { ", and its axial elements by `Axial`" } else { "" };
+        writeln!(
+            out,
+            "  the number of instructions depends on the input on this core. bearing::fixed_point takes a constant one: stiffness {stiffness:.6e} \
+             N/m^{}, radial play {} um{axial} (firmware guide, \"Without a floating-point unit\")",
+            number(*exponent),
+            number(1e6 * radial_play)
+        )?;
+    }
+    if let Some(UnmeasuredAxial { w_um, force_n, force_without_n }) = unmeasured_axial {
+        writeln!(
+            out,
+            "  no probe of the scene measures w: with u and v alone the force at rest is {force_without_n:.1} N in place of {force_n:.1} N. Add \
+             w = {w_um:.2} um to the offset, or use the observer (firmware guide, \"From scene to interrupt\")"
+        )?;
+    }
     Ok(())
 }

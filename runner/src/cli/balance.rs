@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use ballrace_report::balance::{correction_csv, csv, html, text};
 use ballrace_twin::balance::table::VectorTable;
 use ballrace_twin::balance::{
-    Holes, MOST_WEIGHTS, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, Weight, balance,
+    HoleOptions, Holes, MOST_WEIGHTS, Placement, Plane, Requirement, TolerancePlane, TwinCoefficients, balance,
 };
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::scene::Scene;
@@ -48,24 +48,28 @@ pub struct Args {
     /// CSV file to write with the masses of the blind conditions.
     #[arg(short, long, value_name = "FILE", requires = "vectors")]
     output: Option<PathBuf>,
-    /// Holes of each plane, evenly spread, the first at 0 degrees.
-    #[arg(long, value_name = "N", requires = "radius", value_parser = clap::value_parser!(u16).range(3..))]
-    holes: Option<u16>,
-    /// Radius of the circle of holes, e.g. "30 mm".
-    #[arg(long, value_name = "R", requires = "holes", value_parser = parse_length)]
-    radius: Option<f64>,
-    /// Weights in stock, one for a hole, separated by commas, e.g. "0.4 g,0.8 g"; "3 x 0.8 g" where there are 3 for all planes [default: any weight].
-    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', value_parser = Weight::parse)]
-    stock: Vec<Weight>,
+    /// Holes of a plane, evenly spread: "16" for all planes, "fan 12" for one, "fan 12 from 15 deg" where the first is not at 0.
+    ///
+    /// An entry of --holes, --radius, --hole-limit and --stock holds for the plane in front of it, or for all planes that the option does not name.
+    /// Several are separated by commas.
+    #[arg(long, value_name = "HOLES", requires = "radius", value_delimiter = ',', allow_hyphen_values = true)]
+    holes: Vec<String>,
+    /// Radius of the circle of holes, e.g. "30 mm", or "30 mm,fan 100 mm".
+    #[arg(long, value_name = "R", requires = "holes", value_delimiter = ',', allow_hyphen_values = true)]
+    radius: Vec<String>,
+    /// Weights in stock, one for a hole, e.g. "0.4 g,0.8 g"; "3 x 0.8 g" where there are 3 for all planes, "fan 2 g" for the holes of a plane
+    /// [default: any weight].
+    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', allow_hyphen_values = true)]
+    stock: Vec<String>,
     /// Most weights of the stock in a plane.
     #[arg(long, value_name = "N", requires = "stock", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=MOST_WEIGHTS as i64))]
     weights: u8,
     /// Hole that takes no mass: "PLANE HOLE", e.g. "fan 3"; further ones after commas.
     #[arg(long, value_name = "HOLES", requires = "holes", value_delimiter = ',', allow_hyphen_values = true)]
     taken: Vec<String>,
-    /// Largest mass of a hole, e.g. "5 g"; what it does not hold goes to the holes beside it.
-    #[arg(long, value_name = "M", requires = "holes", value_parser = parse_mass)]
-    hole_limit: Option<f64>,
+    /// Largest mass of a hole, e.g. "5 g", or "fan 20 g"; what it does not hold goes to the holes beside it.
+    #[arg(long, value_name = "M", requires = "holes", value_delimiter = ',', allow_hyphen_values = true)]
+    hole_limit: Vec<String>,
     /// Remove masses, as by drilling, opposite to where they would be added.
     #[arg(long, conflicts_with = "stock")]
     remove: bool,
@@ -84,11 +88,6 @@ pub struct Args {
     /// Service speed, for which the grade is asked [default: the highest speed of the runs].
     #[arg(long, value_name = "SPEED", requires = "grade", value_parser = parse_speed)]
     service_speed: Option<f64>,
-}
-
-fn parse_length(text: &str) -> Result<f64, String> {
-    let length = parse(text, Dimension::Length).ok().filter(|length| *length > 0.0);
-    length.ok_or_else(|| format!("expected {}", Dimension::Length.expected("above 0")))
 }
 
 fn parse_mass(text: &str) -> Result<f64, String> {
@@ -140,7 +139,7 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     }
     if let Some(report) = &args.report {
         let name = machine.as_ref().map_or_else(|| file.display().to_string(), |(scene, ..)| scene.name.clone());
-        AtomicFile::write(report, &html(&name, &balance, args.holes.map(usize::from))?)?;
+        AtomicFile::write(report, &html(&name, &balance)?)?;
     }
     let mut out = super::standard_output(format);
     match format {
@@ -163,19 +162,16 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
 }
 
 /// Returns the holes and weights that are given.
-fn holes(args: &Args, planes: &[String]) -> Result<Option<Holes>> {
-    let Some((count, radius)) = args.holes.zip(args.radius) else { return Ok(None) };
-    let hole = |text: &String| {
-        Holes::hole(planes, count.into(), text).map_err(|error| UsageError(format!("--taken: {error}")))
-    };
-    Ok(Some(Holes {
-        count: count.into(),
-        radius,
+fn holes(args: &Args, planes: &[String]) -> Result<Option<Holes>, UsageError> {
+    let options = HoleOptions {
+        holes: args.holes.clone(),
+        radius: args.radius.clone(),
+        hole_limit: args.hole_limit.clone(),
         stock: args.stock.clone(),
-        most: args.weights.into(),
-        limit: args.hole_limit,
-        taken: args.taken.iter().map(hole).collect::<Result<_, _>>()?,
-    }))
+        taken: args.taken.clone(),
+        weights: args.weights.into(),
+    };
+    options.read(planes).map_err(|error| UsageError(format!("--{error}")))
 }
 
 /// Reads a table of vectors.

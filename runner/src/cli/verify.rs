@@ -4,6 +4,7 @@ use super::Format;
 use anyhow::{Result, bail};
 use ballrace_twin::bake::verify::{Difference, Verification, verify};
 use ballrace_twin::output::cell_text;
+use ballrace_twin::printable;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -56,7 +57,8 @@ fn print_csv(out: &mut impl Write, differences: &[Difference]) -> Result<()> {
 }
 
 fn print_text(out: &mut impl Write, found: &Verification, args: &Args) -> Result<()> {
-    let Verification { program, this_program, fields, constants, checksums, differences } = found;
+    let Verification { program, this_program, scene, scene_hash, crc32, fields, constants, checksums, differences } =
+        found;
     let file = args.file.display();
     if program != this_program {
         writeln!(out, "{file}: written by {program}, compared by {this_program}: bake the scene again")?;
@@ -71,6 +73,10 @@ fn print_text(out: &mut impl Write, found: &Verification, args: &Args) -> Result
     }
     if differences.is_empty() {
         writeln!(out, "{file}: equal to its scene: {fields} fields of the certificate, {constants} constants")?;
+        writeln!(out, "Scene {}: SHA-256 {scene_hash}", printable::name(scene))?;
+        if let Some(crc32) = crc32 {
+            writeln!(out, "Blob: CRC-32 {crc32}")?;
+        }
         for checksum in checksums {
             writeln!(out, "Bearing {}: checksum {}", checksum.bearing, checksum.checksum)?;
         }

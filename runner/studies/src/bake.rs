@@ -4,6 +4,7 @@
 //! scene with `[observer]` and, in Rust, the matrices of a flexible or supported rotor.
 
 mod accuracy;
+mod axial;
 mod blob;
 mod c;
 mod certificate;
@@ -14,6 +15,7 @@ mod rotor;
 pub mod verify;
 
 pub use accuracy::PoseSource;
+pub use axial::UnmeasuredAxial;
 pub use certificate::{BearingCertificate, Certificate, Field};
 pub use range::Coverage;
 
@@ -166,7 +168,12 @@ pub fn bake(scene: &Scene, text: &str, options: &BakeOptions<'_>) -> Result<Bake
         Language::C => c::files((scene, options.bearing.is_none()), &parts, &comments, options.name)?,
         Language::Blob => blob::files(scene, &parts, &comments)?,
     };
-    Ok(BakedScene { files, bearings: parts.into_iter().map(Baked::of).collect() })
+    let unmeasured = axial::unmeasured(scene);
+    let baked = |part: Part<'_>| {
+        let index = scene.bearings.iter().position(|of| of.name == part.selected.of.name);
+        Baked::of(part, index.and_then(|index| *unmeasured.get(index)?), options.core)
+    };
+    Ok(BakedScene { files, bearings: parts.into_iter().map(baked).collect() })
 }
 
 /// Text for the comments of the source.
@@ -216,15 +223,48 @@ pub struct Baked {
     pub nodes: usize,
     /// Flash memory of the table, bytes.
     pub bytes: usize,
+    /// Axial displacement that the bearing needs and no probe of the scene measures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unmeasured_axial: Option<UnmeasuredAxial>,
+    /// Parameters of the path with a constant number of instructions on a core without a floating-point unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fixed_point: Option<FixedPointPath>,
     /// Accuracy, cost and checksum.
     #[serde(flatten)]
     pub certificate: BearingCertificate,
 }
 
+/// Parameters of `bearing::fixed_point` for a lumped bearing, where its own arithmetic takes a number of instructions that depends on the input.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct FixedPointPath {
+    /// Stiffness of a radial element, N/m^n.
+    pub stiffness: f64,
+    /// Exponent `n`.
+    pub exponent: f64,
+    /// Radial play, m.
+    pub radial_play: f64,
+    /// The bearing has axial elements too.
+    pub has_axial: bool,
+}
+
+impl FixedPointPath {
+    /// Returns the path; `None` for a core with a floating-point unit, and for a bearing that has no such path.
+    fn of(bearing: &Bearing, core: Core) -> Option<Self> {
+        let is_plain = bearing.waviness.is_empty() && bearing.defect.is_empty() && bearing.has_rigid_outer_ring();
+        if core.has_fpu() || bearing.model != Model::Lumped || !is_plain {
+            return None;
+        }
+        let (stiffness, exponent, radial_play) = build::law(bearing).ok()?;
+        Some(Self { stiffness, exponent, radial_play, has_axial: bearing.axial.is_some() })
+    }
+}
+
 impl Baked {
-    fn of(part: Part<'_>) -> Self {
+    fn of(part: Part<'_>, unmeasured_axial: Option<UnmeasuredAxial>, core: Core) -> Self {
         let Part { selected: Selected { of, .. }, table, certificate } = part;
         Self {
+            unmeasured_axial,
+            fixed_point: FixedPointPath::of(of, core),
             bearing: of.name.clone(),
             module: certificate.module.clone(),
             nodes: table.map_or(0, |made| made.nodes.len()),

@@ -18,8 +18,10 @@
 mod agreement;
 mod condition;
 mod correction;
+mod departure;
 mod drift;
 mod error;
+mod hole_options;
 mod holes;
 mod moments;
 mod outlier;
@@ -37,8 +39,10 @@ pub use agreement::Agreement;
 use ballrace_base::parallel;
 pub use condition::{Condition, Proof};
 pub use correction::{Correction, PlaneCorrection, Predicted};
+pub use departure::Departure;
 pub use error::BalanceError;
-pub use holes::{HoleMass, Holes, Weight};
+pub use hole_options::{HoleOptions, OptionError};
+pub use holes::{HoleCircle, HoleMass, Holes, PlaneHoles, Weight};
 pub use moments::MomentEstimate;
 pub use outlier::Outlier;
 pub use placement::Placement;
@@ -96,6 +100,9 @@ pub struct Balance {
     pub conditions: Vec<Condition>,
     /// Each known condition estimated from the others.
     pub proof: Proof,
+    /// Known condition whose vectors are not those that the others expect of it; `None` where all agree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub departure: Option<Departure>,
     /// Last trim run against what the other runs expect of it; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trim: Option<Trim>,
@@ -136,19 +143,23 @@ pub fn balance(
         let singular = || BalanceError::Dependent { speed: runs.speeds.first().copied().unwrap_or_default() };
         runs = runs.with_twin(twin).ok_or_else(singular)?;
     }
-    let trim = runs.trim(table)?;
     let speed = runs.speeds.first().copied().unwrap_or_default();
     let dependent = || BalanceError::Dependent { speed };
-    if !runs.trims.is_empty() {
-        let (_, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
-        runs = runs.with_errors_of_masses(&solution.theta);
-    }
     let (drift, solution) = runs.learned(&runs.drift_times()).ok_or_else(dependent)?;
-    let theta = solution.theta.clone();
+    // A single run with a probable error makes the masses of all look mirrored now and then.
+    let departure = runs.departure(table, drift.time)?;
     let mirrored = runs.mirrored().learned(&[drift.time]);
     if mirrored.is_some_and(|(_, other)| other.log_likelihood > solution.log_likelihood + MIRRORED) {
         return Err(BalanceError::Mirrored);
     }
+    let trim = runs.trim(table)?;
+    let (drift, solution) = if runs.trims.is_empty() {
+        (drift, solution)
+    } else {
+        runs = runs.with_errors_of_masses(&solution.theta);
+        runs.learned(&runs.drift_times()).ok_or_else(dependent)?
+    };
+    let theta = solution.theta.clone();
     let vectors = Vectors::new(&runs, table, &drift, solution);
     let singular = vectors.weighted().singular_values();
     if singular.max() < correction::OBSERVED {
@@ -182,6 +193,7 @@ pub fn balance(
         drift_time_s: runs.has_times.then_some(drift.time),
         conditions: conditions.into_iter().collect::<Option<_>>().ok_or_else(dependent)?,
         proof: runs.proof(drift.time),
+        departure,
         trim,
         correction: correction::correction(&vectors, placement)?,
         twin: agreement,

@@ -128,6 +128,16 @@ pub enum VerifyError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// A blob without its certificate.
+    #[error("{}: no certificate beside this blob ({found}): {} is missing, expected both files that bake has written, or --scene", file.display(), certificate.display())]
+    NoCertificate {
+        /// The blob.
+        file: PathBuf,
+        /// File of the certificate.
+        certificate: PathBuf,
+        /// Content of the blob.
+        found: String,
+    },
     /// A file without a block of comments.
     #[error("{}: no complete {what} in the comments, expected a file that bake has written", file.display())]
     NoBlock {

@@ -407,6 +407,9 @@ pub(crate) struct Frame {
     pub(crate) y: Axis,
 }
 
+/// Least distance of the labels of two ticks, pixels.
+const TICK_GAP: f64 = 6.0;
+
 /// Returns the width of tick labels and title of vertical axes, pixels.
 pub(super) fn gutter(axes: &[&Axis]) -> f64 {
     let labels = axes.iter().flat_map(|axis| &axis.ticks).map(|tick| text_width(&tick.1, SMALL));
@@ -434,7 +437,12 @@ pub(super) fn equal_scales(
         let middle = 0.5 * (range.0 + range.1);
         Some((middle - half, middle + half))
     };
-    let (x, y) = (Axis::exact(about(x), 7, across), Axis::exact(about(y), 7, up));
+    let both = |most: usize| (Axis::exact(about(x), most, across), Axis::exact(about(y), most, up));
+    let fits = |(x, _): &(Axis, Axis)| {
+        let widest = x.ticks.iter().map(|tick| text_width(&tick.1, SMALL)).fold(0.0, f64::max);
+        x.ticks.windows(2).all(|pair| widest + TICK_GAP < (pair[1].0 - pair[0].0) / (2.0 * half) * side)
+    };
+    let (x, y) = (4..=7).rev().map(both).find(fits).unwrap_or_else(|| both(3));
     let left = gutter(&[&y]);
     Frame { start: 0.0, left, top, right: left + side, bottom: top + side, x, y }
 }

@@ -3,7 +3,8 @@
 use super::Picture;
 use super::canvas::{Anchor, Canvas, FAULT, INK, MARK, Stroke, picture};
 use super::line::Point;
-use ballrace_twin::balance::{HoleMass, PlaneCorrection};
+use ballrace_twin::balance::{HoleMass, PlaneCorrection, PlaneHoles};
+use ballrace_twin::printable::number;
 
 const WIDTH: f64 = 350.0;
 const HEIGHT: f64 = 240.0;
@@ -18,34 +19,48 @@ fn at(degrees: f64, share: f64) -> Point {
     (MIDDLE.0 + RADIUS * share * cosine, MIDDLE.1 - RADIUS * share * sine)
 }
 
-/// Draws the plane of a correction; `holes` is the number of its holes, `angle` (degrees) that of the whole moment.
-pub(crate) fn plane(of: &PlaneCorrection, holes: Option<usize>, angle: f64) -> Picture {
+/// Returns the holes of a plane in words.
+pub(crate) fn circle(of: &PlaneHoles) -> String {
+    let first = if of.first_deg == 0.0 { String::new() } else { format!(", hole 1 at {} deg", number(of.first_deg)) };
+    format!("{} on a radius of {} mm{first}", of.number, number(of.radius_mm))
+}
+
+/// Draws the plane of a correction; `angle` (degrees) is that of the whole moment.
+pub(crate) fn plane(of: &PlaneCorrection, angle: f64) -> Picture {
     let drawing = picture((WIDTH, HEIGHT), |canvas| {
         canvas.circle(MIDDLE.0, MIDDLE.1, RADIUS, Stroke(MARK, 0.9));
         canvas.dot(MIDDLE.0, MIDDLE.1, 2.5, MARK);
         rotation(canvas);
         // The keyphasor mark.
         canvas.triangle(at(0.0, 0.76), std::f64::consts::PI, 11.0, INK);
-        for hole in 1..=holes.unwrap_or_default() {
-            empty(canvas, hole, holes.unwrap_or_default());
+        if let Some(circle) = &of.circle {
+            (1..=circle.number).for_each(|hole| empty(canvas, hole, circle));
+        } else if of.moment_g_mm > 0.0 {
+            mark(canvas, angle, &format!("{:.1} g mm", of.moment_g_mm));
         }
         for mass in &of.holes {
             placed(canvas, mass);
         }
-        if holes.is_none() && of.moment_g_mm > 0.0 {
-            mark(canvas, angle, &format!("{:.1} g mm", of.moment_g_mm));
-        }
     });
-    let note =
-        "Angles and holes count from the keyphasor mark (triangle) in the direction of positive rotation (arrow).";
-    Picture { title: format!("Plane {}", of.plane), note: note.to_owned(), drawing, ..Picture::default() }
+    let angles = "Angles count from the keyphasor mark (triangle) in the direction of positive rotation (arrow).";
+    let holes = of.circle.as_ref().map_or_else(String::new, |of| {
+        let taken = if of.taken.is_empty() { "" } else { "; those with a cross take no mass" };
+        format!("Holes: {}{taken}. ", circle(of))
+    });
+    Picture { title: format!("Plane {}", of.plane), note: holes + angles, drawing, ..Picture::default() }
 }
 
-fn empty(canvas: &mut Canvas, hole: usize, holes: usize) {
-    let angle = 360.0 * (hole - 1) as f64 / holes as f64;
+/// Draws a hole without a mass.
+fn empty(canvas: &mut Canvas, hole: usize, of: &PlaneHoles) {
+    let angle = of.first_deg + 360.0 * (hole - 1) as f64 / of.number as f64;
     let (x, y) = at(angle, 1.0);
     canvas.circle(x, y, 4.0, Stroke(MARK, 0.9));
-    if holes <= MOST_NUMBERS {
+    if of.taken.contains(&hole) {
+        for side in [-4.0, 4.0] {
+            canvas.line(&[(x - 4.0, y - side), (x + 4.0, y + side)], Stroke(MARK, 0.9));
+        }
+    }
+    if of.number <= MOST_NUMBERS {
         canvas.text(&hole.to_string(), at(angle, 0.86), Anchor::Middle, MARK);
     }
 }

@@ -81,7 +81,7 @@ pub fn poses(scene: &Scene, wanted: Option<PoseSource>) -> Result<(PoseSource, O
 }
 
 /// Returns the scene with the models of the written constants.
-fn scene_as_written(scene: &Scene) -> Scene {
+pub fn scene_as_written(scene: &Scene) -> Scene {
     let mut written = scene.clone();
     for bearing in &mut written.bearings {
         bearing.model =

@@ -103,28 +103,63 @@ pub fn difference(found: &[u8], expected: &[u8]) -> Option<[String; 3]> {
     Some([format!("byte {first}{}", place(first, expected)), shown(found), shown(expected)])
 }
 
-/// Returns the part of a blob that contains a byte.
-fn place(byte: usize, blob: &[u8]) -> String {
-    let integer = |offset: usize| {
-        let word = blob.get(offset..).and_then(<[u8]>::first_chunk);
-        word.map_or(0, |word| u32::from_le_bytes(*word) as usize)
-    };
+/// Returns the number of four bytes at an offset; 0 beyond the end.
+fn integer(blob: &[u8], offset: usize) -> u32 {
+    let word = blob.get(offset..).and_then(<[u8]>::first_chunk);
+    word.map_or(0, |word| u32::from_le_bytes(*word))
+}
+
+/// Returns begin, length and name of each bearing of a blob.
+fn bearings(blob: &[u8]) -> Vec<(usize, usize, String)> {
+    let mut all = vec![];
     let mut begin = HEADER;
     while begin + BEARING_HEADER <= blob.len() {
-        let length = integer(begin).max(BEARING_HEADER);
-        if (begin..begin + length).contains(&byte) {
-            let name = blob.get(begin + 24..begin + 24 + LONGEST_NAME).unwrap_or_default();
-            let name = String::from_utf8_lossy(name);
-            let elements = BEARING_HEADER + 16 * integer(begin + 8);
-            let part = match byte - begin {
-                offset if offset < BEARING_HEADER => "header",
-                offset if offset < elements => "elements",
-                offset if offset < elements + 4 * integer(begin + 12) => "table",
-                _ => "constants",
-            };
-            return format!(", {part} of bearing {}", name.trim_end_matches('\0'));
-        }
+        let length = (integer(blob, begin) as usize).max(BEARING_HEADER);
+        let name = blob.get(begin + 24..begin + 24 + LONGEST_NAME).unwrap_or_default();
+        let name = String::from_utf8_lossy(name).trim_end_matches('\0').to_owned();
+        all.push((begin, length, name));
         begin += length;
+    }
+    all
+}
+
+/// Returns the names of the bearings of a blob.
+pub fn names(blob: &[u8]) -> Vec<String> {
+    if !blob.starts_with(&MAGIC) {
+        return vec![];
+    }
+    bearings(blob).into_iter().map(|(.., name)| name).collect()
+}
+
+/// Returns the CRC-32 at the end of a blob.
+pub fn stated_crc32(blob: &[u8]) -> Option<String> {
+    let stated = blob.len().checked_sub(4).filter(|_| blob.starts_with(&MAGIC))?;
+    Some(format!("{:#010x}", integer(blob, stated)))
+}
+
+/// Returns the content of a blob in words.
+pub fn described(blob: &[u8]) -> String {
+    let names = names(blob).join(", ");
+    let Some(stated) = stated_crc32(blob).filter(|_| !names.is_empty()) else {
+        return "not a blob of ballrace".to_owned();
+    };
+    let found = format!("{:#010x}", crc32(&blob[..blob.len() - 4]));
+    let state = if found == stated { String::new() } else { format!(", damaged: its bytes have {found}") };
+    format!("bearings {names}, CRC-32 {stated}{state}")
+}
+
+/// Returns the part of a blob that contains a byte.
+fn place(byte: usize, blob: &[u8]) -> String {
+    let within = |(begin, length, _): &(usize, usize, String)| (*begin..begin + length).contains(&byte);
+    if let Some((begin, _, name)) = bearings(blob).into_iter().find(within) {
+        let elements = BEARING_HEADER + 16 * integer(blob, begin + 8) as usize;
+        let part = match byte - begin {
+            offset if offset < BEARING_HEADER => "header",
+            offset if offset < elements => "elements",
+            offset if offset < elements + 4 * integer(blob, begin + 12) as usize => "table",
+            _ => "constants",
+        };
+        return format!(", {part} of bearing {name}");
     }
     if byte < HEADER { ", header".to_owned() } else { ", CRC-32".to_owned() }
 }

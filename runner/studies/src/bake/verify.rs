@@ -6,6 +6,7 @@ use super::certificate::{
 };
 use super::{BakeOptions, BakedFile, Core, Language, PoseSource, bake, blob, embedded};
 use ballrace_base::bounded::open_regular;
+use ballrace_base::sha256;
 use ballrace_plant::error::{Error, Result, VerifyError};
 use ballrace_scene::read::{load, read_str};
 use serde::Serialize;
@@ -20,6 +21,13 @@ const MAX_BYTES: u64 = 1 << 28;
 pub struct Verification {
     /// Program that the file names.
     pub program: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// SHA-256 of its text.
+    pub scene_hash: String,
+    /// CRC-32 at the end of the blob, by which a device names what it has; `None` for a source.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crc32: Option<String>,
     /// This program.
     pub this_program: &'static str,
     /// Number of compared fields of the certificate.
@@ -90,7 +98,11 @@ pub struct Difference {
 /// # Errors
 /// Returns an error if the file has no certificate or no scene, or if the scene cannot be read or baked.
 pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
-    let file = &with_certificate(file);
+    let certificate = with_certificate(file);
+    if certificate != *file && file.extension().is_some_and(|of| of == blob::EXTENSION) && !certificate.exists() {
+        return blob_alone(file, certificate, scene);
+    }
+    let file = &certificate;
     let source = read(file)?;
     let block = |block: embedded::Block, what| {
         block.read(&source).ok_or_else(|| VerifyError::NoBlock { file: file.clone(), what })
@@ -110,14 +122,13 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
     let first = expected.files.first().map_or("", BakedFile::text);
     let fields = embedded::CERTIFICATE.read(first).and_then(|text| certificate::parsed(&text)).unwrap_or_default();
     let mut differences = field_differences(file, &found, &fields);
-    let mut constants = 0;
+    let (mut constants, mut crc32) = (0, None);
     for baked in &expected.files {
         let path = baked.extension.map_or_else(|| file.clone(), |extension| file.with_extension(extension));
         if baked.extension == Some(blob::EXTENSION) {
-            differences.extend(blob::difference(&read_bytes(&path)?, &baked.content).map(|[name, found, expected]| {
-                let [found, expected] = [Some(found), Some(expected)];
-                Difference { file: path, part: BakedPart::Constant, name, line: None, found, expected }
-            }));
+            let bytes = read_bytes(&path)?;
+            crc32 = blob::stated_crc32(&bytes);
+            differences.extend(Difference::of_blobs(&path, &bytes, &baked.content));
             constants += 1;
             continue;
         }
@@ -126,7 +137,12 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
         differences.extend(old.differences(&new, &path));
         constants += new.0.len();
     }
+    let [scene, scene_hash] =
+        ["scene", "scene SHA-256"].map(|name| value(&fields, name).unwrap_or_default().to_owned());
     Ok(Verification {
+        scene,
+        scene_hash,
+        crc32,
         program: value(&found, PROGRAM_FIELD).unwrap_or_default().to_owned(),
         this_program: PROGRAM,
         fields: fields.len(),
@@ -134,6 +150,46 @@ pub fn verify(file: &Path, scene: Option<&Path>) -> Result<Verification> {
         checksums: expected.bearings.iter().map(Checksum::of).collect(),
         differences,
     })
+}
+
+/// Compares a blob whose certificate is missing with a scene.
+fn blob_alone(file: &Path, certificate: PathBuf, scene: Option<&Path>) -> Result<Verification> {
+    let bytes = read_bytes(file)?;
+    let Some(path) = scene else {
+        let found = blob::described(&bytes);
+        return Err(VerifyError::NoCertificate { file: file.to_owned(), certificate, found }.into());
+    };
+    let names = blob::names(&bytes);
+    let bearing = if let [one] = names.as_slice() { Some(one.as_str()) } else { None };
+    let text = load(path)?;
+    let core = Core::CortexM4f;
+    let options = BakeOptions { bearing, language: Language::Blob, core, poses: None, name: "" };
+    let expected = read_str(&text, path)
+        .map_err(Error::from)
+        .and_then(|scene| Ok((bake(&scene, &text, &options)?, scene.name)))
+        .map_err(|error| Error::setup(Error::in_file(file)(error)));
+    let (expected, scene) = expected?;
+    let content = expected.files.last().map_or(&[][..], |baked| &baked.content);
+    Ok(Verification {
+        program: PROGRAM.to_owned(),
+        scene,
+        scene_hash: sha256::of(text.as_bytes()).map(|(hash, _)| hash).unwrap_or_default(),
+        crc32: blob::stated_crc32(&bytes),
+        this_program: PROGRAM,
+        fields: 0,
+        constants: 1,
+        checksums: expected.bearings.iter().map(Checksum::of).collect(),
+        differences: Difference::of_blobs(file, &bytes, content).into_iter().collect(),
+    })
+}
+
+impl Difference {
+    /// Returns where two blobs differ first.
+    fn of_blobs(file: &Path, found: &[u8], expected: &[u8]) -> Option<Self> {
+        let [name, found, expected] = blob::difference(found, expected)?;
+        let (file, part) = (file.to_owned(), BakedPart::Constant);
+        Some(Self { file, part, name, line: None, found: Some(found), expected: Some(expected) })
+    }
 }
 
 /// Returns the file with the certificate: in C, the header; of a blob, the text.

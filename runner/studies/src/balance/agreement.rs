@@ -2,6 +2,7 @@
 //! other way, a trial without its mass.
 
 use super::correction;
+use super::departure::{Cause, Measured, pairs};
 use super::error::BalanceError;
 use super::runs::{Run, Runs, determined};
 use super::table::{C, VectorTable};
@@ -46,51 +47,46 @@ impl Runs {
         vectors.unexplained(optimum.moments.as_slice())
     }
 
-    /// Returns the runs with the vectors of two probes exchanged in one condition, or in all.
-    fn exchanged(&self, [a, b]: [usize; 2], condition: Option<usize>) -> Self {
+    /// Returns the runs with the vectors of two probes exchanged.
+    fn exchanged(&self, a: usize, b: usize) -> Self {
         let exchanged = |run: &Run| {
             let mut run = run.clone();
-            if condition.is_none_or(|condition| condition == run.condition) {
-                run.response.swap_rows(a, b);
-            }
+            run.response.swap_rows(a, b);
             run
         };
         self.with(self.all.iter().map(exchanged).collect())
     }
 
-    /// Returns the probable errors of the runs, each with the runs as they are without it.
+    /// Returns the probable errors of the runs, each with the runs as they are without it: those of all runs, then those of one.
     fn probable_errors(&self, table: &VectorTable) -> Vec<(Self, BalanceError)> {
-        let conditions = || std::iter::once(None).chain((0..self.conditions.len()).map(Some));
-        let name = |condition: Option<usize>| condition.map_or(String::new(), |of| self.conditions[of].clone());
         let mut all = vec![];
         for [a, b] in pairs(self.probes) {
-            all.extend(conditions().map(|condition| {
-                let [first, second] = [a, b].map(|probe| table.probes[probe].clone());
-                let error = BalanceError::Exchanged { condition: name(condition), first, second };
-                (self.exchanged([a, b], condition), error)
+            let [first, second] = [a, b].map(|probe| table.probes[probe].clone());
+            all.push((self.exchanged(a, b), BalanceError::Exchanged { first, second }));
+        }
+        if self.usual > 0.0 {
+            all.push((self.mirrored(), BalanceError::Mirrored));
+            for [a, b] in pairs(self.planes) {
+                let [first, second] = [a, b].map(|plane| table.planes[plane].clone());
+                let exchanged = self.with_moments(|_, moments| moments.swap(a, b));
+                all.push((exchanged, BalanceError::Planes { first, second }));
+            }
+        }
+        let known = |of: &usize| Some((*of, self.all.iter().find(|run| run.condition == *of)?.moments.as_ref()?));
+        let known: Vec<(usize, &Vec<C>)> = (0..self.conditions.len()).filter_map(|of| known(&of)).collect();
+        let is_empty = |stated: &[C]| stated.iter().all(|moment| moment.norm_sqr() == 0.0);
+        let has_one_baseline = known.iter().filter(|(_, stated)| is_empty(stated)).count() < 2;
+        for (condition, stated) in known {
+            let measured = Measured::new(self, condition);
+            let causes = self.causes(table, (condition, &measured), stated).into_iter();
+            // The only baseline with the masses of a trial is a trial without masses.
+            let is_own = |cause: &Cause| !(has_one_baseline && is_empty(stated) && cause.has_other_masses(stated));
+            all.extend(causes.filter(is_own).map(|cause| {
+                let runs = self.without_error(condition, &cause);
+                let Cause { likely, expected, .. } = cause;
+                (runs, BalanceError::AgainstTwin { condition: self.conditions[condition].clone(), likely, expected })
             }));
         }
-        if self.usual == 0.0 {
-            return all;
-        }
-        all.push((self.mirrored(), BalanceError::Mirrored));
-        for [a, b] in pairs(self.planes) {
-            let [first, second] = [a, b].map(|plane| table.planes[plane].clone());
-            let exchanged = self.with_moments(|_, moments| moments.swap(a, b));
-            all.push((exchanged, BalanceError::Planes { first, second }));
-        }
-        let is_trial = |of: &usize| {
-            let has_mass = |moments: &Vec<C>| moments.iter().any(|moment| moment.norm_sqr() > 0.0);
-            self.all.iter().any(|run| run.condition == *of && run.moments.as_ref().is_some_and(has_mass))
-        };
-        all.extend((0..self.conditions.len()).filter(is_trial).map(|of| {
-            let empty = self.with_moments(|condition, moments| {
-                if condition == of {
-                    moments.fill(C::new(0.0, 0.0));
-                }
-            });
-            (empty, BalanceError::Unmoved { condition: self.conditions[of].clone() })
-        }));
         all
     }
 
@@ -119,9 +115,4 @@ pub(super) fn response(runs: &Runs, table: &VectorTable) -> Result<(), BalanceEr
     let Some((drift, solution)) = runs.learned(&runs.drift_times()) else { return Ok(()) };
     let largest = Vectors::new(runs, table, &drift, solution).weighted().singular_values().max();
     if largest < correction::OBSERVED { Err(BalanceError::NoResponse) } else { Ok(()) }
-}
-
-/// Returns each pair of two numbers below `count`.
-fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
-    (0..count).flat_map(move |a| (a + 1..count).map(move |b| [a, b]))
 }

@@ -1,7 +1,7 @@
 //! Correction masses: the moments that leave the least vibration, and the holes and weights that come nearest to them.
 
 use super::error::BalanceError;
-use super::holes::HoleMass;
+use super::holes::{HoleMass, PlaneHoles};
 use super::placement::Placement;
 use super::stock::StockChoice;
 use super::table::C;
@@ -20,6 +20,11 @@ pub struct PlaneCorrection {
     pub angle_deg: f64,
     /// Standard deviation of the moment in any direction, g mm.
     pub deviation_g_mm: f64,
+    /// The probes show a mass of the size of the trial masses on this plane above drift and errors.
+    pub observed: bool,
+    /// Holes of the plane; `None` for masses at any angle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub circle: Option<PlaneHoles>,
     /// Masses in holes that come nearest to it; empty without holes.
     pub holes: Vec<HoleMass>,
     /// Moment that these masses leave, g mm.
@@ -96,7 +101,7 @@ pub(super) fn optimum(of: &Vectors) -> Option<Optimum> {
     let matrix = DMatrix::from_fn(channels, planes, |channel, k| of.coefficient(channel, k));
     let baseline = DVector::from_fn(channels, |channel, _| of.baseline(channel));
     let factors = of.weighted().svd(false, true);
-    let seen: Vec<usize> = (0..planes).filter(|&i| factors.singular_values[i] > OBSERVED).collect();
+    let seen: Vec<usize> = (0..planes.min(channels)).filter(|&i| factors.singular_values[i] >= OBSERVED).collect();
     let directions = factors.v_t?.adjoint();
     let seen_directions = DMatrix::from_columns(&seen.iter().map(|&i| directions.column(i)).collect::<Vec<_>>());
     let inverse = &seen_directions * (&matrix * &seen_directions).pseudo_inverse(f64::EPSILON).ok()?;
@@ -125,11 +130,14 @@ pub(super) fn correction(of: &Vectors, placement: &Placement) -> Result<Correcti
     let of_moments = &inverse * of.errors(moments.as_slice()) * inverse.adjoint()
         + &normal * of.errors_of_left(&left) * &normal
         + of_kept;
+    let shown = of.weighted();
     let plane = |(k, holes): (usize, Vec<HoleMass>)| PlaneCorrection {
         plane: of.planes[k].clone(),
         moment_g_mm: wanted[k].norm(),
         angle_deg: degrees(wanted[k]),
         deviation_g_mm: of_moments[(k, k)].re.max(0.0).sqrt(),
+        observed: shown.column(k).norm() >= OBSERVED,
+        circle: placement.holes.as_ref().map(|holes| PlaneHoles::from(&holes.circles[k])),
         holes,
         left_g_mm: (wanted[k] - placed.moments[k]).norm(),
     };

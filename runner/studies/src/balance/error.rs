@@ -60,23 +60,27 @@ pub enum BalanceError {
         /// The other.
         second: String,
     },
-    /// A trial has the vectors of a run without masses.
+    /// The vectors of a run are not those that the twin expects of its masses.
     #[error(
-        "{condition}: the vectors are those without added masses, expected the recording of the trial, or larger masses"
+        "{condition}: the vectors agree with the twin only with {likely}, expected {expected}, or a scene of this machine"
     )]
-    Unmoved {
+    AgainstTwin {
         /// Condition.
         condition: String,
+        /// Masses, probes or unit that explain the vectors.
+        likely: String,
+        /// What is expected of the table or of the machine.
+        expected: &'static str,
     },
-    /// The masses of a trim run are not those that are stated.
-    #[error(
-        "{condition}: the vectors are not those expected with the stated masses, but with {likely}, expected the masses that are mounted"
-    )]
+    /// The vectors of a run are not those that the others expect of its masses.
+    #[error("{condition}: the vectors agree with the other runs only with {likely}, expected {expected}")]
     Mounted {
         /// Condition.
         condition: String,
-        /// Masses that explain the vectors.
+        /// Masses, probes or unit that explain the vectors.
         likely: String,
+        /// What is expected of the table or of the machine.
+        expected: &'static str,
     },
     /// There are no mounted masses to take off.
     #[error("no trim run, expected one whose masses are taken off")]
@@ -89,11 +93,11 @@ pub enum BalanceError {
         /// Most choices.
         most: usize,
     },
-    /// Two probes are exchanged.
-    #[error("{}: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene", if condition.is_empty() { "all runs" } else { condition })]
+    /// Two probes are exchanged in all runs.
+    #[error(
+        "all runs: probes {first} and {second} look exchanged: with each in the place of the other the vectors agree with the twin, expected the columns of the scene"
+    )]
     Exchanged {
-        /// Condition; empty for all.
-        condition: String,
         /// A probe.
         first: String,
         /// The other.

@@ -1,8 +1,6 @@
 //! Holes of the correction planes and the masses in them: any masses, within a limit, or weights of a stock.
 
-use super::plane::MassesError;
 use super::table::C;
-use ballrace_scene::units::{Dimension, parse};
 use nalgebra::DMatrix;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -27,49 +25,42 @@ pub(super) fn squares(metric: &DMatrix<C>, errors: &[C]) -> f64 {
 pub struct Weight {
     /// Mass, kg.
     pub mass: f64,
-    /// How many there are for all planes together; `None` for any number.
+    /// How many there are for all planes that take it; `None` for any number.
     pub count: Option<usize>,
 }
 
-impl Weight {
-    /// Reads a weight such as `0.8 g`, or `3 x 0.8 g` of which there are three.
-    ///
-    /// # Errors
-    /// Returns what is expected of another text.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let (count, mass) = text.split_once(" x ").map_or((None, text), |(count, mass)| (Some(count), mass));
-        let is_number = |count: &usize| *count > 0;
-        let count = count.map(|count| count.trim().parse().ok().filter(is_number)).map_or(Ok(None), |count| {
-            count.map(Some).ok_or_else(|| "expected a number of weights above 0, such as \"3 x 0.8 g\"".to_owned())
-        })?;
-        let mass = parse(mass.trim(), Dimension::Mass).ok().filter(|mass| *mass > 0.0);
-        let expected =
-            || format!("expected {}, or with a number as \"3 x 0.8 g\"", Dimension::Mass.expected("above 0"));
-        Ok(Self { mass: mass.ok_or_else(expected)?, count })
-    }
+/// Circle of holes of a plane, evenly spread.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HoleCircle {
+    /// Number of holes.
+    pub count: usize,
+    /// Radius of the circle, m.
+    pub radius: f64,
+    /// Angle of the first hole, rad.
+    pub first: f64,
+    /// Largest mass of a hole, kg; `None` without a limit.
+    pub limit: Option<f64>,
+    /// Holes that take no mass, from 0.
+    pub taken: Vec<usize>,
+    /// Kinds of weights of the stock that fit these holes, from 0.
+    pub weights: Vec<usize>,
 }
 
 /// Holes and weights of the planes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Holes {
-    /// Number of holes of each plane, the first at angle 0, evenly spread.
-    pub count: usize,
-    /// Radius of their circle, m.
-    pub radius: f64,
+    /// Holes of each plane.
+    pub circles: Vec<HoleCircle>,
     /// Weights in stock, one for a hole; any mass where it is empty.
     pub stock: Vec<Weight>,
     /// Most weights of the stock in a plane.
     pub most: usize,
-    /// Largest mass of a hole, kg; `None` without a limit.
-    pub limit: Option<f64>,
-    /// Holes that take no mass: plane and hole, both from 0.
-    pub taken: Vec<[usize; 2]>,
 }
 
 /// A mass in a hole.
 #[derive(Debug, Clone, Serialize)]
 pub struct HoleMass {
-    /// Hole, from 1 at angle 0.
+    /// Hole, from 1 at the first angle.
     pub hole: usize,
     /// Its angle, degrees.
     pub angle_deg: f64,
@@ -77,27 +68,36 @@ pub struct HoleMass {
     pub mass_g: f64,
 }
 
-impl Holes {
-    /// Reads a hole of a plane such as `fan 3` among `count` holes of each plane: plane and hole from 0.
-    ///
-    /// # Errors
-    /// Returns an error for an unknown plane and a hole that is not there.
-    pub fn hole(planes: &[String], count: usize, text: &str) -> Result<[usize; 2], MassesError> {
-        let found = || {
-            let (plane, hole) = text.trim().rsplit_once(' ')?;
-            let plane = planes.iter().position(|name| name == plane.trim())?;
-            let hole = hole.parse().ok().filter(|hole| (1..=count).contains(hole))?;
-            Some([plane, hole - 1])
-        };
-        let example = planes.first().map_or("DE", String::as_str);
-        found().ok_or_else(|| MassesError {
-            found: format!("unknown hole: {text:?}"),
-            expected: format!("a plane ({}) and a hole from 1 to {count}, such as \"{example} 3\"", planes.join(", ")),
-        })
-    }
+/// Circle of holes in a result.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlaneHoles {
+    /// Number of holes, evenly spread.
+    pub number: usize,
+    /// Radius of the circle, mm.
+    pub radius_mm: f64,
+    /// Angle of hole 1, degrees.
+    pub first_deg: f64,
+    /// Holes that take no mass, from 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub taken: Vec<usize>,
+}
 
+impl From<&HoleCircle> for PlaneHoles {
+    fn from(of: &HoleCircle) -> Self {
+        // As it was written.
+        let rounded = |x: f64| (1e9 * x).round() / 1e9;
+        Self {
+            number: of.count,
+            radius_mm: rounded(1e3 * of.radius),
+            first_deg: rounded(of.first.to_degrees()),
+            taken: of.taken.iter().map(|hole| hole + 1).collect(),
+        }
+    }
+}
+
+impl HoleCircle {
     fn angle(&self, hole: usize) -> f64 {
-        TAU * hole as f64 / self.count as f64
+        self.first + TAU * hole as f64 / self.count as f64
     }
 
     /// Returns the moment of 1 kg in a hole, g mm.
@@ -106,69 +106,33 @@ impl Holes {
     }
 
     /// Returns the moment of the masses (kg) in the holes of a plane, g mm.
-    pub(super) fn moment(&self, masses: &[f64]) -> C {
+    fn moment(&self, masses: &[f64]) -> C {
         masses.iter().enumerate().map(|(hole, mass)| self.unit(hole) * *mass).sum()
     }
 
     /// Returns the mass (kg) that a hole may have.
-    pub(super) fn room(&self, plane: usize, hole: usize) -> f64 {
-        if self.taken.contains(&[plane, hole]) { 0.0 } else { self.limit.unwrap_or(f64::INFINITY) }
+    pub(super) fn room(&self, hole: usize) -> f64 {
+        if self.taken.contains(&hole) { 0.0 } else { self.limit.unwrap_or(f64::INFINITY) }
     }
 
-    /// Returns the masses (kg) in the holes of each plane by their holes.
-    pub(super) fn named(&self, masses: &[Vec<f64>]) -> Vec<Vec<HoleMass>> {
+    /// Returns the masses (kg) in the holes by their holes.
+    fn named(&self, masses: &[f64]) -> Vec<HoleMass> {
         let one = |(hole, mass): (usize, &f64)| HoleMass {
             hole: hole + 1,
-            angle_deg: self.angle(hole).to_degrees(),
+            angle_deg: self.angle(hole).to_degrees().rem_euclid(360.0),
             mass_g: 1e3 * mass,
         };
-        let of_plane = |masses: &Vec<f64>| {
-            masses.iter().enumerate().filter(|(_, mass)| **mass > LEAST_MASS).map(one).collect::<Vec<_>>()
-        };
-        masses.iter().map(of_plane).collect()
-    }
-
-    /// Returns the masses (kg) in the holes of each plane that come nearest to moments (g mm): two beside each moment, and further ones where
-    /// those are full. Where that does not reach the moments, all holes of all planes are changed until the squares are least, a convex
-    /// problem.
-    pub(super) fn filled(&self, wanted: &[C], metric: &DMatrix<C>) -> Vec<Vec<f64>> {
-        let fill = |(plane, moment): (usize, &C)| self.fill(plane, *moment);
-        let mut masses: Vec<Vec<f64>> = wanted.iter().enumerate().map(fill).collect();
-        let squares = |errors: &[C]| squares(metric, errors);
-        let mut errors: Vec<C> = masses.iter().zip(wanted).map(|(masses, u)| self.moment(masses) - u).collect();
-        let mut left = squares(&errors);
-        let enough = REACHED * squares(wanted);
-        for _ in 0..ROUNDS.0 {
-            if left <= enough {
-                break;
-            }
-            for plane in 0..wanted.len() {
-                let curvature = metric[(plane, plane)].re;
-                for (hole, mass) in masses[plane].iter_mut().enumerate() {
-                    let unit = self.unit(hole);
-                    let row: C = (0..wanted.len()).map(|k| metric[(plane, k)] * errors[k]).sum();
-                    let slope = (unit.conj() * row).re / (curvature * unit.norm_sqr()).max(f64::MIN_POSITIVE);
-                    let next = (*mass - slope).clamp(0.0, self.room(plane, hole));
-                    errors[plane] += unit * (next - *mass);
-                    *mass = next;
-                }
-            }
-            let before = std::mem::replace(&mut left, squares(&errors));
-            if before - left <= ROUNDS.1 * before {
-                break;
-            }
-        }
-        masses
+        masses.iter().enumerate().filter(|(_, mass)| **mass > LEAST_MASS).map(one).collect()
     }
 
     /// Fills the holes beside the direction of a moment that have room, pair by pair, until nothing is left or no hole has room.
-    pub(super) fn fill(&self, plane: usize, moment: C) -> Vec<f64> {
+    pub(super) fn fill(&self, moment: C) -> Vec<f64> {
         let mut masses = vec![0.0; self.count];
         let mut left = moment;
         // Each round fills a hole or ends.
         for _ in 0..=self.count {
-            let turns = left.arg().rem_euclid(TAU) / TAU * self.count as f64;
-            let has_room = |hole: usize| masses[hole] < self.room(plane, hole);
+            let turns = (left.arg() - self.first).rem_euclid(TAU) / TAU * self.count as f64;
+            let has_room = |hole: usize| masses[hole] < self.room(hole);
             let below = (0..self.count).map(|step| (turns.floor() as usize + self.count - step) % self.count);
             let above = (0..self.count).map(|step| (turns.floor() as usize + 1 + step) % self.count);
             let pair = [below.into_iter().find(|hole| has_room(*hole)), above.into_iter().find(|hole| has_room(*hole))];
@@ -183,9 +147,54 @@ impl Holes {
             // Cramer's rule for masses along two directions.
             for (hole, unit, mass) in [(a, unit_a, cross(left, unit_b) / area), (b, unit_b, cross(unit_a, left) / area)]
             {
-                let put = mass.clamp(0.0, self.room(plane, hole) - masses[hole]);
+                let put = mass.clamp(0.0, self.room(hole) - masses[hole]);
                 masses[hole] += put;
                 left -= unit * put;
+            }
+        }
+        masses
+    }
+}
+
+impl Holes {
+    /// Returns the moments of the masses (kg) in the holes of each plane, g mm.
+    pub(super) fn moments(&self, masses: &[Vec<f64>]) -> Vec<C> {
+        self.circles.iter().zip(masses).map(|(circle, masses)| circle.moment(masses)).collect()
+    }
+
+    /// Returns the masses (kg) in the holes of each plane by their holes.
+    pub(super) fn named(&self, masses: &[Vec<f64>]) -> Vec<Vec<HoleMass>> {
+        self.circles.iter().zip(masses).map(|(circle, masses)| circle.named(masses)).collect()
+    }
+
+    /// Returns the masses (kg) in the holes of each plane that come nearest to moments (g mm): two beside each moment, and further ones where
+    /// those are full. Where that does not reach the moments, all holes of all planes are changed until the squares are least, a convex
+    /// problem.
+    pub(super) fn filled(&self, wanted: &[C], metric: &DMatrix<C>) -> Vec<Vec<f64>> {
+        let fill = |(circle, moment): (&HoleCircle, &C)| circle.fill(*moment);
+        let mut masses: Vec<Vec<f64>> = self.circles.iter().zip(wanted).map(fill).collect();
+        let squares = |errors: &[C]| squares(metric, errors);
+        let mut errors: Vec<C> = self.moments(&masses).iter().zip(wanted).map(|(moment, u)| moment - u).collect();
+        let mut left = squares(&errors);
+        let enough = REACHED * squares(wanted);
+        for _ in 0..ROUNDS.0 {
+            if left <= enough {
+                break;
+            }
+            for (plane, circle) in self.circles.iter().enumerate() {
+                let curvature = metric[(plane, plane)].re;
+                for (hole, mass) in masses[plane].iter_mut().enumerate() {
+                    let unit = circle.unit(hole);
+                    let row: C = (0..wanted.len()).map(|k| metric[(plane, k)] * errors[k]).sum();
+                    let slope = (unit.conj() * row).re / (curvature * unit.norm_sqr()).max(f64::MIN_POSITIVE);
+                    let next = (*mass - slope).clamp(0.0, circle.room(hole));
+                    errors[plane] += unit * (next - *mass);
+                    *mass = next;
+                }
+            }
+            let before = std::mem::replace(&mut left, squares(&errors));
+            if before - left <= ROUNDS.1 * before {
+                break;
             }
         }
         masses

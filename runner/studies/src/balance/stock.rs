@@ -9,7 +9,7 @@
 //! Source: Fincke and Pohst, Mathematics of Computation 44 (1985) 463, for lattices.
 
 use super::error::BalanceError;
-use super::holes::Holes;
+use super::holes::{HoleCircle, Holes};
 use super::moments::MASS_ERROR;
 use super::table::C;
 use nalgebra::DMatrix;
@@ -25,7 +25,7 @@ const MOST_STEPS: usize = 50_000_000;
 /// What a choice of weights of the stock leaves.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct StockChoice {
-    /// Choices of a plane that were compared.
+    /// Choices of the plane that has most.
     pub choices: usize,
     /// Vibration that the departure from the exact moments adds, rms of all vectors.
     pub added: f64,
@@ -54,12 +54,13 @@ fn number(holes: usize, kinds: usize, most: usize) -> Option<usize> {
 }
 
 /// Returns all choices of a plane, by the real part of their moments.
-fn choices(holes: &Holes, plane: usize) -> Vec<Choice> {
+fn choices(holes: &Holes, circle: &HoleCircle) -> Vec<Choice> {
     let empty = Choice { moment: C::new(0.0, 0.0), spread: 0.0, weights: [None; MOST_WEIGHTS] };
     let mut all = vec![empty];
-    for hole in 0..holes.count {
-        let (unit, room) = (holes.unit(hole), holes.room(plane, hole));
-        let fitting: Vec<usize> = (0..holes.stock.len()).filter(|kind| holes.stock[*kind].mass <= room).collect();
+    for hole in 0..circle.count {
+        let (unit, room) = (circle.unit(hole), circle.room(hole));
+        let fits = |kind: &usize| holes.stock[*kind].mass <= room;
+        let fitting: Vec<usize> = circle.weights.iter().copied().filter(fits).collect();
         // With each choice of the holes before that has a weight less than the most.
         for i in 0..all.len() {
             let Some(place) = all[i].weights[..holes.most.min(MOST_WEIGHTS)].iter().position(Option::is_none) else {
@@ -164,8 +165,10 @@ pub(super) fn nearest(
     metric: &DMatrix<C>,
     channels: usize,
 ) -> Result<(Vec<Vec<f64>>, StockChoice), BalanceError> {
-    let number = number(holes.count, holes.stock.len(), holes.most);
-    let compared = number.filter(|number| *number <= MOST_CHOICES);
+    let number = |circle: &HoleCircle| {
+        number(circle.count, circle.weights.len(), holes.most).filter(|number| *number <= MOST_CHOICES)
+    };
+    let compared = holes.circles.iter().map(number).collect::<Option<Vec<usize>>>();
     let Some(compared) = compared else { return Err(BalanceError::Choices { most: MOST_CHOICES }) };
     let factor = metric.clone().cholesky().ok_or(BalanceError::Dependent { speed: 0.0 })?.l();
     let planes = wanted.len();
@@ -173,7 +176,7 @@ pub(super) fn nearest(
         wanted,
         metric,
         factor,
-        choices: (0..planes).map(|plane| choices(holes, plane)).collect(),
+        choices: holes.circles.iter().map(|circle| choices(holes, circle)).collect(),
         left: holes.stock.iter().map(|weight| weight.count.unwrap_or(usize::MAX / 2)).collect(),
         branch: vec![0; planes],
         errors: vec![C::new(0.0, 0.0); planes],
@@ -182,7 +185,7 @@ pub(super) fn nearest(
         steps: 0,
     };
     search.descend(planes, 0.0);
-    let mut masses = vec![vec![0.0; holes.count]; planes];
+    let mut masses: Vec<Vec<f64>> = holes.circles.iter().map(|circle| vec![0.0; circle.count]).collect();
     for (plane, i) in search.best.1.iter().enumerate() {
         for (hole, kind) in search.choices[plane][*i].weights.iter().flatten() {
             masses[plane][*hole as usize] = holes.stock[*kind as usize].mass;
@@ -190,7 +193,8 @@ pub(super) fn nearest(
     }
     let rms = |squares: f64| (squares / channels.max(1) as f64).sqrt();
     let bound = rms(search.best.0.min(search.open));
-    Ok((masses, StockChoice { choices: compared, added: rms(search.best.0), bound }))
+    let choices = compared.into_iter().max().unwrap_or_default();
+    Ok((masses, StockChoice { choices, added: rms(search.best.0), bound }))
 }
 
 #[cfg(test)]
@@ -207,13 +211,13 @@ mod tests {
 
     /// Kind in each hole of a plane, 0 for none: every arrangement with at most `most` weights.
     fn arrangements(holes: &Holes, plane: usize) -> Vec<Vec<usize>> {
-        let states = holes.stock.len() + 1;
-        let all = 0..states.pow(u32::try_from(holes.count).unwrap());
-        let kinds = |n: usize| (0..holes.count).map(|hole| n / states.pow(hole as u32) % states).collect::<Vec<_>>();
+        let (states, circle) = (holes.stock.len() + 1, &holes.circles[plane]);
+        let all = 0..states.pow(u32::try_from(circle.count).unwrap());
+        let kinds = |n: usize| (0..circle.count).map(|hole| n / states.pow(hole as u32) % states).collect::<Vec<_>>();
         let is_allowed = |kinds: &Vec<usize>| {
             let fits = |(hole, kind): (usize, &usize)| {
-                *kind == 0
-                    || holes.stock[kind - 1].mass <= holes.limit.unwrap() && !holes.taken.contains(&[plane, hole])
+                let has_room = || holes.stock[kind - 1].mass <= circle.limit.unwrap() && !circle.taken.contains(&hole);
+                *kind == 0 || circle.weights.contains(&(kind - 1)) && has_room()
             };
             kinds.iter().filter(|kind| **kind > 0).count() <= holes.most && kinds.iter().enumerate().all(fits)
         };
@@ -226,7 +230,7 @@ mod tests {
         for (plane, kinds) in chosen.iter().enumerate() {
             let mut moment = -wanted[plane];
             for (hole, kind) in kinds.iter().enumerate().filter(|(_, kind)| **kind > 0) {
-                let one = holes.unit(hole) * holes.stock[kind - 1].mass;
+                let one = holes.circles[plane].unit(hole) * holes.stock[kind - 1].mass;
                 moment += one;
                 spread += metric[(plane, plane)].re * (MASS_ERROR * one.norm()).powi(2);
             }
@@ -242,7 +246,7 @@ mod tests {
     }
 
     /// The choice is that of an exhaustive search: planes that act alike and planes that do not, a stock that suffices and one that does not,
-    /// full and taken holes.
+    /// full and taken holes, planes of the same holes and weights and of others.
     #[test]
     fn the_choice_is_the_best_of_all() {
         let mut state = 20_261_130;
@@ -253,14 +257,18 @@ mod tests {
                 Weight { mass: 0.9e-3, count: count(2) },
                 Weight { mass: 5e-3, count: None },
             ];
-            let holes = Holes {
+            let circle = HoleCircle {
                 count: 7,
                 radius: 0.03,
-                stock,
-                most: 1 + case % 3,
+                first: 0.0,
                 limit: Some(2e-3),
-                taken: vec![[0, 2], [1, 5]],
+                taken: vec![2],
+                weights: vec![0, 1, 2],
             };
+            // Another circle with other weights in half of the cases.
+            let own = HoleCircle { count: 5, radius: 0.05, first: 0.3, weights: vec![0, 2], ..circle.clone() };
+            let other = if case % 4 < 2 { own } else { HoleCircle { taken: vec![5], ..circle.clone() } };
+            let holes = Holes { circles: vec![circle, other], stock, most: 1 + case % 3 };
             let wanted: Vec<C> = (0..2).map(|_| C::new(60.0 * random(&mut state), 60.0 * random(&mut state))).collect();
             // Coefficients of three channels; in every third case the second plane is nearly the first one.
             let mut matrix = DMatrix::from_fn(3, 2, |_, _| C::new(random(&mut state), random(&mut state)));
@@ -291,14 +299,8 @@ mod tests {
         assert_eq!(number(16, 4, 2), Some(1 + 16 * 4 + 120 * 16));
         assert_eq!(number(3, 1, 4), Some(8));
         assert_eq!(number(usize::MAX, 2, 2), None);
-        let holes = Holes {
-            count: 60,
-            radius: 0.03,
-            stock: vec![Weight { mass: 1e-3, count: None }; 40],
-            most: 3,
-            limit: None,
-            taken: vec![],
-        };
+        let circle = HoleCircle { count: 60, radius: 0.03, weights: (0..40).collect(), ..HoleCircle::default() };
+        let holes = Holes { circles: vec![circle], stock: vec![Weight { mass: 1e-3, count: None }; 40], most: 3 };
         let error = nearest(&holes, &[C::new(1.0, 0.0)], &DMatrix::identity(1, 1), 1).err().unwrap().to_string();
         assert!(error.contains("more than 1000000 choices"), "{error}");
     }

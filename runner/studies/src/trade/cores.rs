@@ -48,6 +48,12 @@ impl Core {
         Self::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name)
     }
 
+    /// Returns true for a core with a floating-point unit: a force takes a constant number of instructions.
+    #[must_use]
+    pub const fn has_fpu(self) -> bool {
+        !matches!(self, Self::CortexM4 | Self::CortexM0plus | Self::Rv32imac)
+    }
+
     /// Returns lines of bearing, N, precision, math, function, instructions, cycles, bytes of stack and bytes of flash between semicolons, and of the
     /// least instructions where they depend on the input, written by the tests that count them. Empty is not measured.
     const fn table(self) -> &'static str {
