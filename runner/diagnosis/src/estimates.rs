@@ -235,9 +235,9 @@ mod tests {
     /// Against the covariance of a fit of both together, whose parameters are known with a deviation of 1.
     #[test]
     fn uncertain_parameters_add_what_a_fit_of_both_has() {
-        let value = |i: usize, j: usize| (0.7 * i as f64 + 2.1 * j as f64).sin();
+        let value = |i: usize, j: usize| ((0.7 + 0.4 * j as f64) * i as f64).sin();
         let slopes = DMatrix::from_fn(40, 3, |i, j| 3.0 * value(i, j));
-        let changes = DMatrix::from_fn(40, 2, |i, j| value(i, j) + 0.3 * value(3 * i, j + 5));
+        let changes = DMatrix::from_fn(40, 2, |i, j| value(i, j) + 0.3 * value(i, j + 5));
         let inverse = |x: DMatrix<f64>| x.try_inverse().unwrap_or_default();
         let covariance = inverse(slopes.tr_mul(&slopes));
         let none = DVector::zeros(40);
