@@ -256,10 +256,10 @@ fn a_spall_is_reported_while_the_monitor_runs() {
         std::thread::sleep(Duration::from_millis(100));
     };
     assert!(found["sentence"].as_str().unwrap().starts_with("Outer race of A: a spall"), "{found:#}");
-    // The report of a monitor that is stopped has its last diagnosis.
+    // The report of a monitor that is stopped has its last diagnosis. Its source does not end before it.
     signal(&monitor, "TERM");
-    drop(source);
     let report: Value = serde_json::from_slice(&monitor.wait_with_output().unwrap().stdout).unwrap();
+    drop(source);
     assert!(
         list(&report, "findings")[0]["sentence"].as_str().unwrap().starts_with("Outer race of A: a spall"),
         "{report:#}"
