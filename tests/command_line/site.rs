@@ -108,6 +108,27 @@ fn what_a_measurement_adds_is_no_fault() {
     assert!(kinds(&with_hum).iter().all(|kind| *kind == "run-out"), "{}", with_hum["findings"]);
 }
 
+/// A motion that is far larger than that of the baseline is no machine in good order, whatever the model takes it for.
+#[test]
+fn a_motion_that_has_grown_is_not_decided() {
+    let sandbox = site();
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 33..33 + TURNS), |_, _, _| 0.0));
+    let learned: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
+    let of = |times: f64| {
+        let mut smaller = learned.clone();
+        let motion = &mut smaller["calibration"]["readings"][2]["motion_rms"];
+        *motion = (motion.as_f64().unwrap() / times).into();
+        sandbox.put("b.json", smaller.to_string());
+        outcome(&sandbox)
+    };
+    assert!(kinds(&of(2.3)).is_empty());
+    let grown = of(2.7);
+    assert_eq!(kinds(&grown), ["other"]);
+    let column = list(&grown, "probes")[2]["name"].as_str().unwrap();
+    let verdict = grown["verdict"].as_str().unwrap();
+    assert!(verdict.contains(&format!("Not decided: the motion at {column} is 2.7 times that of the baseline")), "{verdict}");
+}
+
 /// Place and size of a spall are known to the error of the model at its lines: the interval of each contains the truth.
 #[test]
 fn a_spall_is_found_beside_it() {

@@ -319,8 +319,9 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
     )
 }
 
-/// Adds the lines of an earlier recording of the sound machine: it may show either.
+/// Adds lines and motion of an earlier recording of the sound machine: it may show either.
 fn unite(readings: &mut ProbeReadings, earlier: &ProbeReadings) {
+    readings.motion_rms = readings.motion_rms.max(earlier.motion_rms);
     for [order, amplitude] in &earlier.lines {
         match readings.lines.iter_mut().find(|line| (line[0] - order).abs() < SAME_LINE) {
             Some(line) => line[1] = line[1].max(*amplitude),
@@ -433,7 +434,7 @@ pub(super) fn calibrate(
         Some(site) => {
             of.evidence.weight_for(&now.machine)?;
             let spectra = evaluate(&of.evidence, &now.machine)?.spectra;
-            site.readings(of.evidence.lines_of_sound_machine(&spectra))
+            site.readings(of.evidence.lines_of_sound_machine(&spectra), &of.evidence.motion_rms())
         }
         None => vec![],
     };

@@ -39,6 +39,8 @@ const DECIDED: [f64; 2] = [0.6, 0.8];
 const ALONE: f64 = 0.4;
 /// Share of the square of the unexplained motion at a probe that a fault which moves the shaft of a site explains at least.
 const PROVEN: f64 = 0.5;
+/// Growth of the motion at a probe, against the baseline, from which it has changed: the ratio of two balance grades (ISO 21940-11).
+const GROWN: f64 = 2.5;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 
@@ -169,8 +171,13 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     let strength = |diagnosis: &Diagnosis| diagnosis.parameters.log_likelihood_gain.unwrap_or(0.0);
     diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let most = if e.site.is_some() { site::UNEXPLAINED } else { UNEXPLAINED };
-    if after > most && faults.is_empty() {
-        diagnoses.push(estimates.unexplained(after));
+    if faults.is_empty() {
+        let grown = of.site.as_ref().and_then(|site| largest(&site.growth(&of.evidence.motion_rms())));
+        match grown {
+            _ if after > most => diagnoses.push(estimates.unexplained(after)),
+            Some((p, times)) if times > GROWN => diagnoses.push(estimates.grown(&input.probes[p].column, times)),
+            _ => {}
+        }
     }
     let motion = &e.motion;
     // What a fault does was in the errors of the readings.
@@ -236,6 +243,11 @@ impl IdentifiedFault {
         let is_other = (next.kind(), next.bearing()) != (self.fault.kind(), self.fault.bearing());
         (is_other && self.odds()? < LEAST_ODDS).then_some(next)
     }
+}
+
+/// Returns the largest of some values and its place.
+fn largest(values: &[f64]) -> Option<(usize, f64)> {
+    values.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Returns true where the record does not tell the lines of two faults of a site apart: an error of the model at the lines of the first is no
@@ -391,6 +403,29 @@ impl Estimates<'_, '_> {
 
     /// The diagnosis that no hypothesis explains the residual, with its strongest lines.
     fn unexplained(&self, after: f64) -> Diagnosis {
+        let sentence = |list: &str| {
+            format!(
+                "Unexplained: the residual is {:.1} times its noise, and no fault of a bearing or the rotor explains it. Strongest lines, per turn of the shaft: {list}.",
+                after.sqrt()
+            )
+        };
+        self.other(10.0 * after.max(1.0).log10(), &sentence)
+    }
+
+    /// The diagnosis that the motion at a probe is so many times that of the baseline, where the errors that the model may have hide the cause.
+    fn grown(&self, probe: &str, times: f64) -> Diagnosis {
+        let sentence = |list: &str| {
+            format!(
+                "Not decided: the motion at {probe} is {times:.1} times that of the baseline, and errors that the model of the machine may have, near a \
+                 natural frequency, hide the cause. Strongest lines of what is left, per turn of the shaft: {list}. A recording at another speed or load may \
+                 decide."
+            )
+        };
+        self.other(20.0 * times.log10(), &sentence)
+    }
+
+    /// The diagnosis of no cause, with the sentence on its strongest lines.
+    fn other(&self, level_db: f64, sentence: &dyn Fn(&str) -> String) -> Diagnosis {
         let lines = unexplained_lines(self.e, self.last);
         let (line_hz, order) = lines.first().map_or((0.0, 0.0), |line| (line.line_hz, line.order));
         let list: Vec<String> = lines.iter().map(UnexplainedLine::to_string).collect();
@@ -400,16 +435,12 @@ impl Estimates<'_, '_> {
             failure_modes: vec![],
             line_hz,
             order,
-            level_db: 10.0 * after.max(1.0).log10(),
+            level_db,
             confidence: UNDECIDED,
             evidence: vec![EvidenceSource::ShaftMotion],
             vibration: None,
             parameters: FaultParameters::default(),
-            sentence: format!(
-                "Unexplained: the residual is {:.1} times its noise, and no fault of a bearing or the rotor explains it. Strongest lines, per turn of the shaft: {}.",
-                after.sqrt(),
-                list.join(", ")
-            ),
+            sentence: sentence(&list.join(", ")),
             lines,
             figures: FaultFigures::default(),
         }

@@ -189,28 +189,39 @@ impl<'a> SiteRecording<'a> {
         })
     }
 
-    /// Returns the errors of the readings with those of the baseline; `lines` are those that the model of a sound machine leaves.
-    pub fn readings(&self, lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
-        self.with_baseline(&self.errors, lines)
+    /// Returns the errors of the readings with those of the baseline, and how a sound machine moves: `lines` are those that its model leaves.
+    pub fn readings(&self, lines: Vec<Vec<[f64; 2]>>, motion_rms: &[f64]) -> Vec<ProbeReadings> {
+        let with = |(readings, (lines, motion_rms))| ProbeReadings { lines, motion_rms, ..readings };
+        self.with_baseline(&self.errors)
+            .into_iter()
+            .zip(lines.into_iter().zip(motion_rms.iter().copied()))
+            .map(with)
+            .collect()
+    }
+
+    /// Returns the ratio of a motion at each probe to that of the sound machine, as far as it is known.
+    pub fn growth(&self, motion_rms: &[f64]) -> Vec<f64> {
+        let known = self.known.learned.iter().zip(motion_rms);
+        known.map(|(learned, now)| if learned.motion_rms > 0.0 { now / learned.motion_rms } else { 0.0 }).collect()
     }
 
     /// Returns the same limited to what is plausible beside the baseline: beyond it, a fault may be the cause.
     pub fn plausible_readings(&self) -> Vec<ProbeReadings> {
         let [counting, unknown] = divided(&self.errors, &self.known);
-        self.with_baseline(&sums(&counting, &unknown), vec![vec![]; self.errors.len()])
+        self.with_baseline(&sums(&counting, &unknown))
     }
 
-    fn with_baseline(&self, errors: &[ReadingError], lines: Vec<Vec<[f64; 2]>>) -> Vec<ProbeReadings> {
-        let probe = |(p, lines): (usize, Vec<[f64; 2]>)| {
+    fn with_baseline(&self, errors: &[ReadingError]) -> Vec<ProbeReadings> {
+        let probe = |p: usize| {
             let sum = |j: usize| self.centre[p][j] + errors[p][j];
             ProbeReadings {
                 column: self.input.probes[p].column.clone(),
                 gap: sum(GAP),
                 run_out: (1..=HARMONICS).map(|order| [0, 1].map(|part| sum(harmonic(order, part)))).collect(),
-                lines,
+                ..ProbeReadings::default()
             }
         };
-        lines.into_iter().enumerate().map(probe).collect()
+        (0..errors.len()).map(probe).collect()
     }
 
     /// Returns the errors of the readings beyond those of the baseline, probe by probe.

@@ -29,6 +29,9 @@ pub struct ProbeReadings {
     pub run_out: Vec<[f64; 2]>,
     /// Lines that the model does not explain: order and amplitude, m.
     pub lines: Vec<[f64; 2]>,
+    /// Motion of the shaft about its mean at the probe, m rms; 0 where it is not known.
+    #[serde(default)]
+    pub motion_rms: f64,
 }
 
 /// A calibration compared with its scene and with its recording.

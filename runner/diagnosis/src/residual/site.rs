@@ -76,6 +76,9 @@ pub(super) fn half_width(k: usize) -> usize {
     SPREAD + (SPEED_SPREAD * k as f64) as usize
 }
 
+/// Order below which a reading drifts: a cage turns at a third of the shaft speed or more.
+const SLOWEST: f64 = 0.2;
+
 /// Displacement of the rotor under its weight by the least stiffness, m: a bearing without contact has none.
 const SAG: f64 = 20e-6;
 
@@ -397,6 +400,20 @@ impl Evidence<'_> {
                 *row = std::array::from_fn(|j| (0..=r).map(|i| narrowing[(r, i)] * wide[i][j]).sum());
             }
         }
+    }
+
+    /// Returns the motion at each probe about its mean and without what drifts, m rms.
+    pub fn motion_rms(&self) -> Vec<f64> {
+        let speed = self.motion.mean_speed().abs();
+        let of = |probe: &ballrace_scene::Probe| {
+            let row = probes::row(probe);
+            let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr();
+            let moves = |k: &usize| *k >= MEAN_LINES && self.transform.lines[*k] > SLOWEST * speed;
+            let sum: f64 = (0..self.transform.lines.len()).filter(moves).map(read).sum();
+            // By Parseval, with the lines of negative frequency.
+            (2.0 * sum / (self.motion.len() as f64 * self.transform.power)).sqrt()
+        };
+        self.weighting.probes.iter().map(of).collect()
     }
 
     /// Returns the lines of a sound machine that its model does not explain: order and amplitude (m) at each probe, those above
