@@ -126,7 +126,10 @@ fn a_motion_that_has_grown_is_not_decided() {
     assert_eq!(kinds(&grown), ["other"]);
     let column = list(&grown, "probes")[2]["name"].as_str().unwrap();
     let verdict = grown["verdict"].as_str().unwrap();
-    assert!(verdict.contains(&format!("Not decided: the motion at {column} is 2.7 times that of the baseline")), "{verdict}");
+    assert!(
+        verdict.contains(&format!("Not decided: the motion at {column} is 2.7 times that of the baseline")),
+        "{verdict}"
+    );
 }
 
 /// Place and size of a spall are known to the error of the model at its lines: the interval of each contains the truth.
