@@ -173,6 +173,20 @@ fn errors_of_a_scene_without_a_baseline_are_no_fault() {
     }
 }
 
+/// An unbalance moves the shaft in the play of its bearings: where the errors of the scene explain that, no bearing is accused.
+#[test]
+fn an_unbalance_without_a_baseline_is_no_fault_of_a_bearing() {
+    let sandbox = scenes();
+    for moment in [1000, 2000] {
+        let unbalanced = swap(&sandbox.read("sound.toml"), "\"200 g mm\"", &format!("\"{moment} g mm\""));
+        sandbox.put("unbalanced.toml", unbalanced);
+        sandbox.put("recording.csv", readings(&motion(&sandbox, "unbalanced.toml", 33..33 + TURNS), |_, _, _| 0.0));
+        let outcome = sandbox.replay("scene.toml", &["--no-report"]);
+        let accused = kinds(&outcome).into_iter().find(|kind| !["unbalance", "other"].contains(kind));
+        assert_eq!(accused, None, "{moment} g mm: {:#}", outcome["findings"]);
+    }
+}
+
 /// The gaps are unknown, so that a clearance and the position of the rotor are found together: what is learned from a scene that is off holds the
 /// true clearance in its interval.
 #[test]

@@ -271,7 +271,8 @@ impl<'a> Round<'a, '_> {
         tried.retain(|scored| {
             self.is_significant(scored) && (!scored.is_sound || may_be_sound(&scored.identified.fault))
         });
-        let mut selected = self.compared(tried, not_fitted)?;
+        let selected = self.compared(tried, not_fitted)?;
+        let mut selected = selected.filter(|scored| scored.is_sound || !self.is_of_scene(&scored.identified.fault));
         if let Some(Scored { identified, .. }) = &mut selected
             && let Some(equal) = self.equal_without_baseline(identified.fault, list)
         {
@@ -279,6 +280,12 @@ impl<'a> Round<'a, '_> {
             identified.next = Some((equal, odds));
         }
         Ok(selected)
+    }
+
+    /// Returns true for a fault that moves the shaft of a machine that was never recorded in good order, where the errors of its scene explain the recording:
+    /// they are bounds, and the shape of all lines within them proves nothing.
+    fn is_of_scene(&self, fault: &AnyFault) -> bool {
+        self.of.evidence.is_without_baseline() && fault.moves_shaft() && self.first_excess < 0.0
     }
 
     /// Returns what else makes a ring of the same bearing give way, and explains about as much before a fit, where no baseline tells the two apart.

@@ -410,7 +410,7 @@ impl<'a> Evidence<'a> {
         };
         let moved: Vec<SVector<C, D>> = self.transform.lines.iter().enumerate().map(moved).collect();
         let mut force_slopes = self.force_slopes(spectra, machine, unknowns)?;
-        let moved_by = self.keep_mean_forces(spectra, machine, &mut force_slopes)?;
+        let moved_by = self.keep_mean_forces(spectra, machine, force_slopes.iter_mut())?;
         let all: Vec<usize> = (0..unknowns.len()).collect();
         let slope = |&i: &usize| {
             let (unknown, mut slope) = (unknowns[i], force_slopes[i].clone());

@@ -45,17 +45,18 @@ impl Evidence<'_> {
     }
 
     /// Adds to changes of the unexplained force, at a site, those of the positions of the rotor that keep its mean; returns these.
-    pub(super) fn keep_mean_forces(
+    pub(super) fn keep_mean_forces<'s>(
         &self,
         spectra: &Spectra,
         machine: &Machine,
-        slopes: &mut [[Vec<C>; D]],
+        slopes: impl Iterator<Item = &'s mut [Vec<C>; D]>,
     ) -> Result<Vec<[f64; D]>> {
+        let mut slopes: Vec<_> = slopes.collect();
         if self.site.is_none() || slopes.is_empty() {
             return Ok(vec![[0.0; D]; slopes.len()]);
         }
         let by_position = self.by_position(spectra, machine)?;
-        let keep = |slope: &mut [Vec<C>; D]| {
+        let keep = |slope: &mut &mut [Vec<C>; D]| {
             let moved = by_position.balancing(slope).unwrap_or_default();
             by_position.add(&moved, slope);
             moved

@@ -115,12 +115,11 @@ impl Evidence<'_> {
         machine: &Machine,
         unknowns: &[Unknown],
     ) -> Result<Vec<Vec<f64>>> {
+        let mut slopes = self.force_slopes(spectra, machine, unknowns)?;
         // Damping and unbalance have no mean force.
-        let (of_bearings, of_rotor): (Vec<Unknown>, Vec<Unknown>) =
-            unknowns.iter().partition(|unknown| matches!(unknown.part(), ForceSource::Bearing(_)));
-        let mut slopes = self.force_slopes(spectra, machine, &of_bearings)?;
-        self.keep_mean_forces(spectra, machine, &mut slopes)?;
-        slopes.extend(self.force_slopes(spectra, machine, &of_rotor)?);
+        let is_of_bearing = |unknown: &Unknown| matches!(unknown.part(), ForceSource::Bearing(_));
+        let of_bearings = slopes.iter_mut().zip(unknowns).filter(|(_, unknown)| is_of_bearing(unknown));
+        self.keep_mean_forces(spectra, machine, of_bearings.map(|(slope, _)| slope))?;
         let left = self.left_by_baseline();
         Ok(parallel::map(&slopes, |slope| {
             let mut slope = whitened(&self.whitening, slope);
