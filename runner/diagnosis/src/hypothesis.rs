@@ -8,7 +8,7 @@ use super::fit::{Fitted, MODEL_ERROR, evaluate, fit};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
-use super::residual::site::{DEPENDENT, GAIN_ERROR};
+use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
 use super::{Prepared, Result, cage};
 use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
@@ -285,7 +285,8 @@ impl<'a> Round<'a, '_> {
     /// Returns true for a fault that moves the shaft of a machine that was never recorded in good order, where the errors of its scene explain the recording:
     /// they are bounds, and the shape of all lines within them proves nothing.
     fn is_of_scene(&self, fault: &AnyFault) -> bool {
-        self.of.evidence.is_without_baseline() && fault.moves_shaft() && self.first_excess < 0.0
+        let explained = (UNEXPLAINED - 1.0) * self.now.residual.len() as f64;
+        self.of.evidence.is_without_baseline() && fault.moves_shaft() && self.first_excess < explained
     }
 
     /// Returns what else makes a ring of the same bearing give way, and explains about as much before a fit, where no baseline tells the two apart.
