@@ -161,8 +161,8 @@ fn a_spall_is_found_beside_it() {
 fn errors_of_a_scene_without_a_baseline_are_no_fault() {
     let sandbox = scenes();
     let scene = sandbox.read("scene.toml");
-    // In half of this a clearance 10 % larger is taken for a looseness.
-    let turns = 2 * TURNS;
+    // A clearance 10 % larger bends the shape of all lines as a tilt would.
+    let turns = TURNS + 10;
     sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + turns), |_, _, _| 0.0));
     let factors = if ballrace_tests::runs_all() { &[0.9, 1.1][..] } else { &[1.1] };
     for factor in factors {
@@ -170,20 +170,6 @@ fn errors_of_a_scene_without_a_baseline_are_no_fault() {
         sandbox.put("scene.toml", scene.replace(&clearance(10.0), &clearance(10.0 * factor)));
         let outcome = sandbox.replay("scene.toml", &["--no-report"]);
         assert!(kinds(&outcome).iter().all(|kind| *kind == "other"), "{factor}: {:#}", outcome["findings"]);
-    }
-}
-
-/// An unbalance moves the shaft in the play of its bearings: where the errors of the scene explain that, no bearing is accused.
-#[test]
-fn an_unbalance_without_a_baseline_is_no_fault_of_a_bearing() {
-    let sandbox = scenes();
-    for moment in [1000, 2000] {
-        let unbalanced = swap(&sandbox.read("sound.toml"), "\"200 g mm\"", &format!("\"{moment} g mm\""));
-        sandbox.put("unbalanced.toml", unbalanced);
-        sandbox.put("recording.csv", readings(&motion(&sandbox, "unbalanced.toml", 33..33 + TURNS), |_, _, _| 0.0));
-        let outcome = sandbox.replay("scene.toml", &["--no-report"]);
-        let accused = kinds(&outcome).into_iter().find(|kind| !["unbalance", "other"].contains(kind));
-        assert_eq!(accused, None, "{moment} g mm: {:#}", outcome["findings"]);
     }
 }
 
