@@ -47,9 +47,9 @@ pub struct TabulatedElements<D, A, const F: usize> {
     columns: usize,
     /// Shift of the load of a ball to counts of all.
     load_shift: u32,
-    /// Shift of a product with a tangent, and the largest product.
+    /// Shift of a product with a tangent, and the largest product after it: the load of a ball where its load is the largest.
     tangent_shift: u32,
-    largest_across: i64,
+    largest_across: i32,
     friction: Friction,
     /// -1 where the bearing carries thrust towards -Z, else 1.
     sense: i32,
@@ -58,23 +58,22 @@ pub struct TabulatedElements<D, A, const F: usize> {
     arm: f64,
 }
 
-/// Lines of groove centres.
+/// Lines of groove centres. Squares are in units of 2^29 squared lengths after the shift of components, in which an approach is
+/// `(l^2 - A^2) / (2 A)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lines {
     /// Radial displacement of the inner groove centres at zero displacement.
     offset: i32,
     /// Vector from the outer to the inner groove centres with the rings just touching the balls.
     rest: [i32; 2],
-    /// Its length squared.
+    /// Largest component of a line, and the shift to the left that makes its length about 2^29.
+    longest: i32,
+    component_shift: u32,
+    /// Squared length of the line at rest, after that shift.
     rest_squared: i64,
     /// Least and greatest `l^2 - A^2` of the table.
-    domain: [i64; 2],
-    /// Largest component of a line.
-    longest: i32,
-    /// Shift to the left of a component, to the right of `l^2`.
-    component_shift: u32,
-    square_shift: u32,
-    /// Shift of `l^2 - A^2` to the unit of approaches, and the scale of the table in it.
+    domain: [i32; 2],
+    /// Shift to the left of an approach, and the scale of the table after it.
     approach_shift: u32,
     scale: u32,
 }
@@ -136,20 +135,13 @@ struct Contact {
     along: u32,
 }
 
-/// Returns a number within a range, and all bits set where it was outside. The differences do not overflow.
+/// Returns a number within a range, and all bits set where it was outside. The differences do not overflow. By sums of positive parts: the compiler
+/// makes branches of a choice.
 #[inline(always)]
 fn clamped(x: i32, [low, high]: [i32; 2]) -> (i32, i32) {
-    let (below, above) = (x.wrapping_sub(low) >> 31, high.wrapping_sub(x) >> 31);
-    let x = x ^ ((x ^ low) & below);
-    (x ^ ((x ^ high) & above), below | above)
-}
-
-/// As [`clamped`], for 64 bits.
-#[inline(always)]
-fn clamped_long(x: i64, [low, high]: [i64; 2]) -> (i64, i32) {
-    let (below, above) = (x.wrapping_sub(low) >> 63, high.wrapping_sub(x) >> 63);
-    let x = x ^ ((x ^ low) & below);
-    (x ^ ((x ^ high) & above), (below | above) as i32)
+    let (above_low, below_high) = (x.wrapping_sub(low), high.wrapping_sub(x));
+    let from_low = low + positive_part(above_low) as i32;
+    (high - positive_part(high - from_low) as i32, (above_low | below_high) >> 31)
 }
 
 impl Coordinate {
@@ -165,22 +157,19 @@ impl Coordinate {
 }
 
 impl Lines {
-    /// Returns the line of a ball whose inner groove centre is displaced by `radial` and `axial`.
+    /// Returns the line of a ball whose inner groove centre is displaced by `radial` and `axial`, and the sine of its angle within the table.
     #[inline(always)]
     fn line(&self, radial: i32, axial: i32, sines: [i32; 2]) -> (Line, i32) {
         let [rest_r, rest_z] = self.rest;
-        // l^2 - A^2 = (2 rest + a) a
-        let difference = product(2 * rest_r + radial, radial) + product(2 * rest_z + axial, axial);
-        let (difference, outside) = clamped_long(difference, self.domain);
-        let length = Root::of(((self.rest_squared + difference) >> self.square_shift) as u32);
+        let [r, z] = [rest_r + radial, rest_z + axial]
+            .map(|component| clamped(component, [-self.longest, self.longest]).0 << self.component_shift);
+        let difference = product(r, r) + product(z, z) - self.rest_squared;
+        let (difference, outside) = clamped((difference >> 29) as i32, self.domain);
+        let length = Root::of(((self.rest_squared >> 29) as i32 + difference) as u32);
         let per_length = (length.inverse >> (3 - length.shift)) as i32;
-        let direction = [rest_r + radial, rest_z + axial].map(|component| {
-            let (component, _) = clamped(component, [-self.longest, self.longest]);
-            (product(component << self.component_shift, per_length) >> 28) as i32
-        });
-        let approach = (difference >> self.approach_shift) as i32;
-        let sign = approach >> 31;
-        let size = ((approach ^ sign) - sign) as u32;
+        let direction = [r, z].map(|component| (product(component, per_length) >> 28) as i32);
+        let sign = difference >> 31;
+        let size = (((difference ^ sign) - sign) as u32) << self.approach_shift;
         let (part, whole) = (Root::of(size), Root::of(size + self.scale));
         let x = ((u64::from(part.mantissa) * u64::from(whole.inverse)) >> 30) as i32 >> (part.shift - whole.shift);
         let cube = ((u64::from(size + self.scale) * u64::from(whole.value())) >> 30) as u32;
@@ -268,8 +257,8 @@ impl<D: AsRef<[Direction]>, A: AsRef<[[i32; F]]>, const F: usize> TabulatedEleme
 
     #[inline(always)]
     fn times_tangent(&self, force: i32, tangent: i32) -> i32 {
-        let across = clamped_long(product(force, tangent), [-self.largest_across, self.largest_across]).0;
-        (across >> self.tangent_shift) as i32
+        let across = (product(force, tangent) >> self.tangent_shift) as i32;
+        clamped(across, [-self.largest_across, self.largest_across]).0
     }
 
     /// Interpolates the nodes; `None` past their end.

@@ -69,32 +69,26 @@ impl Units {
         let rest_squared = rest.iter().map(|&part| i64::from(part) * i64::from(part)).sum::<i64>();
         let [low, high] = grid.approach.range;
         check(low > -1.0 && high < 1.0 && low < high, "approach", high, "a coordinate from -1 to 1")?;
-        let scale = grid.scale;
-        let [low, high] = [low, high].map(|x| scale * x * x.abs() / (1.0 - x * x));
-        check(
-            low >= -0.37 * distance && high <= distance,
-            "approach",
-            low,
-            "-0.37 to 1 times the distance of the groove centres",
-        )?;
-        // e = (l^2 - A^2) / (2 A), in units of lengths squared.
-        let squares = 2.0 * distance / (unit * unit);
-        let largest = low.abs().max(high.abs()) + scale;
-        let approach_shift = -exponent_below(largest * squares, 31);
+        let [low, high] = [low, high].map(|x| grid.scale * x * x.abs() / (1.0 - x * x));
+        check(low >= -0.37 * distance, "approach", low, "-0.37 times the distance of the groove centres or more")?;
+        check(high <= 0.45 * distance, "approach", high, "at most 0.45 times the distance of the groove centres")?;
+        let largest = low.abs().max(high.abs()) + grid.scale;
+        check(grid.scale > 0.0 && largest < distance, "scale", grid.scale, "below the distance of the groove centres")?;
         let component_shift = exponent_below(distance / unit, 29);
-        check(approach_shift >= 0 && (0..=14).contains(&component_shift), "range", range, "smaller")?;
-        let approach_unit = libm::scalbn(1.0 / squares, approach_shift);
+        // e = (l^2 - A^2) / (2 A), in units of squares.
+        let squares = 2.0 * distance * libm::scalbn(1.0, 2 * component_shift - 29) / (unit * unit);
+        let approach_shift = exponent_below(largest * squares, 31);
+        let approach_unit = libm::scalbn(1.0 / squares, -approach_shift);
         let whole = approach_unit * 2.0 * WHOLE;
         let lines = Lines {
             offset: libm::round(offset / unit) as i32,
             rest,
-            rest_squared,
-            domain: [low, high].map(|e| libm::round(e * squares) as i64),
-            longest: libm::round(2.0 * distance / unit) as i32,
+            longest: libm::round(1.4 * distance / unit) as i32,
             component_shift: component_shift as u32,
-            square_shift: (29 - 2 * component_shift) as u32,
+            rest_squared: rest_squared << (2 * component_shift),
+            domain: [low, high].map(|e| libm::round(e * squares) as i32),
             approach_shift: approach_shift as u32,
-            scale: libm::round(scale / approach_unit) as u32,
+            scale: libm::round(grid.scale / approach_unit) as u32,
         };
         Ok(Self { lines, cube: whole * libm::sqrt(whole) })
     }
@@ -221,7 +215,7 @@ impl<D: AsRef<[Direction]>, A: AsRef<[[i32; F]]> + AsMut<[[i32; F]]>, const F: u
             columns: grid.approach.count,
             load_shift: 2 + scales.count_exponent,
             tangent_shift,
-            largest_across: 1 << (27 - scales.count_exponent + tangent_shift),
+            largest_across: 1 << (27 - scales.count_exponent),
             friction: scales.friction(constants.couple)?,
             sense: if mirrored { -1 } else { 1 },
             metres_per_count: 0.5 * range / WHOLE,
@@ -252,7 +246,8 @@ impl Scales {
         check((0.0..=128.0).contains(&tangent), "tangent", tangent, "at most 128")?;
         check((0.0..=load / 16.0).contains(&friction), "friction", friction, "at most 1/16 of the largest load")?;
         let tangent_exponent = (1..8).find(|&bits| tangent < f64::from(1 << bits)).unwrap_or(8);
-        let count_exponent = count.next_power_of_two().trailing_zeros();
+        // With 16 or more, a load of 2^27 counts over their number times the largest tangent is below 2^31.
+        let count_exponent = count.next_power_of_two().trailing_zeros().max(4);
         Ok(Self { load, largest, tangent_exponent, count_exponent })
     }
 
