@@ -55,7 +55,29 @@ pub fn status_at(load: u32) -> Status {
 /// Returns a product, in whose units two factors of 2^-30 make 2^-60.
 #[inline(always)]
 pub fn product(a: i32, b: i32) -> i64 {
-    i64::from(a) * i64::from(b)
+    if cfg!(short_products) { product_of_halves(a, b) } else { i64::from(a) * i64::from(b) }
+}
+
+/// As [`product`], without sign.
+#[inline(always)]
+pub fn product_unsigned(a: u32, b: u32) -> u64 {
+    if cfg!(short_products) { unsigned_of_halves(a, b) } else { u64::from(a) * u64::from(b) }
+}
+
+/// Returns a product by four of 32 bits: on a core without that of 64 bits, half of the instructions of a call.
+#[inline(always)]
+fn product_of_halves(a: i32, b: i32) -> i64 {
+    let (a_high, a_low, b_high, b_low) = (a >> 16, a & 0xffff, b >> 16, b & 0xffff);
+    let ends = (i64::from(a_high * b_high) << 32) | i64::from(a_low as u32 * b_low as u32);
+    ends + (i64::from(a_high * b_low) << 16) + (i64::from(a_low * b_high) << 16)
+}
+
+/// As [`product_of_halves`], without sign.
+#[inline(always)]
+fn unsigned_of_halves(a: u32, b: u32) -> u64 {
+    let (a_high, a_low, b_high, b_low) = (a >> 16, a & 0xffff, b >> 16, b & 0xffff);
+    let ends = (u64::from(a_high * b_high) << 32) | u64::from(a_low * b_low);
+    ends + (u64::from(a_high * b_low) << 16) + (u64::from(a_low * b_high) << 16)
 }
 
 /// Returns `x` if it is positive, else 0, without a branch.
@@ -123,5 +145,18 @@ mod tests {
             assert_eq!(normalised(x), (x << (x.leading_zeros() - 1), x.leading_zeros() - 1), "{x}");
         }
         assert_eq!(normalised(0), (0, 31));
+    }
+
+    #[test]
+    fn a_product_of_halves_is_that_of_64_bits() {
+        let edges = [i32::MIN, i32::MIN + 1, -65_537, -65_536, -1, 0, 1, 65_535, 65_536, i32::MAX - 1, i32::MAX];
+        let random = (0..2000_u32).map(|i| i.wrapping_mul(2_654_435_761).cast_signed());
+        for a in edges.into_iter().chain(random) {
+            for b in edges {
+                assert_eq!(product_of_halves(a, b), i64::from(a) * i64::from(b), "{a} {b}");
+                let [a, b] = [a, b].map(i32::cast_unsigned);
+                assert_eq!(unsigned_of_halves(a, b), u64::from(a) * u64::from(b), "{a} {b}");
+            }
+        }
     }
 }

@@ -3,7 +3,9 @@
 //! The power law is `Delta = m 2^-k` with `m` in a table of 128 straight lines: a relative error of at most `n (n - 1) / 130 000`, 5.7e-6 of a
 //! ball and 1e-6 of a roller, beside the rounding to counts.
 
-use super::arithmetic::{Direction, ONE, Turn, direction, normalised, positive_part, product, status_at};
+use super::arithmetic::{
+    Direction, ONE, Turn, direction, normalised, positive_part, product, product_unsigned, status_at,
+};
 use crate::bearing::geometry::{InvalidParameter, check};
 use crate::phase::Phase;
 use crate::status::Status;
@@ -292,7 +294,7 @@ impl ElementLaw {
         let along = (mantissa >> 7) & 0xffff;
         let [from, to] = [self.shape[line], self.shape[line + 1]];
         let shape = from + ((((to - from) >> 9) * along) >> 7);
-        ((u64::from(shape) * u64::from(self.scale[k as usize & 31])) >> 32) as u32
+        (product_unsigned(shape, self.scale[k as usize & 31]) >> 32) as u32
     }
 }
 

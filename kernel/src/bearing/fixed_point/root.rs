@@ -1,6 +1,6 @@
 //! Square roots of integers, with a constant number of instructions on every core.
 
-use super::arithmetic::normalised;
+use super::arithmetic::{normalised, product_unsigned};
 
 /// `1 / sqrt(i / 128)` in units of 2^-15, for `i` from 32 on: ends of the lines where Newton's step begins.
 const STARTS: [u16; 129] = {
@@ -33,9 +33,9 @@ impl Root {
         let [from, to] = [STARTS[line], STARTS[line + 1]].map(u32::from);
         let start = from - (((from - to) * ((m >> 8) & 0xffff)) >> 16);
         // One step of Newton: x (3 - m x^2) / 2.
-        let near_one = (u64::from(m) * u64::from(start * start)) >> 32;
-        let inverse = ((u64::from(start) * u64::from((3 << 29) - near_one as u32)) >> 15) as u32;
-        Self { mantissa: ((u64::from(m) * u64::from(inverse)) >> 31) as u32, inverse, shift: shift >> 1 }
+        let near_one = product_unsigned(m, start * start) >> 32;
+        let inverse = (product_unsigned(start, (3 << 29) - near_one as u32) >> 15) as u32;
+        Self { mantissa: (product_unsigned(m, inverse) >> 31) as u32, inverse, shift: shift >> 1 }
     }
 
     /// Returns the root in units of 2^-30 of `sqrt(2^31)`.

@@ -6,7 +6,7 @@ mod tests;
 
 pub use set_up::{TabulatedParams, directions};
 
-use super::arithmetic::{Direction, Turn, positive_part, product, status_at};
+use super::arithmetic::{Direction, Turn, positive_part, product, product_unsigned, status_at};
 use super::root::Root;
 use crate::phase::Phase;
 use crate::status::Status;
@@ -17,16 +17,48 @@ const ONE: i32 = 1 << 30;
 /// A ball bearing on counts, its nodes at one speed in `A`: loads and tangents, and with `F = 3` the friction.
 ///
 /// ```
-/// # fn spindle() -> Option<ballrace::bearing::TabulatedBearing<f32, [[f32; 2]; 0], 8>> { None }
+/// # use ballrace::bearing::angular::DisplacementDatum;
+/// # use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
+/// # use ballrace::bearing::quasi_static::QuasiStatic;
+/// # use ballrace::bearing::tabulated::{self, Table, TableDomain, fill_table};
+/// # use ballrace::bearing::{Bearing, evenly_spaced};
+/// # use ballrace::{BearingKinematicState, Displacement, Exact};
 /// use ballrace::Phase;
 /// use ballrace::bearing::fixed_point::{Tabulated, TabulatedParams};
 ///
-/// // At start-up, from the bearing that `bake` has written: `bearings::bearing_de::bearing()`.
-/// # let Some(bearing) = spindle() else { return Ok(()) };
+/// # let geometry = BallBearingGeometry {
+/// #     ball_diameter: 7e-3,
+/// #     pitch_diameter: 38.5e-3,
+/// #     inner_conformity: 0.52,
+/// #     outer_conformity: 0.52,
+/// #     contact_angle: 0.436,
+/// #     ball: BEARING_STEEL,
+/// #     race: BEARING_STEEL,
+/// # };
+/// # let solved = QuasiStatic::<f64, Exact, _>::try_new(geometry, evenly_spaced::<_, 8>(Phase::ZERO), DisplacementDatum::Touching)?;
+/// # let constants = solved.table_constants();
+/// # let grid = TableDomain {
+/// #     approach: [-5e-6, 20e-6],
+/// #     scale: 5e-6,
+/// #     angle: [0.1, 0.8],
+/// #     speed: [0.0, 2000.0],
+/// #     speed_scale: 0.0,
+/// #     speed_ratios: [1.0, 0.0],
+/// #     intervals: [16, 8, 0],
+/// # };
+/// # let (domain, grid) = (grid, grid.grid(constants.distance)?);
+/// # let mut nodes = [[0.0; 2]; 19 * 11];
+/// # fill_table(&solved, &domain, &grid, &mut nodes);
+/// # let bearing = tabulated::Tabulated::<_, Exact, _, _, 2>::new(evenly_spaced::<_, 8>(Phase::ZERO), constants, Table::new(grid, nodes), false);
+/// // Set-up from a bearing with a table in floats: 16 and 8 intervals, 1 mm at 2^31 counts.
 /// let params = TabulatedParams { speed: 1256.0, range: 1e-3, mirrored: false };
 /// let fixed = Tabulated::<8, _, 2>::try_new(&bearing, &params, [[0; 2]; 19 * 11])?;
 /// // Per sample: integers alone.
-/// let force = fixed.reaction(10_000, 0, 20_000, 0, 0, Phase::ZERO);
+/// let w = (10e-6 / fixed.metres_per_count()) as i32;
+/// let force = fixed.reaction(0, 0, w, 0, 0, Phase::ZERO);
+/// let thrust = f64::from(force.fz) * fixed.newtons_per_count();
+/// # let expected = bearing.reaction(&Displacement { w: 10e-6, ..Displacement::default() }, &BearingKinematicState::default());
+/// # assert!((thrust - expected.wrench.fz).abs() < 0.01 && thrust < -100.0, "{thrust} {expected:?}");
 /// # Ok::<(), ballrace::bearing::geometry::InvalidParameter>(())
 /// ```
 pub type Tabulated<const N: usize, A, const F: usize> = TabulatedElements<[Direction; N], A, F>;
@@ -171,8 +203,8 @@ impl Lines {
         let sign = difference >> 31;
         let size = (((difference ^ sign) - sign) as u32) << self.approach_shift;
         let (part, whole) = (Root::of(size), Root::of(size + self.scale));
-        let x = ((u64::from(part.mantissa) * u64::from(whole.inverse)) >> 30) as i32 >> (part.shift - whole.shift);
-        let cube = ((u64::from(size + self.scale) * u64::from(whole.value())) >> 30) as u32;
+        let x = (product_unsigned(part.mantissa, whole.inverse) >> 30) as i32 >> (part.shift - whole.shift);
+        let cube = (product_unsigned(size + self.scale, whole.value()) >> 30) as u32;
         let (sine, aside) = clamped(direction[1], sines);
         (Line { direction, x: (x ^ sign) - sign, cube, outside: outside | aside }, sine)
     }
@@ -240,7 +272,7 @@ impl<D: AsRef<[Direction]>, A: AsRef<[[i32; F]]>, const F: usize> TabulatedEleme
             return (Contact { radial: 0, axial: 0, tilting: 0, along: 0 }, -1);
         };
         let field = |k: usize| fields.get(k).copied().unwrap_or(0);
-        let along = ((u64::from(positive_part(field(0))) * u64::from(line.cube)) >> 32) as u32 >> self.load_shift;
+        let along = (product_unsigned(positive_part(field(0)), line.cube) >> 32) as u32 >> self.load_shift;
         let (mut r, mut z) = (along as i32, self.times_tangent(along as i32, field(1)));
         let mut couple = 0;
         if F > 2 {
