@@ -200,8 +200,8 @@ fn fixed_point_text(path: &FixedPointPath) -> String {
             let (n, play) = (number(*exponent), number(1e6 * radial_play));
             format!("stiffness {stiffness:.6e} N/m^{n}, radial play {play} um{axial}")
         }
-        FixedPointPath::Tabulated { speed, least_range, node_bytes } => format!(
-            "`Tabulated` from these constants, {node_bytes} bytes of memory for the nodes at {speed:.1} rad/s, a range of {} mm or more",
+        FixedPointPath::Tabulated { least_range, node_bytes } => format!(
+            "`Tabulated` from these constants, {node_bytes} bytes of memory for the nodes of one speed, a range of {} mm or more",
             number(1e3 * least_range)
         ),
     }

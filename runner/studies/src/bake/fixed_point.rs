@@ -27,8 +27,6 @@ pub enum FixedPointPath {
     },
     /// Balls in the table of the constants.
     Tabulated {
-        /// Speed of the nodes, rad/s.
-        speed: f64,
         /// Least range of the counts, m: twice the distance of the groove centres.
         least_range: f64,
         /// Memory of the nodes at one speed, bytes.
@@ -55,11 +53,11 @@ impl FixedPointPath {
 
     fn of_table(bearing: &Bearing, table: &TableData, range: &ChecksumRange) -> Option<Self> {
         let [speed, _] = if table.by_outer { range.outer_speed } else { range.inner_speed };
-        let (speed, least_range) = (f64::from(speed), 2.0 * table.constants.distance);
-        let params = TabulatedParams { speed, range: least_range, mirrored: false };
+        let least_range = 2.0 * table.constants.distance;
+        let params = TabulatedParams { speed: f64::from(speed), range: least_range, mirrored: false };
         let set_up = if table.friction { set_up::<3> } else { set_up::<2> };
         let nodes = set_up(table, &params, bearing.elements).ok()?;
-        Some(Self::Tabulated { speed, least_range, node_bytes: nodes * table.fields() * size_of::<i32>() })
+        Some(Self::Tabulated { least_range, node_bytes: nodes * table.fields() * size_of::<i32>() })
     }
 }
 

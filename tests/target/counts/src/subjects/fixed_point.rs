@@ -3,9 +3,9 @@
 use crate::inputs::input;
 use crate::measure::{Bench, Name};
 use baked::bearings::{bearing_de, bearing_nde};
+use ballrace::bearing::ElementPositions;
 use ballrace::bearing::fixed_point::{self, AxialParams, RadialParams, TabulatedParams, TabulatedReaction};
 use ballrace::bearing::tabulated::{Node, Tabulated};
-use ballrace::bearing::ElementPositions;
 use ballrace::{Exact, Phase};
 use core::hint::black_box;
 
@@ -97,5 +97,7 @@ fn table<const N: usize, const F: usize>(bench: &Bench, what: &'static str, of: 
     let Ok(bearing) = OnCounts::<N, F>::try_new(of, &params, [[0; F]; LAYER]) else { return };
     let bearing = black_box(bearing);
     let name = Name { what, elements: N, precision: "Q31", math: "exact", function: "force" };
-    bench.measure(name, looked_up::<N, F> as *const (), five_counts, |(counts, cage)| looked_up(&bearing, *counts, *cage));
+    bench.measure(name, looked_up::<N, F> as *const (), five_counts, |(counts, cage)| {
+        looked_up(&bearing, *counts, *cage)
+    });
 }
