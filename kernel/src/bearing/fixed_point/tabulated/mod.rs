@@ -2,6 +2,7 @@
 
 mod set_up;
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests;
 
 pub use set_up::{TabulatedParams, directions};

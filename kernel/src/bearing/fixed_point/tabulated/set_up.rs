@@ -9,7 +9,7 @@ use crate::bearing::tabulated::{Axis, Grid, Node, Table, Tabulated};
 use crate::math::Math;
 use crate::scalar::Scalar;
 
-/// What a table in floats leaves open.
+/// Parameters of a bearing on counts beside its table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TabulatedParams {
@@ -27,7 +27,7 @@ const WHOLE: f64 = ONE as f64;
 const OF_NODES: f64 = 1024.0 * WHOLE * 1024.0;
 
 impl Coordinate {
-    /// Of an axis whose coordinate is in units of 2^-`bits`.
+    /// Creates the map of an axis whose coordinate is in units of 2^-`bits`.
     fn of(axis: &Axis<f64>, bits: i32) -> Result<Self, InvalidParameter> {
         let Axis { origin, density, .. } = *axis;
         check(density > 0.0 && density < 1000.0, "density", density, "above 0, below 1000 nodes per unit")?;
@@ -64,6 +64,8 @@ impl Units {
             offset,
             "at most a quarter of the distance of the groove centres",
         )?;
+        let norm = libm::hypot(axis[0], axis[1]);
+        check((norm - 1.0).abs() < 1e-3, "axis", norm, "a direction of length 1")?;
         let unit = range / HALF;
         let rest = axis.map(|part| libm::round(distance * part / unit) as i32);
         let rest_squared = rest.iter().map(|&part| i64::from(part) * i64::from(part)).sum::<i64>();
@@ -71,7 +73,13 @@ impl Units {
         check(low > -1.0 && high < 1.0 && low < high, "approach", high, "a coordinate from -1 to 1")?;
         let [low, high] = [low, high].map(|x| grid.scale * x * x.abs() / (1.0 - x * x));
         check(low >= -0.37 * distance, "approach", low, "-0.37 times the distance of the groove centres or more")?;
-        check(high <= 0.45 * distance, "approach", high, "at most 0.45 times the distance of the groove centres")?;
+        let highest = 0.45 * distance;
+        check(
+            high > 0.0 && high <= highest,
+            "approach",
+            high,
+            "above 0, at most 0.45 times the distance of the groove centres",
+        )?;
         let largest = low.abs().max(high.abs()) + grid.scale;
         check(grid.scale > 0.0 && largest < distance, "scale", grid.scale, "below the distance of the groove centres")?;
         let component_shift = exponent_below(distance / unit, 29);
@@ -113,8 +121,9 @@ impl<'a, T: Scalar, const F: usize> AtSpeed<'a, T, F> {
         let last = count.saturating_sub(2);
         let at = if count > 1 { ((x - origin) * density).max(0.0) } else { 0.0 };
         let layer = (at as usize).min(last);
-        let length = grid.approach.count * grid.angle.count;
-        let from = |layer: usize| table.nodes().get(layer * length..).and_then(|nodes| nodes.get(..length));
+        let length = grid.approach.count.saturating_mul(grid.angle.count);
+        let from =
+            |layer: usize| table.nodes().get(layer.saturating_mul(length)..).and_then(|nodes| nodes.get(..length));
         let (below, next) = (from(layer), from(layer + usize::from(count > 1)));
         let found = table.nodes().len() as f64;
         let (Some(below), Some(next)) = (below, next) else {
@@ -188,6 +197,9 @@ impl<D: AsRef<[Direction]>, A: AsRef<[[i32; F]]> + AsMut<[[i32; F]]>, const F: u
         let TabulatedParams { speed, range, mirrored } = *params;
         let (grid, constants) = (of.table().grid().rounded::<f64>(), of.constants().rounded::<f64>());
         let Units { lines, cube } = Units::of(&constants, &grid, range)?;
+        let [least, most] = grid.angle.range;
+        check((-1.01..=most).contains(&least) && most <= 1.01, "angle", most, "sines from -1 to 1")?;
+        check(constants.arm >= 0.0, "arm", constants.arm, "0 m or more")?;
         let table = AtSpeed::of(of.table(), &grid, speed)?;
         let length = nodes.as_ref().len();
         check(
@@ -243,9 +255,9 @@ impl Scales {
         let [half_load, tangent, friction] = largest;
         let load = 2.0 * half_load * cube;
         check(load > 0.0 && load.is_finite(), "load", load, "above 0 N and finite")?;
-        check((0.0..=128.0).contains(&tangent), "tangent", tangent, "at most 128")?;
+        check((0.0..128.0).contains(&tangent), "tangent", tangent, "below 128")?;
         check((0.0..=load / 16.0).contains(&friction), "friction", friction, "at most 1/16 of the largest load")?;
-        let tangent_exponent = (1..8).find(|&bits| tangent < f64::from(1 << bits)).unwrap_or(8);
+        let tangent_exponent = (1..8).find(|&bits| tangent < f64::from(1 << bits)).unwrap_or(7);
         // With 16 or more, a load of 2^27 counts over their number times the largest tangent is below 2^31.
         let count_exponent = count.next_power_of_two().trailing_zeros().max(4);
         Ok(Self { load, largest, tangent_exponent, count_exponent })

@@ -4,9 +4,9 @@ use super::*;
 use crate::bearing::angular::DisplacementDatum;
 use crate::bearing::fixed_point::arithmetic::numbers;
 use crate::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
-use crate::bearing::quasi_static::QuasiStatic;
 use crate::bearing::quasi_static::inertia::{FrictionSharing, InertiaParams, RaceControl};
-use crate::bearing::tabulated::{self, Node, Table, TableDomain, fill_table};
+use crate::bearing::quasi_static::{QuasiStatic, TableConstants};
+use crate::bearing::tabulated::{self, Axis, Grid, Node, Table, TableDomain, fill_table};
 use crate::bearing::{Bearing, ElementPositions, Mirrored, evenly_spaced};
 use crate::frame::Displacement;
 use crate::kinematic_state::BearingKinematicState;
@@ -217,4 +217,25 @@ fn impossible_parameters_are_rejected() {
     assert_eq!(short.unwrap_err().name, "nodes");
     let fewer = Tabulated::<8, _, 2>::try_new(&of, &PARAMS, [[0; 2]; LAYER]);
     assert_eq!(fewer.unwrap_err().name, "elements");
+    let constants = *of.constants();
+    for (changed, name) in [
+        (TableConstants { axis: [f64::NAN, 0.0], ..constants }, "axis"),
+        (TableConstants { offset: 1e-3, ..constants }, "offset"),
+        (TableConstants { arm: -1.0, ..constants }, "arm"),
+        (TableConstants { distance: f64::NAN, ..constants }, "range"),
+    ] {
+        let changed = Float::<2>::new(evenly_spaced(Phase::ZERO), changed, *of.table(), false);
+        assert_eq!(Fixed::<2>::try_new(&changed, &PARAMS, [[0; 2]; LAYER]).unwrap_err().name, name);
+    }
+    let (grid, nodes) = (*of.table().grid(), [[f64::NAN, 0.0]; NODES]);
+    for (grid, nodes, name) in [
+        (grid, nodes, "load"),
+        (grid, [[1e9, 200.0]; NODES], "tangent"),
+        (Grid { scale: f64::NAN, ..grid }, nodes, "approach"),
+        (Grid { approach: Axis { count: usize::MAX, ..grid.approach }, ..grid }, nodes, "nodes"),
+        (Grid { angle: Axis { range: [0.0, f64::INFINITY], ..grid.angle }, ..grid }, nodes, "angle"),
+    ] {
+        let changed = Float::<2>::new(evenly_spaced(Phase::ZERO), constants, Table::new(grid, nodes), false);
+        assert_eq!(Fixed::<2>::try_new(&changed, &PARAMS, [[0; 2]; LAYER]).unwrap_err().name, name);
+    }
 }
