@@ -429,4 +429,22 @@ fn what_firmware_needs_beside_the_constants() {
     let text = sandbox.done(&["bake", "needs.toml", "-o", "needs.rs", "--core", "cortex-m0plus"]).out;
     assert!(text.contains("bearing::fixed_point takes a constant one: stiffness "), "{text}");
     assert!(bake(&radial, "cortex-m0plus")[0].get("fixed_point").is_none());
+
+    // A table: twice the distance of the groove centres, and the nodes of one speed, of which the flash has one or several.
+    let table = swap(&radial, "model = \"angular\"", "model = \"tabulated\"");
+    let out = bake(&table, "cortex-m0plus");
+    let path = &out[0]["fixed_point"];
+    let (memory, flash) = (path["node_bytes"].as_u64().unwrap(), out[0]["bytes"].as_u64().unwrap());
+    assert!(memory > 1000 && flash.is_multiple_of(memory), "{memory} {flash}");
+    let source = sandbox.read("needs.rs");
+    let distance: f64 = source.split("distance: ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+    let range = path["least_range"].as_f64().unwrap();
+    assert!((range / distance - 2.0).abs() < 1e-6, "{path}");
+    let text = sandbox.done(&["bake", "needs.toml", "-o", "needs.rs", "--core", "cortex-m0plus"]).out;
+    assert!(
+        text.contains(&format!(
+            "`Tabulated` from these constants, {memory} bytes of memory for the nodes of one speed"
+        )),
+        "{text}"
+    );
 }

@@ -109,7 +109,7 @@ fn every_machine_gives_the_same_bits() {
     std::fs::write(folder.path().join("recording.bin"), &bytes).expect("the recording is written");
     let host = images.join(HOST).join("release/bits");
     let expected = checksums(&mut Command::new(&host), folder.path());
-    assert!(expected.lines().count() >= 17, "{expected}");
+    assert!(expected.lines().count() >= 18, "{expected}");
 
     let runs = std::sync::Mutex::new(runs(&images));
     let next = || runs.lock().expect("no thread panics while it takes a run").pop();
@@ -123,7 +123,7 @@ fn every_machine_gives_the_same_bits() {
         }
     });
 
-    // The comparison can fail: a thousandth of some samples changes all but what follows from the shaft's angle alone.
+    // The comparison can fail: a thousandth of some samples changes all but what follows from the shaft's angle alone, and the counts.
     for sample in CHANGED {
         bytes[sample * 28 + 1] ^= 0x40;
         bytes[sample * 28 + 9] ^= 0x40;
@@ -131,7 +131,7 @@ fn every_machine_gives_the_same_bits() {
     std::fs::write(folder.path().join("recording.bin"), &bytes).expect("the recording is written");
     let other = checksums(&mut Command::new(&host), folder.path());
     let same: Vec<&str> = expected.lines().filter(|line| other.contains(line)).collect();
-    assert!(same.len() == 3, "too little depends on the recording: {same:?}");
+    assert!(same.len() == 4, "too little depends on the recording: {same:?}");
 }
 
 fn compare(name: &str, found: &str, expected: &str) {

@@ -712,6 +712,140 @@ typedef struct ballrace_fixed_axial_counts {
 } ballrace_fixed_axial_counts;
 
 /**
+ * A bearing with a table, on counts. Opaque: `ballrace_fixed_tabulated_init` writes it.
+ */
+typedef struct ballrace_fixed_tabulated {
+    /**
+     * Private.
+     */
+    uint64_t words[56];
+} ballrace_fixed_tabulated;
+
+/**
+ * One coordinate of the grid of a table.
+ */
+typedef struct ballrace_axis {
+    /**
+     * Number of nodes.
+     */
+    uint32_t count;
+    /**
+     * Coordinate of node 0.
+     */
+    float origin;
+    /**
+     * Nodes per unit.
+     */
+    float density;
+    /**
+     * Least coordinate of the domain.
+     */
+    float least;
+    /**
+     * Greatest coordinate of the domain.
+     */
+    float greatest;
+} ballrace_axis;
+
+/**
+ * A ball bearing with interpolated ball forces. `ballrace bake --language c` writes it.
+ *
+ * Models: `ballrace_tabulated_model` (two numbers per node), `ballrace_tabulated_friction_model` (three numbers per node,
+ * with friction at the inner race), each also `mirrored` for a bearing that carries thrust towards -Z.
+ *
+ * A table over several speeds needs `ballrace_force_at`: `ballrace_force` evaluates it at speed 0 and reports
+ * `BALLRACE_OUT_OF_TABLE`, unless the domain contains 0.
+ */
+typedef struct ballrace_tabulated {
+    /**
+     * Head.
+     */
+    struct ballrace_bearing head;
+    /**
+     * Lever of the friction couple divided by the lever arm.
+     */
+    float couple;
+    /**
+     * A, distance of the groove centres with the rings just touching the balls, m.
+     */
+    float distance;
+    /**
+     * Cosine of the angle of the line of groove centres with the rings just touching the ball.
+     */
+    float axis_cos;
+    /**
+     * Sine of that angle.
+     */
+    float axis_sin;
+    /**
+     * Radial displacement of the inner groove centres at zero displacement, m.
+     */
+    float offset;
+    /**
+     * R_i, lever arm, m.
+     */
+    float arm;
+    /**
+     * Approach up to which the nodes are close, m.
+     */
+    float scale;
+    /**
+     * b, rad/s.
+     */
+    float speed_scale;
+    /**
+     * Axis of the coordinate of the approach, `sqrt(|e| / (|e| + scale))` with the sign of `e = s (1 + s / (2 distance))`, `s` the
+     * approach; varies fastest.
+     */
+    struct ballrace_axis approach;
+    /**
+     * Axis of the sine of the angle of the line of groove centres.
+     */
+    struct ballrace_axis angle;
+    /**
+     * Axis of the coordinate of the speed `w`, `w (w + speed_scale)`, (rad/s)^2; varies slowest.
+     */
+    struct ballrace_axis speed;
+    /**
+     * 1 if the table is over the speed of the outer ring, 0 for the inner ring.
+     */
+    uint32_t by_outer_speed;
+    /**
+     * Number of nodes: the product of the counts of the axes.
+     */
+    uint32_t node_count;
+    /**
+     * Nodes, each of two or three numbers: half of the load along the line of groove centres over `(|e| + scale)^1.5` in
+     * N/m^1.5, tangent of the angle from that line to the contact, and, in a model with friction, the friction at the inner
+     * race across that line in N.
+     */
+    const float *nodes;
+} ballrace_tabulated;
+
+/**
+ * A bearing with a table, on counts.
+ */
+typedef struct ballrace_fixed_tabulated_params {
+    /**
+     * Speed of the ring over whose speed the table is, rad/s: the nodes are those of this speed.
+     */
+    double speed;
+    /**
+     * Displacement of 2^31 counts, m: the largest that the converter delivers, 2 to 100 times the distance of the groove centres.
+     */
+    double range;
+    /**
+     * Nodes, which belong to the bearing from its set-up on: two numbers each, with friction at the inner race three, for the nodes along approach
+     * and angle, `approach.count * angle.count` of the table.
+     */
+    int32_t *nodes;
+    /**
+     * Number of numbers of the nodes.
+     */
+    uint32_t number_count;
+} ballrace_fixed_tabulated_params;
+
+/**
  * One line of the full spectrum of a force in the frame of a component.
  *
  * At the angle `p` of its fundamental the line of order `k` is `F e^(i k p) + B e^(-i k p)`.
@@ -1197,32 +1331,6 @@ typedef struct ballrace_rotor {
 } ballrace_rotor;
 
 /**
- * One coordinate of the grid of a table.
- */
-typedef struct ballrace_axis {
-    /**
-     * Number of nodes.
-     */
-    uint32_t count;
-    /**
-     * Coordinate of node 0.
-     */
-    float origin;
-    /**
-     * Nodes per unit.
-     */
-    float density;
-    /**
-     * Least coordinate of the domain.
-     */
-    float least;
-    /**
-     * Greatest coordinate of the domain.
-     */
-    float greatest;
-} ballrace_axis;
-
-/**
  * One lamina of a roller.
  */
 typedef struct ballrace_lamina {
@@ -1339,81 +1447,6 @@ typedef struct ballrace_roller {
      */
     const struct ballrace_lamina *laminae;
 } ballrace_roller;
-
-/**
- * A ball bearing with interpolated ball forces. `ballrace bake --language c` writes it.
- *
- * Models: `ballrace_tabulated_model` (two numbers per node), `ballrace_tabulated_friction_model` (three numbers per node,
- * with friction at the inner race), each also `mirrored` for a bearing that carries thrust towards -Z.
- *
- * A table over several speeds needs `ballrace_force_at`: `ballrace_force` evaluates it at speed 0 and reports
- * `BALLRACE_OUT_OF_TABLE`, unless the domain contains 0.
- */
-typedef struct ballrace_tabulated {
-    /**
-     * Head.
-     */
-    struct ballrace_bearing head;
-    /**
-     * Lever of the friction couple divided by the lever arm.
-     */
-    float couple;
-    /**
-     * A, distance of the groove centres with the rings just touching the balls, m.
-     */
-    float distance;
-    /**
-     * Cosine of the angle of the line of groove centres with the rings just touching the ball.
-     */
-    float axis_cos;
-    /**
-     * Sine of that angle.
-     */
-    float axis_sin;
-    /**
-     * Radial displacement of the inner groove centres at zero displacement, m.
-     */
-    float offset;
-    /**
-     * R_i, lever arm, m.
-     */
-    float arm;
-    /**
-     * Approach up to which the nodes are close, m.
-     */
-    float scale;
-    /**
-     * b, rad/s.
-     */
-    float speed_scale;
-    /**
-     * Axis of the coordinate of the approach, `sqrt(|e| / (|e| + scale))` with the sign of `e = s (1 + s / (2 distance))`, `s` the
-     * approach; varies fastest.
-     */
-    struct ballrace_axis approach;
-    /**
-     * Axis of the sine of the angle of the line of groove centres.
-     */
-    struct ballrace_axis angle;
-    /**
-     * Axis of the coordinate of the speed `w`, `w (w + speed_scale)`, (rad/s)^2; varies slowest.
-     */
-    struct ballrace_axis speed;
-    /**
-     * 1 if the table is over the speed of the outer ring, 0 for the inner ring.
-     */
-    uint32_t by_outer_speed;
-    /**
-     * Number of nodes: the product of the counts of the axes.
-     */
-    uint32_t node_count;
-    /**
-     * Nodes, each of two or three numbers: half of the load along the line of groove centres over `(|e| + scale)^1.5` in
-     * N/m^1.5, tangent of the angle from that line to the contact, and, in a model with friction, the friction at the inner
-     * race across that line in N.
-     */
-    const float *nodes;
-} ballrace_tabulated;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2006,6 +2039,34 @@ uint32_t ballrace_fixed_axial_force(const struct ballrace_fixed_axial *bearing,
                                     int32_t tilt_y,
                                     uint64_t cage_phase,
                                     struct ballrace_fixed_axial_counts *force);
+
+/**
+ * Initialises a bearing from the table in floats of `of`, which is not read afterwards. For set-up: uses `double`. `invalid` may be NULL. Writes what
+ * a count of the displacement is in m, and a count of the force in N.
+ *
+ * Preconditions:
+ * `bearing`, `params` and `of`, which has one of its models, point to structs, `invalid` to a struct or nothing, `metres_per_count` and
+ * `newtons_per_count` to numbers; the nodes outlive the bearing.
+ */
+uint32_t ballrace_fixed_tabulated_init(struct ballrace_fixed_tabulated *bearing,
+                                       const struct ballrace_tabulated *of,
+                                       const struct ballrace_fixed_tabulated_params *params,
+                                       double *metres_per_count,
+                                       double *newtons_per_count,
+                                       struct ballrace_invalid_parameter *invalid);
+
+/**
+ * Computes force and moment on the inner ring, `fx`, `fy`, `fz` and the moments about X and Y over the lever arm `of->arm`, at a displacement along
+ * X, Y, Z and the tilts about X and Y times that arm, all in counts; any counts are valid. `BALLRACE_OUT_OF_TABLE` where a ball is outside the
+ * table, `BALLRACE_CONTACT_LOST` where none carries load. Without floating-point numbers: a constant number of instructions on every core.
+ *
+ * Preconditions:
+ * `bearing` points to an initialised bearing; the arrays have five entries.
+ */
+uint32_t ballrace_fixed_tabulated_force(const struct ballrace_fixed_tabulated *bearing,
+                                        const int32_t displacement[5],
+                                        uint64_t cage_phase,
+                                        int32_t wrench[5]);
 
 /**
  * Initialises a force tracker for a bearing of `elements` rolling elements and blocks of `turns` revolutions of the inner

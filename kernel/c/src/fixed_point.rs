@@ -8,7 +8,7 @@ use ballrace::Phase;
 use ballrace::bearing::fixed_point::{AxialElements, AxialParams, Direction, RadialElements, RadialParams, direction};
 
 /// Largest number of elements.
-const MAX_ELEMENTS: usize = 32;
+pub(crate) const MAX_ELEMENTS: usize = 32;
 
 /// A bearing of radial elements between rigid rings.
 #[repr(C)]
@@ -89,7 +89,7 @@ pub struct FixedForce {
 }
 
 /// Directions of a number of elements that is known at run time.
-struct Directions {
+pub(crate) struct Directions {
     count: usize,
     all: [Direction; MAX_ELEMENTS],
 }
@@ -106,6 +106,16 @@ impl Directions {
     fn evenly_spaced(first: u64, count: u32) -> Self {
         let count = count as usize;
         Self { count, all: core::array::from_fn(|j| direction(Phase(first), j, count)) }
+    }
+
+    /// Returns these ones, at most [`MAX_ELEMENTS`].
+    pub(crate) fn from_each(each: impl Iterator<Item = Direction>) -> Self {
+        let (mut count, mut all) = (0, [Direction::default(); MAX_ELEMENTS]);
+        for (direction, found) in all.iter_mut().zip(each) {
+            *direction = found;
+            count += 1;
+        }
+        Self { count, all }
     }
 }
 

@@ -80,7 +80,7 @@ impl From<&Axis> for ballrace::bearing::tabulated::Axis<f32> {
 
 /// Constants with `F` numbers per node.
 #[repr(transparent)]
-struct WithFields<const F: usize>(Tabulated);
+pub(crate) struct WithFields<const F: usize>(Tabulated);
 
 // SAFETY: `repr(transparent)` over a `repr(C)` struct with the head first.
 unsafe impl<const F: usize> Constants for WithFields<F> {
@@ -120,6 +120,20 @@ unsafe impl<const F: usize> Constants for WithFields<F> {
     #[inline(always)]
     fn reaction(bearing: &Self::Bearing<'_>, u: &Displacement<f32>, at: &BearingKinematicState<f32>) -> Reaction<f32> {
         bearing.reaction_inlined(u, at)
+    }
+}
+
+/// The bearing of the kernel with `F` numbers per node.
+pub(crate) type OfKernel<'a, const F: usize> = <WithFields<F> as Constants>::Bearing<'a>;
+
+impl Tabulated {
+    /// Returns the bearing of the kernel.
+    ///
+    /// # Safety
+    /// The pointers are valid, and the nodes have `F` numbers.
+    pub(crate) unsafe fn of_kernel<const F: usize>(&self) -> OfKernel<'_, F> {
+        // SAFETY: by the contract of the function; `repr(transparent)`.
+        unsafe { (*core::ptr::from_ref(self).cast::<WithFields<F>>()).bearing() }
     }
 }
 

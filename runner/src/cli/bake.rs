@@ -174,14 +174,12 @@ fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> 
         None => writeln!(out, "  cost not counted on {} with these effects", core.name())?,
     }
     writeln!(out, "  checksum {checksum:#018x}")?;
-    if let Some(FixedPointPath { stiffness, exponent, radial_play, has_axial }) = fixed_point {
-        let axial = if *has_axial { ", and its axial elements by `Axial`" } else { "" };
+    if let Some(path) = fixed_point {
         writeln!(
             out,
-            "  the number of instructions depends on the input on this core. bearing::fixed_point takes a constant one: stiffness {stiffness:.6e} \
-             N/m^{}, radial play {} um{axial} (firmware guide, \"Without a floating-point unit\")",
-            number(*exponent),
-            number(1e6 * radial_play)
+            "  the number of instructions depends on the input on this core. bearing::fixed_point takes a constant one: {} (firmware guide, \
+             \"Without a floating-point unit\")",
+            fixed_point_text(path)
         )?;
     }
     if let Some(UnmeasuredAxial { w_um, force_n, force_without_n }) = unmeasured_axial {
@@ -192,4 +190,19 @@ fn print_bearing(out: &mut impl Write, baked: &Baked, core: Core) -> Result<()> 
         )?;
     }
     Ok(())
+}
+
+/// Returns the parameters of a path with a constant number of instructions.
+fn fixed_point_text(path: &FixedPointPath) -> String {
+    match path {
+        FixedPointPath::Lumped { stiffness, exponent, radial_play, has_axial } => {
+            let axial = if *has_axial { ", and its axial elements by `Axial`" } else { "" };
+            let (n, play) = (number(*exponent), number(1e6 * radial_play));
+            format!("stiffness {stiffness:.6e} N/m^{n}, radial play {play} um{axial}")
+        }
+        FixedPointPath::Tabulated { least_range, node_bytes } => format!(
+            "`Tabulated` from these constants, {node_bytes} bytes of memory for the nodes of one speed, a range of {} mm or more",
+            number(1e3 * least_range)
+        ),
+    }
 }

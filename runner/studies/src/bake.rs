@@ -9,6 +9,7 @@ mod blob;
 mod c;
 mod certificate;
 mod embedded;
+mod fixed_point;
 mod observer;
 mod range;
 mod rotor;
@@ -17,6 +18,7 @@ pub mod verify;
 pub use accuracy::PoseSource;
 pub use axial::UnmeasuredAxial;
 pub use certificate::{BearingCertificate, Certificate, Field};
+pub use fixed_point::FixedPointPath;
 pub use range::Coverage;
 
 pub use crate::trade::Core;
@@ -234,40 +236,15 @@ pub struct Baked {
     pub certificate: BearingCertificate,
 }
 
-/// Parameters of `bearing::fixed_point` for a lumped bearing, where its own arithmetic takes a number of instructions that depends on the input.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct FixedPointPath {
-    /// Stiffness of a radial element, N/m^n.
-    pub stiffness: f64,
-    /// Exponent `n`.
-    pub exponent: f64,
-    /// Radial play, m.
-    pub radial_play: f64,
-    /// The bearing has axial elements too.
-    pub has_axial: bool,
-}
-
-impl FixedPointPath {
-    /// Returns the path; `None` for a core with a floating-point unit, and for a bearing that has no such path.
-    fn of(bearing: &Bearing, core: Core) -> Option<Self> {
-        let is_plain = bearing.waviness.is_empty() && bearing.defect.is_empty() && bearing.has_rigid_outer_ring();
-        if core.has_fpu() || bearing.model != Model::Lumped || !is_plain {
-            return None;
-        }
-        let (stiffness, exponent, radial_play) = build::law(bearing).ok()?;
-        Some(Self { stiffness, exponent, radial_play, has_axial: bearing.axial.is_some() })
-    }
-}
-
 impl Baked {
     fn of(part: Part<'_>, unmeasured_axial: Option<UnmeasuredAxial>, core: Core) -> Self {
         let Part { selected: Selected { of, .. }, table, certificate } = part;
         Self {
             unmeasured_axial,
-            fixed_point: FixedPointPath::of(of, core),
+            fixed_point: FixedPointPath::of(of, core, table.as_ref(), &certificate.range),
             bearing: of.name.clone(),
             module: certificate.module.clone(),
-            nodes: table.map_or(0, |made| made.nodes.len()),
+            nodes: table.as_ref().map_or(0, |made| made.nodes.len()),
             bytes: certificate.table_bytes,
             certificate,
         }

@@ -114,6 +114,17 @@ static void blocks(void)
     end("blocks");
 }
 
+/* Some micrometres in five counts, and those at which a branch would show. */
+static void fixed_displacement(uint32_t i, int32_t displacement[5])
+{
+    static const int32_t special[4] = { 0, INT32_MAX, INT32_MIN, -1 };
+    static const uint32_t factors[5] = { 2654435761u, 2246822519u, 3266489917u, 668265263u, 374761393u };
+    for (uint32_t k = 0; k < 5; k++) {
+        const int32_t motion = (int32_t)(i * factors[k]) >> (5 + i % 11);
+        displacement[k] = (i + k) % 9 == 0 ? special[i / 9 % 4] : motion;
+    }
+}
+
 /* Counts of all sizes, and those at which a branch would show. */
 static void fixed_point(void)
 {
@@ -147,6 +158,19 @@ static void fixed_point(void)
         add_bits((uint32_t)thrust.fz);
         add_bits((uint32_t)thrust.mx);
         add_bits((uint32_t)thrust.my);
+    }
+    static int32_t nodes[3 * 19 * 11];
+    ballrace_fixed_tabulated table = { { 0 } };
+    for (int k = 0; k < 3; k++) {
+        const ballrace_tabulated *const of = k == 0 ? &tabulated_8 : k == 1 ? &friction_9 : &friction_mirrored_9;
+        const ballrace_fixed_tabulated_params of_table = { 1256.0, 1e-3, nodes, (k == 0 ? 2 : 3) * 19 * 11 };
+        add_bits(ballrace_fixed_tabulated_init(&table, of, &of_table, &per_count[0], &per_count[1], NULL));
+        for (uint32_t i = 1; i <= INPUT_COUNT; i++) {
+            int32_t wrench[5], displacement[5];
+            fixed_displacement(i, displacement);
+            add_bits(ballrace_fixed_tabulated_force(&table, displacement, (uint64_t)i * 0x123456789abcdefu, wrench));
+            for (int j = 0; j < 5; j++) add_bits((uint32_t)wrench[j]);
+        }
     }
     end("fixed point");
 }

@@ -71,6 +71,11 @@ static ballrace_fixed_axial_counts fixed_axial_force;
 CALL(fixed_axial, ballrace_fixed_axial_force(&fixed_thrust, fixed_v, fixed_u, fixed_v, in.cage, &fixed_axial_force))
 CALL(fixed_radial, ballrace_fixed_radial_force(&fixed, fixed_u, fixed_v, in.cage, &fixed_force))
 
+static ballrace_fixed_tabulated fixed_table;
+static int32_t fixed_nodes[2 * 19 * 11], fixed_displacement[5], fixed_wrench[5];
+
+CALL(fixed_tabulated, ballrace_fixed_tabulated_force(&fixed_table, fixed_displacement, in.cage, fixed_wrench))
+
 static void measure(const char *name, const char *function, void (*prepare)(uint32_t), uint32_t (*call)(void))
 {
     uint32_t least = UINT32_MAX, most = 0, stack = 0;
@@ -112,6 +117,8 @@ static void take_counts(uint32_t i)
     take_input(i);
     fixed_u = i % 7 == 0 ? special[i / 7 % 4] : (int32_t)(i * 2654435761u) >> (i % 13);
     fixed_v = i % 11 == 0 ? special[i / 11 % 4] : (int32_t)(i * 2246822519u) >> (i % 17);
+    const int32_t within[5] = { fixed_u >> 5, fixed_v >> 5, fixed_u >> 4, fixed_v >> 6, fixed_v >> 7 };
+    for (int k = 0; k < 5; k++) fixed_displacement[k] = i % 4 ? within[k] : k % 2 ? fixed_u : fixed_v;
 }
 
 static void take_buffer(uint32_t i)
@@ -192,6 +199,9 @@ void run(void)
     const ballrace_fixed_axial_params axial = { 1e9, 1.5, 5e-6, 20e-3, 100e-6, 0, 8 };
     ballrace_fixed_axial_init(&fixed_thrust, &axial, &per_count[0], &per_count[1], NULL);
     measure("axial 3/2, fixed-point, 8", "force", take_counts, fixed_axial);
+    const ballrace_fixed_tabulated_params of_table = { 1256.0, 1e-3, fixed_nodes, 2 * 19 * 11 };
+    ballrace_fixed_tabulated_init(&fixed_table, &tabulated_8, &of_table, &per_count[0], &per_count[1], NULL);
+    measure("tabulated, fixed-point, 8", "force", take_counts, fixed_tabulated);
     measure("log", "frame of 4 readings", take_input, log_frame);
     measure("probe", "reading", take_reading, probe_sample);
     measure("rotor on two angular bearings, 9", "Verlet step", take_motion, rotor_step);

@@ -37,9 +37,9 @@ static ballrace_angular angular_4, angular_8, angular_16, angular_32, angular_mi
 ballrace_angular angular_9;
 static ballrace_linear linear = { .head = { .model = &ballrace_linear_model } };
 
-static const ballrace_tabulated tabulated_8 = TABULATED_DE(&ballrace_tabulated_model);
-static const ballrace_tabulated friction_9 = TABULATED_NDE(&ballrace_tabulated_friction_model);
-static const ballrace_tabulated friction_mirrored_9 = TABULATED_NDE(&ballrace_tabulated_friction_mirrored_model);
+const ballrace_tabulated tabulated_8 = TABULATED_DE(&ballrace_tabulated_model);
+const ballrace_tabulated friction_9 = TABULATED_NDE(&ballrace_tabulated_friction_model);
+const ballrace_tabulated friction_mirrored_9 = TABULATED_NDE(&ballrace_tabulated_friction_mirrored_model);
 
 struct subject subjects[SUBJECT_COUNT] = {
     { "linear", &linear.head },

@@ -13,6 +13,7 @@ struct subject {
 extern struct subject subjects[SUBJECT_COUNT];
 
 extern ballrace_angular angular_9;
+extern const ballrace_tabulated tabulated_8, friction_9, friction_mirrored_9;
 
 /* Initialises all bearings; returns the status bits of all calls. */
 uint32_t subjects_init(void);

@@ -3,7 +3,7 @@
 use super::super::counts_inputs::{COUNT, counts, input};
 use super::tables::{de, nde};
 use ballrace::bearing::angular::{Angular, DisplacementDatum};
-use ballrace::bearing::fixed_point::{self, AxialParams, RadialParams};
+use ballrace::bearing::fixed_point::{self, AxialParams, RadialParams, TabulatedParams};
 use ballrace::bearing::geometry::{BEARING_STEEL, BallBearingGeometry};
 use ballrace::bearing::linear::Linear;
 use ballrace::bearing::lumped::{Axial, Combined, Radial};
@@ -19,7 +19,9 @@ use ballrace::rotor::{
 use ballrace::twin::{
     Envelope, ForceLine, ForceOrderTracker, Observer, ObserverState, OrderLine, OrderTracker, SpeedGain, Statistics,
 };
-use ballrace::{Bearing, BearingKinematicState, Displacement, Exact, Phase, Status, Stiffness, Wrench};
+use ballrace::{
+    Bearing, BearingKinematicState, Displacement, Exact, Phase, Status, Stiffness, TabulatedBearing, Wrench,
+};
 use std::fmt::Write;
 
 /// FNV-1a over the bits of results.
@@ -332,7 +334,29 @@ fn fixed_point() -> u64 {
             }
         }
     }
+    fixed_table(&mut sum, &de(), false);
+    fixed_table(&mut sum, &nde(), false);
+    fixed_table(&mut sum, &nde(), true);
     sum.0
+}
+
+fn fixed_table<const N: usize, const F: usize>(sum: &mut Checksum, of: &TabulatedBearing<f32, N, F>, mirrored: bool) {
+    const SPECIAL: [i32; 4] = [0, i32::MAX, i32::MIN, -1];
+    const FACTORS: [u32; 5] = [2_654_435_761, 2_246_822_519, 3_266_489_917, 668_265_263, 374_761_393];
+    let params = TabulatedParams { speed: 1256.0, range: 1e-3, mirrored };
+    let fixed = fixed_point::Tabulated::<N, _, F>::try_new(of, &params, [[0; F]; 19 * 11]).expect("parameters");
+    sum.bits(OK);
+    for i in 1..=COUNT {
+        let [u, v, w, x, y] = [0, 1, 2, 3, 4].map(|k| match (i + k).is_multiple_of(9) {
+            true => SPECIAL[(i / 9) as usize % 4],
+            false => i.wrapping_mul(FACTORS[k as usize]).cast_signed() >> (5 + i % 11),
+        });
+        let found = fixed.reaction(u, v, w, x, y, Phase(u64::from(i).wrapping_mul(0x0123_4567_89ab_cdef)));
+        sum.bits(u32::from(found.status.bits()));
+        for x in [found.fx, found.fy, found.fz, found.mx, found.my] {
+            sum.bits(x.cast_unsigned());
+        }
+    }
 }
 
 fn phases() -> u64 {

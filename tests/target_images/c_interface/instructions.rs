@@ -47,8 +47,9 @@ fn rows() -> Vec<Row> {
         let [name, function, figures @ ..] = &cells[..] else { panic!("five cells: {line}") };
         let [least, most, stack] = figures else { panic!("five cells: {line}") };
         let number = |text: &str| text.parse().expect("a number");
-        // A table needs the speed; all other models cost the same without it.
-        let function = match (name.starts_with("tabulated"), *function) {
+        // A table in floats needs the speed; all others cost the same without it.
+        let needs_speed = name.starts_with("tabulated") && !name.contains("fixed-point");
+        let function = match (needs_speed, *function) {
             (true, "force" | "force, input checked") | (false, "force at speed" | "force at speed, input checked") => {
                 return None;
             }

@@ -179,16 +179,17 @@ pub struct TableConstants<T> {
     pub arm: T,
 }
 
-impl TableConstants<f64> {
+impl<S: Scalar> TableConstants<S> {
     /// Returns the constants in another precision, rounded once.
     #[must_use]
     pub fn rounded<T: Scalar>(&self) -> TableConstants<T> {
+        let rounded = |x: S| T::from_f64(x.to_f64());
         TableConstants {
-            couple: T::from_f64(self.couple),
-            distance: T::from_f64(self.distance),
-            axis: self.axis.map(T::from_f64),
-            offset: T::from_f64(self.offset),
-            arm: T::from_f64(self.arm),
+            couple: rounded(self.couple),
+            distance: rounded(self.distance),
+            axis: self.axis.map(rounded),
+            offset: rounded(self.offset),
+            arm: rounded(self.arm),
         }
     }
 }

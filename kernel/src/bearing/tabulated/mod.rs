@@ -134,6 +134,11 @@ impl<T: Scalar, M: Math<T>, P: ElementLayout<T>, A: AsRef<[Node<T, F>]> + Send +
         &self.table
     }
 
+    /// Returns the positions of the balls.
+    pub(crate) fn positions(&self) -> &P {
+        &self.positions
+    }
+
     /// Returns the constants besides positions and table.
     pub fn constants(&self) -> &TableConstants<T> {
         &self.constants

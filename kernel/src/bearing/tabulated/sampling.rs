@@ -8,6 +8,7 @@ use crate::bearing::quasi_static::film::Film;
 use crate::bearing::quasi_static::inertia::Inertia;
 use crate::kinematic_state::BearingKinematicState;
 use crate::math::Math;
+use crate::scalar::Scalar;
 
 /// Domain and resolution of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,19 +108,22 @@ impl Grid<f64> {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
 
+impl<S: Scalar> Grid<S> {
     /// Returns the grid in another precision.
     #[must_use]
-    pub fn rounded<T: crate::Scalar>(&self) -> Grid<T> {
-        let axis = |a: &Axis<f64>| Axis {
+    pub fn rounded<T: Scalar>(&self) -> Grid<T> {
+        let rounded = |x: S| T::from_f64(x.to_f64());
+        let axis = |a: &Axis<S>| Axis {
             count: a.count,
-            origin: T::from_f64(a.origin),
-            density: T::from_f64(a.density),
-            range: a.range.map(T::from_f64),
+            origin: rounded(a.origin),
+            density: rounded(a.density),
+            range: a.range.map(rounded),
         };
         Grid {
-            scale: T::from_f64(self.scale),
-            speed_scale: T::from_f64(self.speed_scale),
+            scale: rounded(self.scale),
+            speed_scale: rounded(self.speed_scale),
             approach: axis(&self.approach),
             angle: axis(&self.angle),
             speed: axis(&self.speed),

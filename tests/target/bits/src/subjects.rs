@@ -21,10 +21,10 @@ use rig::{Ball, CAGE_RATIO, Rig, machine};
 
 /// FNV-1a over the bits of results.
 #[derive(Clone, Copy)]
-struct Checksum(u64);
+pub struct Checksum(pub u64);
 
 impl Checksum {
-    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+    pub const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
 
     fn add(&mut self, results: impl IntoIterator<Item = f32>) {
         for x in results {
@@ -32,7 +32,7 @@ impl Checksum {
         }
     }
 
-    fn add_bits(&mut self, bits: u32) {
+    pub fn add_bits(&mut self, bits: u32) {
         for byte in bits.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
@@ -41,7 +41,7 @@ impl Checksum {
 
 #[path = "../../baked/src/bearings.rs"]
 #[rustfmt::skip]
-mod baked;
+pub mod baked;
 
 type Nine = ElementPositions<f32, 9>;
 type Solved = QuasiStatic<f32, Exact, Nine, Gyroscopic<f32>, HamrockDowson<f32>>;

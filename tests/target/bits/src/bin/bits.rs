@@ -1,10 +1,17 @@
 //! Reads `recording.bin` where it is started and prints a checksum a subject; the same program everywhere.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use bits::{BYTES, Sample, Subjects};
+use bits::{BYTES, Sample, Subjects, on_counts};
+
+fn run(read: impl FnMut(&mut [u8; BYTES]) -> bool, mut line: impl FnMut(&str, u64)) {
+    let Ok(sum) = on_counts() else { return };
+    line("on counts", sum);
+    along_recording(read, line);
+}
 
 /// Goes through the recording: `read` fills a record, or returns false at the end.
-fn run(mut read: impl FnMut(&mut [u8; BYTES]) -> bool, line: impl FnMut(&str, u64)) {
+#[inline(never)]
+fn along_recording(mut read: impl FnMut(&mut [u8; BYTES]) -> bool, line: impl FnMut(&str, u64)) {
     let Ok(mut subjects) = Subjects::try_new() else { return };
     let mut record = [0; BYTES];
     while read(&mut record) {

@@ -1,21 +1,17 @@
-//! Model `lumped` in fixed-point arithmetic: a constant number of instructions on cores without a floating-point unit.
+//! Radial and axial elements with `F = K Delta^n`, as [`crate::bearing::lumped`] has them.
 //!
-//! Radial and axial elements with `F = K Delta^n` as [`super::lumped`] has them, on counts as a converter delivers them. The routines of software
-//! floats branch on their values; here are sums, products, shifts and two tables that no value is too large or too small for. The power law
-//! is `Delta = m 2^-k` with `m` in a table of 128 straight lines: a relative error of at most `n (n - 1) / 130 000`, 5.7e-6 of a ball and
-//! 1e-6 of a roller, beside the rounding to counts.
+//! The power law is `Delta = m 2^-k` with `m` in a table of 128 straight lines: a relative error of at most `n (n - 1) / 130 000`, 5.7e-6 of a
+//! ball and 1e-6 of a roller, beside the rounding to counts.
 
-use super::geometry::{InvalidParameter, check};
+use super::arithmetic::{
+    Direction, ONE, Turn, direction, normalised, positive_part, product, product_unsigned, status_at,
+};
+use crate::bearing::geometry::{InvalidParameter, check};
 use crate::phase::Phase;
 use crate::status::Status;
 
-/// A number in units of 2^-30.
-const ONE: f64 = 1_073_741_824.0;
 /// Straight lines of the power law between two powers of 2.
 const LINES: usize = 128;
-
-/// `sin(pi w / 2)` for `w` from -1 to 1: coefficients of `w`, `w^3` to `w^9`, least largest error (3.3e-9), in units of 2^-30.
-const SINE: [i64; 5] = [1_686_629_674, -693_597_876, 85_564_854, -5_016_767, 161_942];
 
 /// A bearing of `N` radial elements between rigid rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,9 +47,6 @@ pub struct RadialParams {
 ///
 /// Cost without a floating-point unit: `docs/src/performance.md`; about 660 bytes of constants beside 8 per element.
 pub type Radial<const N: usize> = RadialElements<[Direction; N]>;
-
-/// Cosine and sine of the azimuth of an element with the cage at angle 0, in units of 2^-30.
-pub type Direction = [i32; 2];
 
 /// Radial elements with the directions `D`: an array, whose length is in the type, or what holds as many as are known at run time.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,13 +151,6 @@ impl<const N: usize> Radial<N> {
     pub fn try_new(first: Phase, of: &RadialParams) -> Result<Self, InvalidParameter> {
         Self::with_directions(core::array::from_fn(|j| direction(first, j, N)), of)
     }
-}
-
-/// Returns the direction of element `j` of `count` evenly spaced ones, the first at `first`. For set-up.
-#[must_use]
-pub fn direction(first: Phase, j: usize, count: usize) -> Direction {
-    let (cos, sin) = super::ElementPosition::<f64>::evenly_spaced(first, j, count).direction();
-    [cos, sin].map(|x| libm::round(x * ONE) as i32)
 }
 
 impl<D: AsRef<[Direction]>> RadialElements<D> {
@@ -308,118 +294,20 @@ impl ElementLaw {
         let along = (mantissa >> 7) & 0xffff;
         let [from, to] = [self.shape[line], self.shape[line + 1]];
         let shape = from + ((((to - from) >> 9) * along) >> 7);
-        ((u64::from(shape) * u64::from(self.scale[k as usize & 31])) >> 32) as u32
+        (product_unsigned(shape, self.scale[k as usize & 31]) >> 32) as u32
     }
-}
-
-/// Cosine and sine of the angle of the cage, in units of 2^-30.
-struct Turn {
-    cos: i32,
-    sin: i32,
-}
-
-impl Turn {
-    #[inline(always)]
-    fn of(cage: Phase) -> Self {
-        Self { cos: sine(cage.wrapping_add(Phase(1 << 62))), sin: sine(cage) }
-    }
-
-    /// Returns a vector in the frame of the cage, in units of 2^-30 of its own.
-    #[inline(always)]
-    fn to_cage(&self, [x, y]: [i32; 2]) -> [i64; 2] {
-        let Self { cos, sin } = *self;
-        [product(x, cos) + product(y, sin), product(y, cos) - product(x, sin)]
-    }
-
-    /// Returns a vector in the frame of the cage in that of the housing, in units of 2^-30 of its own.
-    #[inline(always)]
-    fn to_housing(&self, [x, y]: [i32; 2]) -> [i64; 2] {
-        let Self { cos, sin } = *self;
-        [product(x, cos) - product(y, sin), product(x, sin) + product(y, cos)]
-    }
-}
-
-/// Returns the flag of lost contact. The load is below 2^31: the difference borrows where it is 0, without a branch.
-#[inline(always)]
-fn status_at(load: u32) -> Status {
-    Status::from_bits(Status::CONTACT_LOST.bits() * (load.wrapping_sub(1) >> 31) as u8)
-}
-
-/// Returns a product, in whose units two factors of 2^-30 make 2^-60.
-#[inline(always)]
-fn product(a: i32, b: i32) -> i64 {
-    i64::from(a) * i64::from(b)
-}
-
-/// Returns `x` if it is positive, else 0, without a branch.
-#[inline(always)]
-fn positive_part(x: i32) -> u32 {
-    (x & !(x >> 31)) as u32
-}
-
-/// Returns a number below 2^31, shifted to the left until it is 2^30 or more, and the shift; 0 and 31 for 0. Counted without a branch: a core
-/// without the instruction for it has a loop or a table.
-#[inline(always)]
-fn normalised(mut x: u32) -> (u32, u32) {
-    let mut shift = 0;
-    for step in [16, 8, 4, 2, 1] {
-        // 1 where the number is below 2^(31 - step): the difference borrows.
-        let by = (x.wrapping_sub(1 << (31 - step)) >> 31) * step;
-        x <<= by;
-        shift += by;
-    }
-    (x, shift)
-}
-
-/// Returns the sine of an angle in units of 2^-30, to 1e-8.
-#[inline(always)]
-fn sine(angle: Phase) -> i32 {
-    let angle = (angle.0 >> 32) as i32;
-    // In the second and third quarter of a turn the angle from the other zero: half a turn less the angle.
-    let is_beyond = (angle ^ (angle << 1)) >> 31;
-    let w = i64::from((angle ^ is_beyond).wrapping_add(is_beyond & (i32::MIN + 1)));
-    let square = (w * w) >> 30;
-    let [a, b, c, d, e] = SINE;
-    let series = a + ((square * (b + ((square * (c + ((square * (d + ((square * e) >> 30))) >> 30))) >> 30))) >> 30);
-    ((series * w) >> 30) as i32
 }
 
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use crate::bearing::fixed_point::arithmetic::numbers;
     use crate::bearing::lumped;
     use crate::bearing::{Bearing, evenly_spaced};
     use crate::contact::law::PowerLaw;
     use crate::frame::Displacement;
     use crate::math::Exact;
-
-    /// Pseudo-random numbers from 0 to 1.
-    fn numbers() -> impl FnMut() -> f64 {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / 9_007_199_254_740_992.0
-        }
-    }
-
-    #[test]
-    fn a_sine_is_that_of_libm() {
-        let mut number = numbers();
-        let edges = [0.0, 0.25, 0.5, 0.75, 0.999_999_999];
-        for turns in edges.into_iter().chain((0..10_000).map(|_| number())) {
-            let found = f64::from(sine(Phase::from_revolutions(turns))) / ONE;
-            assert!((found - libm::sin(core::f64::consts::TAU * turns)).abs() < 1e-8, "{turns}: {found}");
-        }
-    }
-
-    #[test]
-    fn numbers_are_normalised() {
-        for x in (0..31).flat_map(|bit| [1_u32 << bit, (1 << bit) | 1, (2 << bit) - 1]) {
-            assert_eq!(normalised(x), (x << (x.leading_zeros() - 1), x.leading_zeros() - 1), "{x}");
-        }
-        assert_eq!(normalised(0), (0, 31));
-    }
 
     /// The force is that of the model in `f64`, to the stated share of the sum of the loads and two counts per element.
     #[test]
