@@ -289,18 +289,14 @@ impl<'a> Round<'a, '_> {
         self.of.evidence.is_without_baseline() && fault.moves_shaft() && self.first_excess < explained
     }
 
-    /// Returns what else makes a ring of the same bearing give way, and explains about as much before a fit, where no baseline tells the two apart.
+    /// Returns what else makes a ring of a bearing give way, and explains about as much before a fit, where no baseline tells the two apart.
     fn equal_without_baseline(&self, fault: AnyFault, list: &[Candidate]) -> Option<AnyFault> {
         if !self.of.evidence.is_without_baseline() || !fault.gives_way() {
             return None;
         }
         let own = list.iter().find(|candidate| candidate.fault == fault)?;
-        let is_equal = |other: &&Candidate| {
-            other.fault.gives_way()
-                && other.fault != fault
-                && other.fault.bearing() == fault.bearing()
-                && other.gain > EXPECTED * own.gain
-        };
+        let is_equal =
+            |other: &&Candidate| other.fault.gives_way() && other.fault != fault && other.gain > EXPECTED * own.gain;
         list.iter().find(is_equal).map(|other| other.fault)
     }
 

@@ -87,8 +87,8 @@ pub trait Fault {
         false
     }
 
-    /// Returns true for a fault by which the ring of a bearing gives way across the axis: without a baseline, nothing tells a large clearance, a loose
-    /// ring and a soft support of one bearing apart.
+    /// Returns true for a fault by which the ring of a bearing gives way across the axis: without a baseline, nothing tells another clearance, a loose
+    /// ring and a soft support of this bearing or that apart.
     fn gives_way(&self) -> bool {
         false
     }
