@@ -434,7 +434,7 @@ pub(super) fn calibrate(
         Some(site) => {
             of.evidence.weight_for(&now.machine)?;
             let spectra = evaluate(&of.evidence, &now.machine)?.spectra;
-            site.readings(of.evidence.lines_of_sound_machine(&spectra), &of.evidence.motion_rms())
+            site.readings(of.evidence.lines_of_sound_machine(&spectra), &of.evidence.motion_rms([&spectra; 2]))
         }
         None => vec![],
     };

@@ -6,6 +6,7 @@ use super::fault_figures::Contrast;
 use super::faults::AnyFault;
 use super::fit::{Fitted, evaluate, fit};
 use super::hypothesis::{IdentifiedFault, MIN_GAIN};
+use super::machine::Machine;
 use super::parameter::{CAGE_PHASE, CAGE_SLIP, union};
 use super::residual::Evidence;
 use super::residual::site::{self, DEPENDENT};
@@ -172,7 +173,13 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let most = if e.site.is_some() { site::UNEXPLAINED } else { UNEXPLAINED };
     if faults.is_empty() {
-        let grown = of.site.as_ref().and_then(|site| largest(&site.growth(&of.evidence.motion_rms())));
+        let grown = of.site.as_ref().zip(Machine::new(input.scene)).map(|(site, plain)| -> Result<_> {
+            // A wave that a sound bearing may have moves the shaft too.
+            let without = of.deviations.iter().fold(of.healthy.machine.clone(), |all, one| one.removed(&all, &plain));
+            let without = evaluate(&of.evidence, &without)?;
+            Ok(largest(&site.growth(&of.evidence.motion_rms([&of.healthy.spectra, &without.spectra]))))
+        });
+        let grown = grown.transpose()?.flatten();
         match grown {
             _ if after > most => diagnoses.push(estimates.unexplained(after)),
             Some((p, times)) if times > GROWN => diagnoses.push(estimates.grown(&input.probes[p].column, times)),

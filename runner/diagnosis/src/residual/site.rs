@@ -402,18 +402,20 @@ impl Evidence<'_> {
         }
     }
 
-    /// Returns the motion at each probe about its mean and without what drifts, m rms.
-    pub fn motion_rms(&self) -> Vec<f64> {
-        let speed = self.motion.mean_speed().abs();
-        let of = |probe: &ballrace_scene::Probe| {
+    /// Returns the motion at each probe about its mean, without what drifts and without what a machine `with` deviations adds to it, m rms.
+    pub fn motion_rms(&self, [with, without]: [&Spectra; 2]) -> Vec<f64> {
+        let [with, without] = [with, without].map(|spectra| self.unexplained_readings(spectra, &[0.0; D]));
+        let slowest = SLOWEST * self.motion.mean_speed().abs();
+        let of = |(p, probe): (usize, &ballrace_scene::Probe)| {
             let row = probes::row(probe);
-            let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>().norm_sqr();
-            let moves = |k: &usize| *k >= MEAN_LINES && self.transform.lines[*k] > SLOWEST * speed;
-            let sum: f64 = (0..self.transform.lines.len()).filter(moves).map(read).sum();
+            let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>();
+            let square = |k: usize| (read(k) - without[p][k] + with[p][k]).norm_sqr();
+            let moves = |k: &usize| *k >= MEAN_LINES && self.transform.lines[*k] > slowest;
+            let sum: f64 = (0..self.transform.lines.len()).filter(moves).map(square).sum();
             // By Parseval, with the lines of negative frequency.
             (2.0 * sum / (self.motion.len() as f64 * self.transform.power)).sqrt()
         };
-        self.weighting.probes.iter().map(of).collect()
+        self.weighting.probes.iter().enumerate().map(of).collect()
     }
 
     /// Returns the lines of a sound machine that its model does not explain: order and amplitude (m) at each probe, those above
