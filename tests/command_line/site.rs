@@ -163,7 +163,7 @@ fn errors_of_a_scene_without_a_baseline_are_no_fault() {
     let scene = sandbox.read("scene.toml");
     // A clearance 10 % larger bends the shape of all lines as a tilt would.
     let turns = TURNS + 10;
-    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 20..20 + turns), |_, _, _| 0.0));
+    sandbox.put("recording.csv", readings(&motion(&sandbox, "sound.toml", 33..33 + turns), |_, _, _| 0.0));
     let factors = if ballrace_tests::runs_all() { &[0.9, 1.1][..] } else { &[1.1] };
     for factor in factors {
         let clearance = |um: f64| format!("diametral_clearance = \"{um} um\"");
