@@ -174,8 +174,9 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     let most = if e.site.is_some() { site::UNEXPLAINED } else { UNEXPLAINED };
     if faults.is_empty() {
         let grown = of.site.as_ref().zip(Machine::new(input.scene)).map(|(site, plain)| -> Result<_> {
-            // A wave that a sound bearing may have moves the shaft too.
-            let without = of.deviations.iter().fold(of.healthy.machine.clone(), |all, one| one.removed(&all, &plain));
+            // A wave that a sound bearing may have moves the shaft too. The last one is removed first: each has its place behind those before it.
+            let deviations = of.deviations.iter().rev();
+            let without = deviations.fold(of.healthy.machine.clone(), |all, one| one.removed(&all, &plain));
             let without = evaluate(&of.evidence, &without)?;
             Ok(largest(&site.growth(&of.evidence.motion_rms([&of.healthy.spectra, &without.spectra]))))
         });
