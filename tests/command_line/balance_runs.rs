@@ -547,7 +547,7 @@ fn masses_that_are_hardly_known_ask_for_a_trial() {
     assert!(text.contains("known to no better than half of itself: make a trial"), "{text}");
     // The reason: 5 um more clearance in one of two bearings that share an axial load.
     let coefficient = |scene: &str| {
-        let sandbox = Sandbox::with(scene, crate::support::DEMO_RECORDING);
+        let sandbox = Sandbox::with(scene, crate::support::HEALTHY_RECORDING);
         // A further plane, so that a scene that does not explain the vectors is no error.
         let out = json(&sandbox, &[&["balance", "scene.toml", "--run", "healthy.csv", "--plane", "20 mm,-60 mm"]]);
         out["influence"][0]["coefficients"][0][0].as_f64().unwrap()
@@ -589,4 +589,12 @@ fn a_replay_of_an_unbalanced_machine_ends_with_the_masses_to_add() {
         probes.filter(|probe| probe["name"] != "axial_um").map(of).fold(0.0, f64::max)
     };
     assert!(largest(&before) > 0.4 && largest(&after) < 0.05 * largest(&before), "{sentence}: {}", largest(&after));
+}
+
+/// A run in which no plane is seen above the errors, as the vectors are those of another state than the twin's, ends with one message.
+#[test]
+fn planes_that_no_probe_shows_are_no_panic() {
+    let sandbox = Sandbox::with(crate::support::DEMO_SCENE, "");
+    let unbalanced = crate::support::recorded("unbalanced.csv");
+    sandbox.refused(&["balance", "scene.toml", "--run", &unbalanced], 2, &["the vectors agree with the twin only"]);
 }

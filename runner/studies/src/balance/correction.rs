@@ -103,8 +103,12 @@ pub(super) fn optimum(of: &Vectors) -> Option<Optimum> {
     let factors = of.weighted().svd(false, true);
     let seen: Vec<usize> = (0..planes.min(channels)).filter(|&i| factors.singular_values[i] >= OBSERVED).collect();
     let directions = factors.v_t?.adjoint();
-    let seen_directions = DMatrix::from_columns(&seen.iter().map(|&i| directions.column(i)).collect::<Vec<_>>());
-    let inverse = &seen_directions * (&matrix * &seen_directions).pseudo_inverse(f64::EPSILON).ok()?;
+    let inverse = if seen.is_empty() {
+        DMatrix::zeros(planes, channels)
+    } else {
+        let seen_directions = directions.select_columns(&seen);
+        &seen_directions * (&matrix * &seen_directions).pseudo_inverse(f64::EPSILON).ok()?
+    };
     Some(Optimum { moments: -(&inverse * &baseline), inverse, not_observed: planes - seen.len() })
 }
 
