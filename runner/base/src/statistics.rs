@@ -1,4 +1,4 @@
-//! Quantiles by which estimates and residuals are judged.
+//! Quantiles by which estimates and residuals are judged, and the median.
 
 /// Largest excess of chi-squared per reading over 1, in standard deviations: a true model exceeds it in one of a thousand recordings.
 const LARGEST_DEVIATION: f64 = 3.09;
@@ -18,6 +18,13 @@ pub fn largest_chi_square(freedom: f64) -> f64 {
 pub fn quantile(tail: f64) -> f64 {
     let t = (-2.0 * tail.ln()).sqrt();
     t - (2.515_517 + t * (0.802_853 + t * 0.010_328)) / (1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308)))
+}
+
+/// Returns the middle one of the sorted values, the upper one of an even number; `None` without values.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
 }
 
 #[cfg(test)]

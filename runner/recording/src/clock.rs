@@ -1,6 +1,7 @@
 //! Conversion of time stamps to sample numbers, by a grid that follows the clock of the recording.
 
 use ballrace_base::printable::number;
+use ballrace_base::statistics::median;
 use ballrace_scene::{Clock, Recording, Scene, Speed, units};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -277,12 +278,6 @@ fn coarse_clock(stamps: &[f64], steps: &[f64], repeated: usize) -> ClockError {
 fn significant(x: f64) -> String {
     let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
     number(rounded).to_string()
-}
-
-fn median(steps: &[f64]) -> Option<f64> {
-    let mut sorted = steps.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 /// Returns the mean of the steps between 0.5 and 1.5 times `about`, those of one sample.

@@ -1,5 +1,7 @@
 //! Growth of an indicator over snapshots, and the snapshot at which it begins.
 
+use ballrace_base::statistics::median;
+
 /// Probability of an onset in a recording whose indicators do not change.
 const FALSE_ALARM: f64 = 1e-3;
 
@@ -34,12 +36,6 @@ pub fn growth(values: &[f64], indicators: usize) -> Option<Growth> {
     let probability: f64 = (1..=count).map(|i| i as f64 / (above + i as f64)).product();
     let is_significant = above > 0.0 && probability * indicators as f64 <= FALSE_ALARM;
     Some(Growth { first: median(first)?, last: median(last)?, onset: is_significant.then_some(onset) })
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 #[cfg(test)]
