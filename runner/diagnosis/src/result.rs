@@ -12,6 +12,7 @@ use super::residual::Evidence;
 use super::residual::site::{self, DEPENDENT};
 use super::site::{RESOLUTION, SiteRecording};
 use super::unexplained::unexplained_lines;
+use super::vibration::rotor::GROWTH_DB;
 use super::{DiagnosisInput, Prepared, Result};
 use ballrace_outcome::{
     CageOutcome, Diagnosis, DiagnosisOutcome, Estimate, EvidenceSource, FailureMode, FaultFigures, FaultForm,
@@ -40,8 +41,6 @@ const DECIDED: [f64; 2] = [0.6, 0.8];
 const ALONE: f64 = 0.4;
 /// Share of the square of the unexplained motion at a probe that a fault which moves the shaft of a site explains at least.
 const PROVEN: f64 = 0.5;
-/// Growth of the motion at a probe, against the baseline, from which it has changed: the ratio of two balance grades (ISO 21940-11).
-const GROWN: f64 = 2.5;
 /// Relative error of chi-squared by the noise of the residual, which is itself estimated from simulated noise.
 const NOISE_ERROR: f64 = 0.01;
 
@@ -158,8 +157,8 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
         let is_sized = e.site.is_none() || diagnosis.parameters.is_significant() && is_proven(&diagnosis, fault);
         diagnoses.push(match identified.equally_likely() {
             _ if !is_sized => {
-                // Depth and width of a spall are determined less than their product.
-                let is_spall = diagnosis.parameters.form == Some(FaultForm::Spall);
+                // Depth and width of a spall are determined less than their product. Without a baseline, what a worn bearing does looks like one.
+                let is_spall = diagnosis.parameters.form == Some(FaultForm::Spall) && !e.is_without_baseline();
                 possible(diagnosis, is_spall && identified.is_alone(explained), e, &of.healthy)
             }
             Some(other) => undecided(diagnosis, fault, other, e, &of.healthy),
@@ -172,19 +171,20 @@ pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[Identif
     let strength = |diagnosis: &Diagnosis| diagnosis.parameters.log_likelihood_gain.unwrap_or(0.0);
     diagnoses.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let most = if e.site.is_some() { site::UNEXPLAINED } else { UNEXPLAINED };
-    if faults.is_empty() {
-        let grown = of.site.as_ref().zip(Machine::new(input.scene)).map(|(site, plain)| -> Result<_> {
-            // A wave that a sound bearing may have moves the shaft too. The last one is removed first: each has its place behind those before it.
-            let deviations = of.deviations.iter().rev();
-            let without = deviations.fold(of.healthy.machine.clone(), |all, one| one.removed(&all, &plain));
-            let without = evaluate(&of.evidence, &without)?;
-            Ok(largest(&site.growth(&of.evidence.motion_rms([&of.healthy.spectra, &without.spectra]))))
-        });
-        let grown = grown.transpose()?.flatten();
-        match grown {
-            _ if after > most => diagnoses.push(estimates.unexplained(after)),
-            Some((p, times)) if times > GROWN => diagnoses.push(estimates.grown(&input.probes[p].column, times)),
-            _ => {}
+    if faults.is_empty() && after > most {
+        diagnoses.push(estimates.unexplained(after));
+    } else if faults.is_empty()
+        && let Some((site, plain)) = of.site.as_ref().zip(Machine::new(input.scene))
+    {
+        // A wave that a sound bearing may have moves the shaft too. The last one is removed first: each has its place behind those before it.
+        let deviations = of.deviations.iter().rev();
+        let without = deviations.fold(of.healthy.machine.clone(), |all, one| one.removed(&all, &plain));
+        let without = evaluate(&of.evidence, &without)?;
+        let growth = site.growth(&of.evidence.motion_rms([&of.healthy.spectra, &without.spectra]));
+        if let Some((p, times)) = largest(&growth)
+            && 20.0 * times.log10() > GROWTH_DB
+        {
+            diagnoses.push(estimates.grown(&input.probes[p].column, times));
         }
     }
     let motion = &e.motion;

@@ -19,6 +19,7 @@ use super::machine::Machine;
 use super::motion::{C, D};
 use super::residual::{Evidence, MEAN_LINES};
 use ballrace::Phase;
+use ballrace_base::statistics::median;
 use ballrace_outcome::{FaultKind, ReferenceFrame};
 use ballrace_scene::{Defect, DefectShape, Surface};
 use nalgebra::{SMatrix, SVector};
@@ -30,6 +31,8 @@ const AZIMUTHS: usize = 8;
 const L: i32 = 2;
 /// Columns of one harmonic of a family: l from -L to L.
 const WIDTH: usize = 2 * L as usize + 1;
+/// Real values of its amplitudes.
+const VALUES: f64 = 2.0 * WIDTH as f64;
 /// Harmonics of a family.
 const HARMONICS: usize = 10;
 /// Half widths of a spall that are tried, rad.
@@ -273,11 +276,19 @@ fn order(e: &Evidence, bearing: usize, component: Component, slip: f64, cage_sli
     }
 }
 
-/// Slips that a scan returns by each of its two scores.
+/// Slips that a scan returns by each of its three scores.
 const PEAKS: usize = 4;
+/// Steps of a scan within which it has one peak.
+const APART_STEPS: usize = 3;
+/// Lines whose median is the background of each of them, and the least background, in units of the noise.
+const BACKGROUND_LINES: usize = 64;
+const LEAST_BACKGROUND: f64 = 0.01;
+/// Energy of a line over its background from which it stands out: the number of such lines tells a spall, not the energy of two of another cause.
+const STANDS_OUT: f64 = 10.0;
 
-/// Returns the slips at which the lines of a family stand out most: by all its harmonics, as those of a spall, and by the strongest
-/// of them, as that of a wave.
+/// Returns the slips at which the lines of a family stand out most: by the number of its harmonics that do, as those of a spall at a site, by
+/// the energy of all, and by the strongest of them, as that of a wave. The noise of a site has what sound surfaces may do at any line, so that its
+/// background is far below 1.
 fn scan(
     e: &Evidence,
     residual: &[f64],
@@ -295,50 +306,49 @@ fn scan(
         let count = range.len() as f64;
         square[range].iter().sum::<f64>() / (count * per as f64)
     };
+    let background: Vec<f64> = square.chunks(BACKGROUND_LINES).map(|lines| median(lines).unwrap_or_default()).collect();
+    let over_background = |k: usize, energy: f64| {
+        let background = background[k / BACKGROUND_LINES] / per as f64;
+        energy / background.max(LEAST_BACKGROUND)
+    };
     let bin = e.transform.lines[1];
     let speed = e.motion.mean_speed().abs();
     let finest = 2.0 * HARMONICS as f64 * e.plant.bearings[bearing].elements as f64 * speed / bin;
     let steps = ((to - from) * finest).ceil() as usize;
-    let mut scores: [Vec<(f64, f64)>; 2] = (0..=steps)
-        .map(|i| {
-            let slip = from + (to - from) * i as f64 / steps as f64;
-            let (mut sum, mut strongest) = (0.0, 0.0_f64);
-            for k in 1..=HARMONICS {
-                let side = if component == Component::Outer { 0..=0 } else { -1..=1 };
-                let best = side
-                    .map(|l| {
-                        (order(e, bearing, component, slip, cage_slip.unwrap_or(slip), k, l).abs() * speed / bin)
-                            .round() as usize
-                    })
-                    .filter(|&at| at > 8 && at + 2 < lines)
-                    .map(around)
-                    .fold(0.0, f64::max);
-                sum += (1.0 + best).ln();
-                strongest = strongest.max(best);
-            }
-            [(sum, slip), (strongest, slip)]
-        })
-        .fold(Default::default(), |[mut sums, mut strongest]: [Vec<_>; 2], [sum, line]| {
-            sums.push(sum);
-            strongest.push(line);
-            [sums, strongest]
-        });
-    let mut peaks: Vec<f64> = vec![];
-    let apart = 3.0 * (to - from) / steps as f64;
-    for scores in &mut scores {
-        scores.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let slip = |i: usize| from + (to - from) * i as f64 / steps as f64;
+    let scored = |i: usize| {
+        let [mut number, mut sum, mut strongest] = [0.0, 0.0, 0.0_f64];
+        for k in 1..=HARMONICS {
+            let side = if component == Component::Outer { 0..=0 } else { -1..=1 };
+            let at = side.map(|l| {
+                let order = order(e, bearing, component, slip(i), cage_slip.unwrap_or(slip(i)), k, l).abs();
+                (order * speed / bin).round() as usize
+            });
+            let energies = at.filter(|&at| at > 8 && at + 2 < lines).map(|at| (at, around(at)));
+            let Some((at, best)) = energies.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+            number += (1.0 + over_background(at, best).min(STANDS_OUT)).ln();
+            sum += (1.0 + best).ln();
+            strongest = strongest.max(best);
+        }
+        [number, sum, strongest]
+    };
+    let scores: Vec<[f64; 3]> = (0..=steps).map(scored).collect();
+    let mut peaks: Vec<usize> = vec![];
+    for score in 0..3 {
+        let mut highest: Vec<usize> = (0..=steps).collect();
+        if score == 0 {
+            let around = |i: usize| &scores[i.saturating_sub(APART_STEPS)..(i + APART_STEPS + 1).min(scores.len())];
+            highest.retain(|&i| around(i).iter().all(|other| other[0] <= scores[i][0]));
+        }
+        highest.sort_by(|a, b| scores[*b][score].total_cmp(&scores[*a][score]));
         let most = peaks.len() + PEAKS;
-        for (_, slip) in scores {
-            // Peaks that are not neighbours.
-            if peaks.iter().all(|peak| (peak - *slip).abs() > apart) {
-                peaks.push(*slip);
-            }
-            if peaks.len() == most {
-                break;
+        for i in highest {
+            if peaks.len() < most && peaks.iter().all(|peak| peak.abs_diff(i) > APART_STEPS) {
+                peaks.push(i);
             }
         }
     }
-    peaks
+    peaks.into_iter().map(slip).collect()
 }
 
 impl Family {
@@ -379,15 +389,25 @@ impl Family {
         Self { component, bearing, slip, elements: n, harmonics }
     }
 
-    /// Returns the fall of chi-squared by free amplitudes.
-    pub fn gain(&self) -> f64 {
+    /// Returns the fall of chi-squared by free amplitudes of each harmonic.
+    fn gains(&self) -> impl Iterator<Item = f64> {
         let of = |h: &Harmonic| {
             let normal = SMatrix::<C, WIDTH, WIDTH>::from_fn(|i, j| h.normal[i][j]);
             let ridge = SMatrix::<C, WIDTH, WIDTH>::identity() * C::new(1e-9 * normal.trace().re / WIDTH as f64, 0.0);
             let right = SVector::<C, WIDTH>::from_fn(|i, _| h.right[i]);
             (normal + ridge).lu().solve(&right).map_or(0.0, |x| x.dotc(&right).re)
         };
-        self.harmonics.iter().map(|(_, h)| of(h)).sum()
+        self.harmonics.iter().map(move |(_, h)| of(h))
+    }
+
+    /// Returns the fall of chi-squared by free amplitudes, beyond that of noise.
+    pub fn gain(&self) -> f64 {
+        self.gains().map(|gain| gain - VALUES).sum()
+    }
+
+    /// Returns how surely the lines are those of a spall, which are many: one strong line of another cause counts little.
+    fn number_of_lines(&self) -> f64 {
+        self.gains().map(|gain| (1.0 + gain.max(0.0) / VALUES).ln()).sum()
     }
 
     /// Order of the profile at harmonic `k` (from 1) and l.
@@ -523,12 +543,16 @@ fn half_sine(m: f64, w: f64) -> f64 {
 
 /// Peaks of the scan of slips about which further slips are tried.
 const REFINED: usize = 2;
+/// Distances of further slips from the best peak, in lines of the highest harmonic.
+const BLUR: [f64; 6] = [3.0, 6.0, 9.0, 12.0, 15.0, 18.0];
+/// Distance of these, in lines of the highest harmonic.
+const BETWEEN: f64 = 0.7;
 /// Distance of two slips from which they are two starts of a fit, in lines of the highest harmonic.
 const APART: f64 = 8.0;
 
 /// Families of the lines of a surface at the slips that explain most.
 pub(crate) struct Families {
-    /// By all harmonics together, as those of a spall.
+    /// At the slip at which most harmonics show, as those of a spall.
     pub of_spall: Family,
     /// By the strongest of them, as that of a wave; best first. Where the lines of the sound machine hide part of a line, its neighbours may
     /// seem to be the line of another slip.
@@ -554,9 +578,9 @@ pub(crate) fn best_families(
         let cage_slip = if observable { slip } else { tried };
         let family = Family::new(e, band, &from.residual, compliance, component, tried, cage_slip);
         let wave = family.wave().map_or(0.0, |(gain, ..)| gain);
-        ([family.gain(), wave], family)
+        (Scores { lines: family.number_of_lines(), gain: family.gain(), wave }, family)
     };
-    let mut tried: Vec<([f64; 2], Family)> = if observable && component != Component::Ball {
+    let mut tried: Vec<(Scores, Family)> = if observable && component != Component::Ball {
         vec![at(slip)]
     } else {
         let mut peaks = scan(e, &from.residual, bearing, component, observable.then_some(slip), range);
@@ -566,19 +590,31 @@ pub(crate) fn best_families(
         }
         peaks.into_iter().map(at).collect()
     };
-    // The lines of the better peaks, between the steps of the scan.
+    let mut about = vec![];
     if tried.len() > 1 {
-        tried.sort_by(|a, b| b.0[0].total_cmp(&a.0[0]));
+        // The lines of the better peaks, between the steps of the scan.
+        let between = |peak: f64| [-2.0, -1.0, 1.0, 2.0].map(|i| at(peak + BETWEEN * step * i));
+        let most_lines = |all: &[(Scores, Family)]| {
+            all.iter().max_by(|a, b| a.0.lines.total_cmp(&b.0.lines)).map(|(_, family)| family.slip)
+        };
+        let first = most_lines(&tried).unwrap_or(slip);
+        tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
         let mut peaks: Vec<f64> = tried.iter().take(REFINED).map(|(_, family)| family.slip).collect();
-        peaks.extend(largest(&tried, 1).map(|family| family.slip).filter(|slip| !peaks.contains(slip)));
-        for peak in peaks {
-            tried.extend([-2, -1, 1, 2].map(|i| at(peak + 0.7 * step * f64::from(i))));
-        }
+        let of_wave = tried.iter().max_by(|a, b| a.0.wave.total_cmp(&b.0.wave));
+        peaks.extend(of_wave.map(|(_, family)| family.slip).filter(|slip| !peaks.contains(slip)));
+        tried.extend(peaks.into_iter().flat_map(between));
+        // A speed that changes blurs the spectrum of the scan, not the lines of a family, which turn with the shaft.
+        let blurred = [-1.0, 1.0].into_iter().flat_map(|side| BLUR.map(|i| at(first + side * i * step)));
+        let blurred: Vec<(Scores, Family)> = blurred.chain([at(first)]).collect();
+        let sharp = most_lines(&blurred).unwrap_or(first);
+        about.push(at(sharp));
+        about.extend(between(sharp));
     }
     let none = || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] };
-    let of_spall = largest(&tried, 0).cloned().unwrap_or_else(none);
+    let best = if about.is_empty() { &tried } else { &about }.iter().max_by(|a, b| a.0.gain.total_cmp(&b.0.gain));
+    let of_spall = best.map_or_else(none, |(_, family)| family.clone());
     let mut of_wave: Vec<Family> = vec![];
-    tried.sort_by(|a, b| b.0[1].total_cmp(&a.0[1]));
+    tried.sort_by(|a, b| b.0.wave.total_cmp(&a.0.wave));
     for (_, family) in tried {
         let is_apart = |other: &Family| (other.slip - family.slip).abs() > APART * step;
         if of_wave.len() < REFINED && of_wave.iter().all(is_apart) {
@@ -588,9 +624,13 @@ pub(crate) fn best_families(
     Families { of_spall, of_wave }
 }
 
-/// Returns the family with the largest of one of its gains.
-fn largest(tried: &[([f64; 2], Family)], score: usize) -> Option<&Family> {
-    tried.iter().max_by(|a, b| a.0[score].total_cmp(&b.0[score])).map(|(_, family)| family)
+/// What a family explains.
+struct Scores {
+    /// Its number of lines, as [`Family::number_of_lines`] counts them.
+    lines: f64,
+    /// Fall of chi-squared by free amplitudes of all, and by one wave.
+    gain: f64,
+    wave: f64,
 }
 
 /// Returns a spall with a half-sine profile.

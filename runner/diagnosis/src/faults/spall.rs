@@ -4,7 +4,7 @@ use super::super::Result;
 use super::super::estimates::{Estimates, described, not_negative};
 use super::super::fault_figures::Contrast;
 use super::super::fit::{Fitted, fit_within};
-use super::super::machine::Machine;
+use super::super::machine::{Machine, MachineBearing};
 use super::super::parameter::{Access, CAGE_PHASE, CAGE_SLIP, Parameter, SPIN_SLIP};
 use super::super::residual::Evidence;
 use super::super::surface::{Component, Family, SpallGuess, spall};
@@ -13,7 +13,7 @@ use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultFigures, FaultForm, FaultKind, FaultParameters};
 use ballrace_plant::Plant;
 use ballrace_scene::Surface;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Angle of a spall on its component.
 static AZIMUTH: Parameter = Parameter {
@@ -33,9 +33,24 @@ static HALF_WIDTH: Parameter = Parameter {
     changes_stiffness: false,
     access: Access::Bearing {
         get: |bearing, d| bearing.scene.defect[d].half_width,
-        set: |bearing, d, x| bearing.scene.defect[d].half_width = x.clamp(0.004, 1.0),
+        set: |bearing, d, x| {
+            let widest = widest(bearing, d);
+            bearing.scene.defect[d].half_width = x.clamp(0.004, widest);
+        },
     },
 };
+
+/// Half width that a damage of a race may have whatever the number of elements, rad.
+const NARROW: f64 = 0.1;
+
+/// Half width of a damage of a race as wide as the pitch of the elements, from which it is an error of form: some element is always in it. Half that
+/// of a ball.
+fn widest(bearing: &MachineBearing, d: usize) -> f64 {
+    match bearing.scene.defect[d].surface {
+        Surface::Ball(_) => 1.0,
+        Surface::Inner | Surface::Outer => (PI / bearing.scene.elements as f64).max(NARROW),
+    }
+}
 
 /// Depth of a spall.
 static DEPTH: Parameter = Parameter {
@@ -94,7 +109,10 @@ impl Fault for Spall {
         let per = if self.component == Component::Ball { 1.0 } else { elements as f64 };
         let known = is_locked.then_some((bearing.cage.phase + bearing.scene.first_element_azimuth / TAU) * per);
         let guesses = family.spalls(known);
-        let Some(&(gain, _)) = guesses.first() else { return Ok(None) };
+        let Some(&(linear, _)) = guesses.first() else { return Ok(None) };
+        // At a site lines count by the errors of their model, so that their strength tells more than their shape before the fit.
+        let of_lines = if search.e.site.is_some() { EXPECTED * family.gain() } else { 0.0 };
+        let gain = linear.max(of_lines);
         let starts = guesses.iter().map(|(_, guess)| with_spall(search.now, family, guess, is_locked)).collect();
         let mut own = vec![CAGE_PHASE.of_bearing(self.bearing), CAGE_SLIP.of_bearing(self.bearing)];
         own.extend([&AZIMUTH, &HALF_WIDTH, &DEPTH].map(|of| of.of_bearing_at(self.bearing, self.index)));
@@ -110,7 +128,7 @@ impl Fault for Spall {
         let first = candidate.near_start(e, now)?.as_ref().map(fitted_from).transpose()?;
         let gain = first.as_ref().map_or(0.0, |fitted| now.chi_square - fitted.chi_square);
         if !extent.is_likely || gain > EXPECTED * candidate.gain {
-            return Ok(first);
+            return Ok(first.filter(|fitted| self.is_local(fitted)));
         }
         // The fit ended in another minimum than that of the linear search.
         let mut starts = candidate.starts.get(STARTS..).unwrap_or_default().to_vec();
@@ -119,7 +137,7 @@ impl Fault for Spall {
         others.sort_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
         others.truncate(STARTS);
         let others = others.iter().map(fitted_from).collect::<Result<Vec<_>>>()?;
-        Ok(closest(others.into_iter().chain(first)))
+        Ok(closest(others.into_iter().chain(first).filter(|fitted| self.is_local(fitted))))
     }
 
     fn remove(&self, machine: &mut Machine, _: &Machine) {
@@ -211,6 +229,12 @@ impl Fault for Spall {
 }
 
 impl Spall {
+    /// Returns true for a damage less wide than the pitch of the elements.
+    fn is_local(&self, fitted: &Fitted) -> bool {
+        let bearing = &fitted.machine.bearings[self.bearing];
+        bearing.scene.defect[self.index].half_width < widest(bearing, self.index)
+    }
+
     /// Returns machines with a spall on a race at other places, which the elements pass at the same instants, and of less depth: a rotor
     /// that sinks into a deep spall changes the force elsewhere as well, which the linear search disregards.
     fn elsewhere(&self, start: &Machine) -> Vec<Machine> {

@@ -10,7 +10,7 @@ mod family;
 pub mod join;
 mod onset;
 mod picture;
-mod rotor;
+pub(crate) mod rotor;
 mod severity;
 mod shaft;
 pub mod signals;

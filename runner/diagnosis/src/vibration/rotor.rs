@@ -6,8 +6,8 @@ use ballrace_scene::Sensor;
 
 /// Multiples of the shaft speed that are compared.
 const MULTIPLES: usize = 3;
-/// Growth from which a line has changed, dB: 2.5 is the ratio of two balance grades (ISO 21940-11).
-const GROWTH_DB: f64 = 8.0;
+/// Growth from which a line of the vibration, or the motion of the shaft, has changed, dB: 2.5 is the ratio of two balance grades (ISO 21940-11).
+pub(crate) const GROWTH_DB: f64 = 8.0;
 
 /// Level below the baseline from which a machine stands still, dB.
 const STANDSTILL_DB: f64 = 40.0;
