@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 const SCENE: &str = include_str!("../demo/healthy.toml");
-const RECORDING: &str = include_str!("../demo/healthy.csv");
+const RECORDING: &str = include_str!("../../tests/recordings/healthy.csv");
 /// Rows of a second: every fourth of the demonstration's.
 const RATE: usize = 3200;
 const PASSWORD: &str = "correct horse";

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 const SCENE: &str = include_str!("../demo/healthy.toml");
-const RECORDING: &str = include_str!("../demo/healthy.csv");
+const RECORDING: &str = include_str!("../../tests/recordings/healthy.csv");
 
 /// A process that is killed at the end of a test.
 struct Process(Child);

@@ -1,6 +1,6 @@
 //! Scenes that are wrong: exit code 2 and one line with file, line, key, the value found and the values expected.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, scene, short_recording, swap};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, scene, short_recording, swap};
 
 /// Every command that reads a scene, with every output that it has.
 const COMMANDS: [&[&str]; 3] = [
@@ -75,7 +75,7 @@ fn binary() {
 #[test]
 fn recording_instead() {
     refused(short_recording(300), &["scene.toml:1: ", "not TOML at \"time_s,DE_X_um,"]);
-    let large: String = std::iter::repeat_n(DEMO_RECORDING, 8).collect();
+    let large: String = std::iter::repeat_n(HEALTHY_RECORDING, 8).collect();
     refused(large, &["scene.toml: a file of more than 4 MiB, expected a scene file"]);
 }
 

@@ -373,7 +373,7 @@ fn nonsense_is_not_certified() {
 fn the_name_of_the_file_gives_the_language() {
     let sandbox = Sandbox::empty();
     sandbox.put("scene.toml", DEMO_SCENE);
-    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    sandbox.put("healthy.csv", crate::support::HEALTHY_RECORDING);
     sandbox.done(&["bake", "scene.toml", "-o", "bearings.h"]);
     assert!(sandbox.read("bearings.h").contains("#include") && sandbox.read("bearings.c").contains("bearings.h"));
     sandbox.done(&["bake", "scene.toml", "-o", "bearings.rs"]);

@@ -145,7 +145,7 @@ const GUIDE_MAIN: &str = "int main(void)
 fn the_functions_of_the_firmware_guide_compile_and_run() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    let scene = root().join("runner/demo/healthy.toml");
+    let scene = root().join("tests/recordings/healthy.toml");
     let scene = scene.to_str().unwrap();
     ballrace(at, &["bake", scene, "--language", "c", "-o", "bearings.h"]);
     let guide = std::fs::read_to_string(root().join("docs/src/firmware.md")).unwrap();

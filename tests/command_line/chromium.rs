@@ -472,7 +472,7 @@ fn run_up_and_vibration_in_a_browser() {
 #[ignore = "needs chromium; tests/run runs it"]
 fn other_reports_in_a_browser() {
     let mut browser = Browser::open("about:blank");
-    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::HEALTHY_RECORDING);
     let report = ["--report", "report.html"];
     let cases: [(&[&str], &[&str]); 4] = [
         (&["equilibrium", "scene.toml"], &["Bearing DE: load on each element", "Rotor with bearings"]),

@@ -1,6 +1,6 @@
 //! Effect of flaws of a recording on force and verdict: noise, coarse steps, clipping, lost rows, jitter, a wrong rate.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, numbers};
+use crate::support::{DEMO_SCENE, DIAGNOSED, HEALTHY_RECORDING, Sandbox, numbers};
 use serde_json::Value;
 
 /// Numbers that look random and are the same everywhere.
@@ -25,7 +25,7 @@ const ROWS: usize = DIAGNOSED;
 
 /// The demonstration's rows: time, five probes in um, keyphasor.
 fn rows() -> (String, Vec<[f64; 7]>) {
-    let (header, rows) = numbers(DEMO_RECORDING);
+    let (header, rows) = numbers(HEALTHY_RECORDING);
     let count = if ballrace_tests::runs_all() { rows.len() } else { ROWS };
     let rows = rows[..count].iter().map(|row| <[f64; 7]>::try_from(row.as_slice()).unwrap()).collect();
     (header.join(","), rows)

@@ -3,7 +3,7 @@
 
 use crate::frames_source::signal;
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, changed, list, number, recorded, short_recording, swap};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, changed, list, number, recorded, short_recording, swap};
 use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
@@ -320,7 +320,7 @@ fn the_instant_of_a_mark_is_no_fault() {
             ("speed = \"3000 rpm\"", format!("speed = \"{speed} rpm\"")),
         ];
         let scene = swaps.iter().fold(DEMO_SCENE.to_owned(), |text, (from, to)| swap(&text, from, to));
-        let sandbox = Sandbox::with(&scene.replace("noise = \"0.03 um\"", "noise = \"0.002 um\""), DEMO_RECORDING);
+        let sandbox = Sandbox::with(&scene.replace("noise = \"0.03 um\"", "noise = \"0.002 um\""), HEALTHY_RECORDING);
         assert!(sandbox.read("scene.toml").contains("0.002 um"));
         let outcome = replay_of_simulation(&sandbox);
         let findings = &outcome["findings"];
@@ -340,7 +340,7 @@ fn replay_of_simulation(sandbox: &Sandbox) -> Value {
 #[test]
 fn a_recording_without_noise_is_sound() {
     let silent = DEMO_SCENE.replace(", noise = \"0.03 um\"", "");
-    let sandbox = Sandbox::with(&silent, DEMO_RECORDING);
+    let sandbox = Sandbox::with(&silent, HEALTHY_RECORDING);
     let sound = replay_of_simulation(&sandbox);
     assert_eq!(list(&sound, "findings").len(), 0, "{:#}", sound["findings"]);
     assert!(sound["verdict"].as_str().unwrap().starts_with("The twin follows the machine"), "{}", sound["verdict"]);

@@ -1,16 +1,15 @@
 //! Every command line that stands in a README or in `docs`, run as it stands.
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, program, put_trial, short_recording};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, SHORT, Sandbox, program, put_trial, short_recording};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Command lines that are not run here, by their beginning, and why.
-const EXCEPTIONS: [(&str, &str); 19] = [
+const EXCEPTIONS: [(&str, &str); 18] = [
     ("ballrace new --bearing", "a transcript that new_scene.rs runs in its order"),
-    ("ballrace fit pump.toml", "as above"),
-    ("ballrace replay pump-fitted.toml", "as above"),
+    ("ballrace replay pump.toml", "as above"),
     ("cargo rustc -p ballrace-c", "needs a Rust target; the tests of the target build the library"),
     ("cargo deny", "needs a program and a database of others"),
     ("cargo doc", "a part of tests/run"),
@@ -222,7 +221,7 @@ fn documented_commands_end_well_with_less_work() {
 #[test]
 #[ignore = "slow: sweeps, fits and trades as documented; tests/run --all runs it"]
 fn long_documented_commands_end_well_as_they_stand() {
-    run_all(DEMO_RECORDING, &[]);
+    run_all(HEALTHY_RECORDING, &[]);
 }
 
 #[test]
@@ -235,7 +234,7 @@ fn unknown_commands_are_found_in_text_and_blocks() {
 #[cfg(unix)]
 #[test]
 fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
-    let sandbox = sandbox(DEMO_RECORDING);
+    let sandbox = sandbox(HEALTHY_RECORDING);
     for line in documented(Kind::Terminal) {
         let command = pty_process::blocking::Command::new("sh").args(["-c", &format!("ulimit -s 1024; exec {line}")]);
         let command = command.env("PATH", path()).env("RUST_MIN_STACK", "1048576").current_dir(sandbox.path(""));
@@ -253,7 +252,7 @@ fn the_documented_live_view_runs_to_its_end_in_a_terminal() {
 #[test]
 fn the_documented_monitor_follows_a_source_until_a_signal() {
     use std::io::{BufRead, BufReader, Write};
-    let sandbox = sandbox(DEMO_RECORDING);
+    let sandbox = sandbox(HEALTHY_RECORDING);
     for line in documented(Kind::Monitor) {
         let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let line = line.replace("tcp:9000", &format!("tcp:{port}"));

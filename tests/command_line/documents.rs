@@ -352,7 +352,7 @@ fn the_table_of_errors_and_costs_is_that_of_the_documented_spindle() {
 }
 
 /// The figure in the README, from the report of the demonstration.
-const FIGURE: (&str, &str) = ("Bearing DE: Spall on the outer race at 270 deg", "docs/src/diagnosis.svg");
+const FIGURE: (&str, &str) = ("Bearing DE: Spall on the outer race at 269 deg", "docs/src/diagnosis.svg");
 /// Room around the figure.
 const MARGIN: u32 = 10;
 

@@ -28,7 +28,7 @@ fn interval(found: &Value, name: &str) -> [f64; 3] {
 #[test]
 fn fit_finds_the_parameters_of_the_rig() {
     let sandbox = Sandbox::rig();
-    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    sandbox.put("healthy.csv", crate::support::HEALTHY_RECORDING);
     sandbox.put("wrong.toml", wrong());
     let found = sandbox.done(&["fit", "wrong.toml", "--turns", "40", "--format", "json"]);
     let found: Value = serde_json::from_str(&found.out).unwrap();
@@ -136,7 +136,7 @@ fn cages_that_cannot_be_estimated_are_named() {
     };
     let short = notes(&sandbox);
     assert!(short.contains("The cages are not estimated: 8.0 revolutions in a row"), "{short}");
-    sandbox.put("healthy.csv", crate::support::DEMO_RECORDING);
+    sandbox.put("healthy.csv", crate::support::HEALTHY_RECORDING);
     let whole = notes(&sandbox);
     for bearing in ["DE", "NDE"] {
         assert!(whole.contains(&format!("{bearing}: the cage is not observable in this recording")), "{whole}");

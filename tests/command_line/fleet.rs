@@ -314,7 +314,7 @@ fn long_a_fleet_costs_no_more_than_its_replays() {
         let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
         fields[13].parse::<f64>().unwrap() / 100.0
     }
-    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, crate::support::HEALTHY_RECORDING);
     let rows: String = (0..MACHINES).map(|i| format!("m{i},scene.toml\n")).collect();
     sandbox.put("machines.csv", format!("machine,scene\n{rows}"));
     let timed = |args: &[&str]| {

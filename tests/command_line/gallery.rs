@@ -2,7 +2,7 @@
 
 use crate::board;
 use crate::documents::{labels, read, rewrites, root, standalone};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, program};
+use crate::support::{Sandbox, program};
 use std::fs;
 use std::process::Command;
 
@@ -17,11 +17,11 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> Vec<&'a str> {
 fn the_pictures_are_figures_of_the_reports_that_the_commands_write() {
     let text = read(CHAPTER);
     let sandbox = Sandbox::empty();
-    for folder in ["runner/demo", "docs/boards/monitor"] {
+    for folder in ["docs/boards/monitor", "tests/recordings"] {
         fs::create_dir_all(sandbox.path(folder)).unwrap();
     }
-    sandbox.put("runner/demo/healthy.toml", DEMO_SCENE);
-    sandbox.put("runner/demo/healthy.csv", DEMO_RECORDING);
+    sandbox.put("tests/recordings/healthy.toml", include_str!("../recordings/healthy.toml"));
+    sandbox.put("tests/recordings/healthy.csv", include_str!("../recordings/healthy.csv"));
     board::scene_files().for_each(|(path, text)| sandbox.put(&path, text));
     sandbox.put("board.frames", board::log(true));
     for file in between(&text, "<!-- file: ", "```\n\n") {

@@ -1,6 +1,6 @@
 //! Kinematics of a bearing whose outer ring turns: cage speed and ball-pass lines are the same in every command.
 
-use crate::support::{DEMO_RECORDING, Sandbox, edited_recording, number, numbers, scene};
+use crate::support::{HEALTHY_RECORDING, Sandbox, edited_recording, number, numbers, scene};
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ fn turning_outer_ring(bearing_line: &str) -> String {
 fn a_given_cage_ratio_holds_with_a_turning_outer_ring() {
     // With a small axial load few elements carry the weight, so the force depends on the cage angle.
     let text = turning_outer_ring("cage_ratio = 0.38").replace("\"60 N\"", "\"5 N\"");
-    let sandbox = Sandbox::with(&text, DEMO_RECORDING);
+    let sandbox = Sandbox::with(&text, HEALTHY_RECORDING);
     sandbox.done(&["simulate", "scene.toml", "--duration", "30 ms", "--rate", "12.8 kHz", "-o", "motion.csv"]);
     let (_, rows) = numbers(&sandbox.read("motion.csv"));
     let mut displacements = "t,u,v,w,thu,thv\n".to_owned();

@@ -3,11 +3,11 @@
 
 use serde_json::Value;
 
-use crate::support::{Answer, DEMO_RECORDING, DEMO_SCENE, DIAGNOSED, Sandbox, list, number, numbers, scene, swap};
+use crate::support::{Answer, DEMO_SCENE, DIAGNOSED, HEALTHY_RECORDING, Sandbox, list, number, numbers, scene, swap};
 
 /// The demonstration's scene and its first `samples` rows, with `add` to each cell: row, share of the record, column.
 fn sandbox(scene: &str, samples: usize, add: impl Fn(f64, usize) -> f64) -> Sandbox {
-    let text: String = DEMO_RECORDING.split_inclusive('\n').take(1 + samples).collect();
+    let text: String = HEALTHY_RECORDING.split_inclusive('\n').take(1 + samples).collect();
     let (header, rows) = numbers(&text);
     let count = rows.len() as f64;
     let line = |(i, row): (usize, &Vec<f64>)| {
@@ -85,7 +85,7 @@ fn a_drifting_probe_is_no_parameter() {
 #[test]
 fn a_fault_is_no_parameter() {
     let spall: String =
-        include_str!("../../runner/demo/outer-spall.csv").split_inclusive('\n').take(1 + DIAGNOSED).collect();
+        include_str!("../recordings/outer-spall.csv").split_inclusive('\n').take(1 + DIAGNOSED).collect();
     let sandbox = Sandbox::with(DEMO_SCENE, &spall);
     let outcome: Value = learn(&sandbox, &["--format", "json"]).json();
     let learning = &outcome["learning"];
@@ -173,7 +173,7 @@ fn learning_ends_after_its_time() {
 #[test]
 fn a_motion_that_overflows_is_not_compared() {
     let every = 13;
-    let rows = DEMO_RECORDING.lines().enumerate().filter(|(i, _)| *i == 0 || (i - 1) % every == 0);
+    let rows = HEALTHY_RECORDING.lines().enumerate().filter(|(i, _)| *i == 0 || (i - 1) % every == 0);
     let text: String = rows.map(|(_, line)| line.to_owned() + "\n").collect();
     let keyphasor = DEMO_SCENE.lines().find(|line| line.starts_with("keyphasor")).unwrap();
     let slow = scene(&[("12.8 kHz", "984.6154 Hz"), (keyphasor, "")]) + "\n[integration]\nstep = \"1 ms\"\n";

@@ -8,8 +8,7 @@ fn sandbox(scene: &str, limits: &str) -> Sandbox {
     let sandbox = Sandbox::empty();
     let text = std::fs::read_to_string(recorded(&format!("{scene}.toml"))).unwrap();
     let folder = recorded("");
-    let text = text.replace("../../runner", &format!("{folder}../../runner"));
-    sandbox.put("scene.toml", text.replace("file = \"run-up", &format!("file = \"{folder}run-up")) + limits);
+    sandbox.put("scene.toml", text.replace("file = \"", &format!("file = \"{folder}")) + limits);
     sandbox
 }
 

@@ -2,7 +2,7 @@
 
 use crate::live::{connected, endless, frame, kinds, kinds_so_far, listening, outcome, rows, sandbox, source};
 use crate::live_start::{terminate, wait, wait_for_event};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, number, program, short_recording, swap};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, number, program, short_recording, swap};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::process::{Command, Stdio};
@@ -28,16 +28,16 @@ fn foreign(port: u16) {
 
 #[test]
 fn foreign_connections_are_logged_and_the_next_one_is_followed() {
-    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), DEMO_RECORDING);
+    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), HEALTHY_RECORDING);
     let (child, port) = listening(&sandbox, "tcp", &["--for", "1.9 s", "--events", "events.jsonl"]);
     drop(connected(port));
     foreign(port);
     let mut stream = connected(port);
-    offer(&mut stream, DEMO_RECORDING.as_bytes());
+    offer(&mut stream, HEALTHY_RECORDING.as_bytes());
     drop(stream);
     foreign(port);
     let mut stream = connected(port);
-    offer(&mut stream, DEMO_RECORDING.as_bytes());
+    offer(&mut stream, HEALTHY_RECORDING.as_bytes());
     let outcome = outcome(child);
     assert!(number(&outcome, "/record/samples") > 24_000.0);
     let kinds = kinds(&sandbox, "events.jsonl");
@@ -46,7 +46,7 @@ fn foreign_connections_are_logged_and_the_next_one_is_followed() {
 
 #[test]
 fn a_source_that_vanished_does_not_block_its_successor() {
-    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), DEMO_RECORDING);
+    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), HEALTHY_RECORDING);
     let (child, port) =
         listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "1.9 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);
@@ -73,7 +73,7 @@ fn a_source_behind_a_dead_link_is_given_up() {
         println!("omitted: no network namespace here (unshare -rn ip)");
         return;
     }
-    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), DEMO_RECORDING);
+    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), HEALTHY_RECORDING);
     sandbox.put("head.csv", short_recording(6_400));
     let script = r#"
         ip link set lo up
@@ -175,7 +175,7 @@ fn a_monitor_slower_than_its_source_reports_what_it_skips() {
 fn a_foreign_connection_does_not_replace_a_source_that_pauses() {
     let sandbox = sandbox();
     let (child, port) = listening(&sandbox, "tcp", &["--for", "0.9 s", "--events", "events.jsonl"]);
-    let (head, tail) = DEMO_RECORDING.split_at(DEMO_RECORDING.len() / 2);
+    let (head, tail) = HEALTHY_RECORDING.split_at(HEALTHY_RECORDING.len() / 2);
     let mut stream = connected(port);
     stream.write_all(head.as_bytes()).unwrap();
     wait_for_event(&sandbox, "events.jsonl", "source-connected");
@@ -226,7 +226,7 @@ fn a_source_that_returns_with_another_rate_is_refused() {
 
 #[test]
 fn a_source_that_counts_from_0_again_is_followed() {
-    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), DEMO_RECORDING);
+    let sandbox = Sandbox::with(&undiagnosed(DEMO_SCENE), HEALTHY_RECORDING);
     let (child, port) =
         listening(&sandbox, "tcp", &["--encoding", "frames", "--for", "3.4 s", "--events", "events.jsonl"]);
     let rows = rows(12_800);

@@ -6,14 +6,14 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, list, number};
 
 /// The demonstration's rows over and over: 50 whole turns each time, so that the keyphasor goes on evenly. Gives the
 /// number of samples.
 ///
 /// `spare` columns that no probe uses follow the others, as in the recordings of many-channel systems.
 fn write_repeated(sandbox: &Sandbox, at_least: u64, spare: usize) -> f64 {
-    let (header, rows) = DEMO_RECORDING.split_once('\n').unwrap();
+    let (header, rows) = HEALTHY_RECORDING.split_once('\n').unwrap();
     let names: String = (0..spare).map(|i| format!(",spare_{i}")).collect();
     let cells = ",-12.345".repeat(spare);
     let rows: String = rows.lines().map(|row| format!("{row}{cells}\n")).collect();
@@ -42,7 +42,7 @@ fn replayed(sandbox: &Sandbox, samples: f64) -> (Value, Option<f64>) {
 /// The peak memory of a recording of 64 000 samples, nearly the longest that is read ahead to its end.
 fn short() -> Option<f64> {
     let sandbox = Sandbox::with(DEMO_SCENE, "");
-    let samples = write_repeated(&sandbox, 4 * DEMO_RECORDING.len() as u64 + 1, 0);
+    let samples = write_repeated(&sandbox, 4 * HEALTHY_RECORDING.len() as u64 + 1, 0);
     replayed(&sandbox, samples).1
 }
 
@@ -59,7 +59,7 @@ fn assert_no_larger(long: Option<f64>, factor: f64) {
 #[test]
 fn recording_ten_times_as_long() {
     let sandbox = Sandbox::with(DEMO_SCENE, "");
-    let samples = write_repeated(&sandbox, 9 * DEMO_RECORDING.len() as u64 + 1, 0);
+    let samples = write_repeated(&sandbox, 9 * HEALTHY_RECORDING.len() as u64 + 1, 0);
     assert_eq!(samples, 128_000.0);
     let (outcome, memory) = replayed(&sandbox, samples);
     assert!((number(&outcome, "/record/turns") - 500.0).abs() < 0.01);

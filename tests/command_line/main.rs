@@ -22,6 +22,7 @@ mod completions;
 mod contact_angle;
 mod damage_detector;
 mod degraded;
+mod demonstration;
 mod deploy;
 mod diagnosis;
 mod documented;

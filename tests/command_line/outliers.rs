@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::support::{
-    DEMO_RECORDING, DEMO_SCENE, SHORT, Sandbox, list, number, numbers, short_recording, swap, with_cell,
+    DEMO_SCENE, HEALTHY_RECORDING, SHORT, Sandbox, list, number, numbers, short_recording, swap, with_cell,
 };
 
 const BAD: usize = 1000;
@@ -108,7 +108,7 @@ fn a_wild_speed() {
 /// A monitor reports it in its event log.
 #[test]
 fn a_monitor_reports_a_wild_reading() {
-    let sandbox = Sandbox::with(DEMO_SCENE, &replaced(DEMO_RECORDING, 1, "1e7"));
+    let sandbox = Sandbox::with(DEMO_SCENE, &replaced(HEALTHY_RECORDING, 1, "1e7"));
     sandbox.done(&["replay", "scene.toml", "--paced", "--events", "events.jsonl"]);
     let events = sandbox.read("events.jsonl");
     let kinds: Vec<Value> =

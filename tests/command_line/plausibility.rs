@@ -125,7 +125,7 @@ fn a_spike_of_the_keyphasor() {
 #[test]
 fn diagnosis_despite_implausible_data() {
     let wrong = DEMO_SCENE.replace("elements = 9", "elements = 8");
-    let spall = head(include_str!("../../runner/demo/outer-spall.csv"), 40 * TURN);
+    let spall = head(include_str!("../recordings/outer-spall.csv"), 40 * TURN);
     implausible(&wrong, &spall);
     let outcome = Sandbox::with(&wrong, &spall).replay("scene.toml", &["--force"]);
     // The scene is that of another bearing: the recording proves no fault of it.

@@ -5,7 +5,8 @@ use std::time::Instant;
 use serde_json::Value;
 
 use crate::support::{
-    DEMO_SCENE, DIAGNOSED, SHORT, Sandbox, head, list, number, recorded, short_recording, sound, spalled, swap,
+    DEMO_SCENE, DIAGNOSED, SHORT, Sandbox, demonstrated, head, list, number, recorded, short_recording, sound, spalled,
+    swap,
 };
 
 /// On one line, with single spaces: sentences of the text are broken to fit the terminal.
@@ -55,9 +56,10 @@ fn demonstration_in_an_empty_folder() {
     let diagnoses = list(outcome, "findings");
     assert_eq!(diagnoses.len(), 1, "{outcome:#}");
     assert_eq!((diagnoses[0]["kind"].as_str(), diagnoses[0]["bearing"].as_str()), (Some("outer-race"), Some("DE")));
-    // The truth of the recording: 270 deg, 3 um.
-    assert!((number(&diagnoses[0], "/azimuth_deg/value") - 270.0).abs() < 3.0, "{outcome:#}");
-    assert!((number(&diagnoses[0], "/depth_um/value") - 3.0).abs() < 0.75, "{outcome:#}");
+    for (key, truth, widest) in [("azimuth_deg", 270.0, 15.0), ("depth_um", 3.0, 8.0)] {
+        let [low, high] = ["/low", "/high"].map(|end| number(&diagnoses[0][key], end));
+        assert!(low < truth && truth < high && high - low < widest, "{}", diagnoses[0][key]);
+    }
     assert_eq!(list(&diagnoses[0], "failure_modes")[0], "5.1 rolling contact fatigue", "{outcome:#}");
     assert!(unbroken(&text).contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"), "{text}");
     assert!(report.contains("Failure mode of ISO 15243: 5.1 rolling contact fatigue"));
@@ -66,11 +68,19 @@ fn demonstration_in_an_empty_folder() {
 
 #[test]
 fn demonstration_is_the_scene_and_recording_of_the_source() {
-    let damaged = recorded("outer-spall.csv");
+    let damaged = demonstrated("outer-spall.csv");
     let own = Sandbox::with(DEMO_SCENE, "").replay("scene.toml", &["--recording", &damaged]);
     for key in ["probes", "bearings", "findings", "flaws", "verdict"] {
         assert_eq!(spalled()[key], own[key], "{key}");
     }
+}
+
+/// Gaps, run-out, drift, hum and imperfect races are no fault, without a baseline as well.
+#[test]
+fn the_sound_machine_of_the_demonstration_has_no_diagnosis() {
+    let sound = demonstrated("healthy.csv");
+    let outcome = Sandbox::with(DEMO_SCENE, "").replay("scene.toml", &["--recording", &sound]);
+    assert_eq!(diagnoses(&outcome), [], "{outcome:#}");
 }
 
 #[test]
@@ -185,9 +195,9 @@ fn sound_scene_finds_the_unbalance() {
 
 #[test]
 fn sound_scene_finds_the_spall() {
-    let outcome = spalled();
-    assert_eq!(diagnoses(outcome), [("outer-race", Some("DE"))], "{outcome:#}");
-    assert_told(outcome, 3.599);
+    let outcome = sound_scene_on("outer-spall.csv");
+    assert_eq!(diagnoses(&outcome), [("outer-race", Some("DE"))], "{outcome:#}");
+    assert_told(&outcome, 3.599);
 }
 
 #[test]

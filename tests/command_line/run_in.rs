@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::live::{connected, kinds, listening, port};
 use crate::live_start::{PROMPT, ended, terminate, wait, wait_for_event};
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, short_recording, swap};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, list, number, short_recording, swap};
 
 /// The demonstration with a damping under which the transient of the twin takes 10 s of the recording's time, and a limit.
 fn lightly_damped(step: &str) -> String {
@@ -25,7 +25,7 @@ fn from(begin: f64, samples: usize) -> String {
         let rest = row.split_once(',').unwrap().1;
         format!("{:.9},{rest}\n", begin + i as f64 / 12_800.0)
     };
-    DEMO_RECORDING.lines().skip(1).take(samples).enumerate().map(row).collect()
+    HEALTHY_RECORDING.lines().skip(1).take(samples).enumerate().map(row).collect()
 }
 
 /// SIGTERM ends the program within a second or so, with a report.

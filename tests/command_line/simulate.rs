@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use crate::support::{DEMO_RECORDING, DEMO_SCENE, Sandbox, list, number, numbers, recorded, scene, swap};
+use crate::support::{DEMO_SCENE, HEALTHY_RECORDING, Sandbox, list, number, numbers, recorded, scene, swap};
 
 /// Turns of the demonstration's shaft a second.
 const SPEED: f64 = 50.0;
@@ -51,7 +51,7 @@ fn starts_from_static_equilibrium() {
 #[test]
 fn stays_in_equilibrium_without_excitation() {
     let still = scene(&[("speed = \"3000 rpm\"", "speed = 0"), ("unbalance = [", "unbalance = [] # [")]);
-    let (_, rows) = simulated(&Sandbox::with(&still, DEMO_RECORDING), "50 ms");
+    let (_, rows) = simulated(&Sandbox::with(&still, HEALTHY_RECORDING), "50 ms");
     let away = |row: &Vec<f64>| (POSE..POSE + 3).map(|i| (row[i] - rows[0][i]).abs()).fold(0.0, f64::max);
     let most = rows.iter().map(away).fold(0.0, f64::max);
     assert!(most < 1e-11, "{most} m");
@@ -67,7 +67,7 @@ fn forces_are_those_of_the_force_command() {
 #[test]
 fn warm_started_balls_equal_a_cold_start() {
     let solved = DEMO_SCENE.replace("\"angular\"", "\"quasi-static\"\neffects = [\"centrifugal\", \"gyroscopic\"]");
-    assert_forces_of_the_force_command(&Sandbox::with(&solved, DEMO_RECORDING));
+    assert_forces_of_the_force_command(&Sandbox::with(&solved, HEALTHY_RECORDING));
 }
 
 fn assert_forces_of_the_force_command(sandbox: &Sandbox) {
@@ -104,7 +104,7 @@ fn one_x(signal: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
 
 #[test]
 fn transient_decays_to_the_motion_of_the_twin() {
-    let sandbox = Sandbox::with(DEMO_SCENE, DEMO_RECORDING);
+    let sandbox = Sandbox::with(DEMO_SCENE, HEALTHY_RECORDING);
     let outcome = sandbox.replay("scene.toml", &[]);
     let (_, rows) = simulated(&sandbox, "2 s");
     let settled = &rows[12_800..];
@@ -187,7 +187,7 @@ fn statistics_of_the_rig() {
         ]);
         let (_, rows) = numbers(&sandbox.read("m.csv"));
         let recording = match name {
-            "healthy" => DEMO_RECORDING.to_owned(),
+            "healthy" => HEALTHY_RECORDING.to_owned(),
             name => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
         };
         let (_, measured) = numbers(&recording);

@@ -13,8 +13,8 @@ use tempfile::TempDir;
 
 /// The scene of the built-in demonstration.
 pub const DEMO_SCENE: &str = include_str!("../../runner/demo/healthy.toml");
-/// A recording of the machine in good order: 12800 samples at 12.8 kHz, 50 turns of 256 samples.
-pub const DEMO_RECORDING: &str = include_str!("../../runner/demo/healthy.csv");
+/// A recording of its machine in good order without any error of the readings: 12800 samples at 12.8 kHz, 50 turns of 256 samples.
+pub const HEALTHY_RECORDING: &str = include_str!("../recordings/healthy.csv");
 /// Samples of one turn there.
 pub const TURN: usize = 256;
 /// Samples of the recording on a [`Sandbox::rig`]: eight turns.
@@ -49,11 +49,14 @@ fn own_target_folder() -> Option<PathBuf> {
     folders.find(|folder| folder.join(".rustc_info.json").is_file()).map(Path::to_owned)
 }
 
-/// A file of `tests/recordings` or of the demonstration.
+/// A file of `tests/recordings`.
 pub fn recorded(name: &str) -> String {
-    let folders =
-        ["/recordings/", "/../runner/demo/"].map(|folder| env!("CARGO_MANIFEST_DIR").to_owned() + folder + name);
-    folders.into_iter().find(|path| Path::new(path).exists()).unwrap()
+    concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/").to_owned() + name
+}
+
+/// A file of the demonstration: readings with all the errors of a site.
+pub fn demonstrated(name: &str) -> String {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../runner/demo/").to_owned() + name
 }
 
 /// `text` with the first `from`, which has to be there, replaced.
@@ -69,7 +72,7 @@ pub fn scene(swaps: &[(&str, &str)]) -> String {
 
 /// The header and the first `samples` rows of the demonstration's recording.
 pub fn short_recording(samples: usize) -> String {
-    head(DEMO_RECORDING, samples)
+    head(HEALTHY_RECORDING, samples)
 }
 
 /// The header and the first `samples` rows of a recording.
@@ -105,10 +108,10 @@ pub fn with_cell(row: &str, column: usize, cell: &str) -> String {
     cells.join(",")
 }
 
-/// The outcome of the demonstration's machine in good order on its scene, and that of its built-in spall. All tests share them.
+/// The outcome of [`HEALTHY_RECORDING`] on the scene of the demonstration, and that of the demonstration. All tests share them.
 pub fn sound() -> &'static Value {
     static OUTCOME: OnceLock<Value> = OnceLock::new();
-    OUTCOME.get_or_init(|| Sandbox::with(DEMO_SCENE, DEMO_RECORDING).replay("scene.toml", &[]))
+    OUTCOME.get_or_init(|| Sandbox::with(DEMO_SCENE, HEALTHY_RECORDING).replay("scene.toml", &[]))
 }
 
 pub fn spalled() -> &'static Value {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::support::{DEMO_RECORDING, Sandbox, head, list, number, numbers, recorded, sound};
+use crate::support::{HEALTHY_RECORDING, Sandbox, head, list, number, numbers, recorded, sound};
 
 /// Samples per row of the truth.
 const EVERY: usize = 16;
@@ -103,7 +103,7 @@ fn noisier(recording: &str, noise: f64) -> String {
 fn closer(name: &str, scene: &str, noise: f64) -> [f64; 2] {
     let sandbox = Sandbox::empty();
     let recording = match name {
-        "healthy" => DEMO_RECORDING.to_owned(),
+        "healthy" => HEALTHY_RECORDING.to_owned(),
         _ => std::fs::read_to_string(recorded(&format!("{name}.csv"))).unwrap(),
     };
     let samples = if ballrace_tests::runs_all() { usize::MAX - 1 } else { COMPARED };

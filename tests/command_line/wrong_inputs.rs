@@ -223,7 +223,7 @@ fn machines() -> Vec<Wrong> {
                     "name = \"NDE\"\nstation = \"100 mm\"\nfacing = \"both\"\nmodel = \"angular\"\nelements = 8",
                 ),
             ],
-            include_str!("../../runner/demo/outer-spall.csv").to_owned(),
+            include_str!("../recordings/outer-spall.csv").to_owned(),
             &["elements = 9"],
         ),
         in_recording("a machine that is lifted off its bearings", column(5, |_, _| 0.0), &["no element carries load"]),

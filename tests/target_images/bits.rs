@@ -41,7 +41,7 @@ const fn on(board: Board, target: &'static str) -> Microcontroller {
 
 /// The rig's recording with a spall as the images read it: five `f32` and a turn counter a sample.
 fn recording() -> Vec<u8> {
-    let text = include_str!("../../runner/demo/outer-spall.csv");
+    let text = include_str!("../recordings/outer-spall.csv");
     let mut bytes = Vec::new();
     for (i, line) in text.lines().skip(1).take(samples()).enumerate() {
         let cells: Vec<f32> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();

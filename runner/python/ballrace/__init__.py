@@ -8,7 +8,7 @@ Examples
 >>> scene = ballrace.Scene.demonstration()
 >>> outcome = scene.replay(ballrace.demonstration_recording())
 >>> print(outcome.verdict)
-The machine departs from its twin. Outer race of DE: a spall at 270...
+The machine departs from its twin. Outer race of DE: a spall at 269...
 """
 
 from __future__ import annotations

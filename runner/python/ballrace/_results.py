@@ -115,7 +115,7 @@ class Outcome(Record, Table, Page):
         >>> import ballrace
         >>> outcome = ballrace.Scene.demonstration().replay(ballrace.demonstration_recording())
         >>> round(outcome.indicators()["DE_X_um.direct_um_pp"], 2)
-        0.4
+        7.43
         """
         found: dict[str, float] = {}
 

@@ -163,7 +163,7 @@ class Spectra(Series):
     >>> spectra = ballrace.Scene.demonstration().replay(ballrace.demonstration_recording()).spectra()
     >>> amplitudes = spectra["DE_Y_um_measured_um"]
     >>> float(spectra["frequency_hz"][amplitudes.argmax()])
-    718.75
+    50.0
     """
 
     def unit(self, name: str) -> str:

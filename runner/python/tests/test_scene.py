@@ -70,8 +70,8 @@ def test_temperatures_that_friction_and_cooling_keep() -> None:
 
 
 def test_balance(scene: ballrace.Scene) -> None:
-    """The recording of the demonstration has 120 g mm at 0.3 rad in the plane at 20 mm."""
-    recording = ballrace.Scene.demonstration().path.parent / "healthy.csv"
+    """This recording of the demonstration's machine has 120 g mm at 0.3 rad in the plane at 20 mm, and no run-out."""
+    recording = ROOT / "tests" / "recordings" / "healthy.csv"
     found = scene.balance(recording, grade=2.5)
     (plane,) = found.correction.planes
     assert abs(plane.moment_g_mm - 120) < 12 and abs(plane.angle_deg - 180 - np.degrees(0.3)) < 5

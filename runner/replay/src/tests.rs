@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use tempfile::TempDir;
 
 const SCENE: &str = include_str!("../../demo/healthy.toml");
-const RECORDING: &str = include_str!("../../demo/healthy.csv");
+const RECORDING: &str = include_str!("../../../tests/recordings/healthy.csv");
 const RATE: f64 = 12_800.0;
 /// Rows that are used.
 const ROWS: usize = 6400;

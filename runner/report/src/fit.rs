@@ -39,7 +39,8 @@ pub fn text(found: &Fitted) -> String {
         let _ = writeln!(
             out,
             "\nWARNING: the scene does not describe the recording: chi-squared per reading is {:.3e}, expected about 1 \
-             and at most {:.3} by the noise of the probes. No intervals are given.",
+             and at most {:.3} by the noise of the probes. No intervals are given. Run-out, drift and hum are no parameters of a fit: \
+             replay --learn estimates them.",
             found.chi_square_per_reading, found.largest_chi_square_per_reading
         );
     }
@@ -112,7 +113,7 @@ fn verdict(found: &Fitted) -> Verdict {
                  probes. No intervals are given."
             ),
             action: "add what the scene lacks (fault, clearance, load), check the noise of the probes, or fit a recording of the \
-                     machine in good order."
+                     machine in good order. Run-out, drift and hum are no parameters of a fit: replay --learn estimates them."
                 .to_owned(),
         };
     }
