@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::observer::{TURN, motion, recording, rotor};
-use crate::support::{Sandbox, list, number, scene, swap};
+use crate::support::{Sandbox, demonstrated, list, number, numbers, scene, swap};
 
 /// The rig's scene without its unbalance and with another clearance, modulus and damping.
 fn wrong() -> String {
@@ -161,5 +161,67 @@ fn parameters_that_cannot_be_fitted_are_rejected() {
     ] {
         let run = sandbox.run(args);
         assert!(run.code == Some(2) && run.err.contains(says), "{args:?}: {run:?}");
+    }
+}
+
+/// The demonstration's sound machine by a scene that is wrong in every number: the truth is in the intervals, the errors of the readings are
+/// those of `demonstration.rs`, and the fitted scene describes the machine.
+#[test]
+fn a_recording_of_a_site_is_fitted_with_the_errors_of_its_readings() {
+    let sandbox = Sandbox::empty();
+    sandbox.put("healthy.csv", std::fs::read(demonstrated("healthy.csv")).unwrap());
+    let unbalance = "unbalance = [{ moment = \"90 g mm\", angle = \"0.1 rad\", station = \"15 mm\" }]";
+    let text = swap(&wrong(), "unbalance = []", unbalance);
+    sandbox.put("site.toml", text.replace("14 um", "12 um"));
+    let found: Value = sandbox.done(&["fit", "site.toml", "--format", "json"]).json();
+    assert_eq!(found["consistent"], true, "{found:#}");
+    let facts = [
+        ("unbalance: moment", 120.0),
+        ("DE: diametral_clearance", 10.0),
+        ("NDE: diametral_clearance", 10.0),
+        ("DE: youngs_modulus", 206.0),
+        ("NDE: youngs_modulus", 206.0),
+        ("damping along X and Y", 400.0),
+        ("damping of tilt", 0.4),
+    ];
+    for (name, fact) in facts {
+        let [low, value, high] = interval(&found, name);
+        assert!((low..=high).contains(&fact), "{name}: {value}, {fact} not in {low} to {high}");
+    }
+    let errors = list(&found, "errors");
+    for (error, gap) in errors.iter().zip([11.3, -6.4, 3.7, -14.2]) {
+        assert!((number(error, "/gap_um") - gap).abs() < 0.6, "{error}, {gap} um is true");
+    }
+    assert!((number(&errors[1], "/hum_um") - 0.15).abs() < 0.02 && number(&errors[1], "/hum_hz") == 50.0, "{}", errors[1]);
+    // 2.5 um as a sine of 25 s, over a second.
+    assert!((number(&errors[2], "/drift_um") - 0.62).abs() < 0.2, "{}", errors[2]);
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("the unbalance is not told from the run-out"), "{notes}");
+    let outcome = sandbox.replay("site-fitted.toml", &[]);
+    assert!(list(&outcome, "findings").is_empty(), "{:#}", outcome["findings"]);
+    let text = sandbox.done(&["fit", "site.toml", "--only", "clearance", "--report", "fit.html"]).out;
+    assert!(text.contains("errors of reading") && !text.contains("youngs_modulus") && !text.contains("offset"), "{text}");
+    assert!(sandbox.read("fit.html").contains("Errors of the readings"));
+}
+
+/// Gaps alone are offsets of the scene: the fit along the time finds them, and the parameters as exactly as without them.
+#[test]
+fn gaps_alone_are_offsets() {
+    const GAPS: [f64; 5] = [3.0, -2.5, 4.0, -6.0, 2.0];
+    let (names, rows) = numbers(crate::support::HEALTHY_RECORDING);
+    let mut text = format!("time_s,{}\n", names[names.len() - 6..].join(","));
+    for (i, row) in rows.iter().enumerate() {
+        let [readings @ .., keyphasor] = &row[row.len() - 6..] else { panic!("{row:?}") };
+        text += &format!("{:.7}", i as f64 / 12_800.0);
+        readings.iter().zip(GAPS).for_each(|(reading, gap)| text += &format!(",{:.4}", reading + gap));
+        text += &format!(",{keyphasor}\n");
+    }
+    let sandbox = Sandbox::rig();
+    sandbox.put("healthy.csv", text);
+    let found: Value = sandbox.done(&["fit", "scene.toml", "--turns", "20", "--format", "json"]).json();
+    assert!(found["consistent"] == true && found["errors"].is_null(), "{found:#}");
+    for (column, gap) in ["DE_X_um", "DE_Y_um", "NDE_X_um", "NDE_Y_um", "axial_um"].iter().zip(GAPS) {
+        let [low, value, high] = interval(&found, &format!("{column}: offset"));
+        assert!((low..=high).contains(&gap), "{column}: {value}, {gap} um not in {low} to {high}");
     }
 }

@@ -10,7 +10,9 @@ use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
 use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, SHOWN_GAP, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
-use ballrace_outcome::{CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings};
+use ballrace_outcome::{
+    CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings, ReadingOutcome,
+};
 use ballrace_scene::Scene;
 use nalgebra::{DMatrix, DVector};
 use std::time::{Duration, Instant};
@@ -36,7 +38,10 @@ const DONE: f64 = 0.01;
 const HOPEFUL: (usize, f64) = (3, 6.0);
 
 /// Least gap of a site, m: the parameters of a machine are fitted so that they leave less of a position.
-const LEAST_GAP: f64 = 1.5e-6;
+pub(super) const LEAST_GAP: f64 = 1.5e-6;
+
+/// Lines that the machine of a site leaves at each probe on average, at least: the same machine without imperfections leaves two at most.
+const LEFT_LINES: usize = 3;
 
 /// Distance of two lines that are one, in orders of the shaft.
 const SAME_LINE: f64 = 0.02;
@@ -63,10 +68,18 @@ pub struct Calibrated {
     pub(crate) shows_errors: bool,
     /// True where these are larger than a fault may pretend.
     pub(crate) shows_site: bool,
+    /// True where neither a slow roll nor a baseline tells the run-out from what an unbalance does.
+    pub has_unknown_run_out: bool,
+    /// Errors of the readings of a site beyond those of a baseline; nothing where the readings are the motion of the shaft alone.
+    pub errors: Vec<ReadingOutcome>,
+    /// What the machine before and after the calibration does not explain at each probe, besides the errors of the readings, m rms.
+    pub unexplained_rms: [Vec<f64>; 2],
 }
 
-/// Bounds and progress of a calibration.
+/// Parameters, bounds and progress of a calibration.
 pub struct CalibrationPlan<'a> {
+    /// Parameters that are calibrated; the others keep the scene's values.
+    pub parameters: &'a [ParameterName],
     /// Receives the number of each round before it, from 1; at most [`MAX_ROUNDS`].
     pub begin: &'a dyn Fn(usize),
     /// Time after which the calibration is given up; none without a limit.
@@ -133,16 +146,86 @@ fn parameters(machine: &Machine) -> Vec<(ParameterName, Option<usize>, Unknown)>
 }
 
 impl Calibrated {
+    /// Returns the largest chi-squared per value of a recording that the machine explains.
+    #[must_use]
+    pub fn largest_chi_square_per_value(&self) -> f64 {
+        let noise = largest_chi_square(self.values.max(1) as f64) + MODEL_ERROR;
+        // At a site the noise contains what is expected.
+        if self.calibration.readings.is_empty() { noise } else { noise.max(UNEXPLAINED) }
+    }
+
+    /// Returns true where the search has converged on a machine that explains the recording.
+    #[must_use]
+    pub fn explains(&self) -> bool {
+        // NaN is no chi-squared of a machine.
+        self.not_converged.is_none() && self.calibration.chi_square_per_value <= self.largest_chi_square_per_value()
+    }
+
+    /// Returns true where the machine leaves more lines of the readings than noise and small errors of its parameters do: sound bearings are not
+    /// those of the scene.
+    #[must_use]
+    pub fn leaves_lines(&self) -> bool {
+        let readings = &self.calibration.readings;
+        readings.iter().map(|probe| probe.lines.len()).sum::<usize>() >= LEFT_LINES * readings.len()
+    }
+
+    /// Returns the factor from the standard deviation of a parameter, with the run-out as it is stored beside it, to that with any run-out.
+    fn with_any_run_out(&self, name: ParameterName) -> f64 {
+        // The prior of an unbalance is narrowed by as much.
+        if self.has_unknown_run_out && scene_deviation(name).is_none() { DEPENDENT.sqrt() } else { 1.0 }
+    }
+
+    /// Returns the standard deviation of the parameter with an index, whatever the run-out is.
+    #[must_use]
+    pub fn deviation(&self, i: usize) -> f64 {
+        self.calibration.parameters.get(i).map_or(0.0, |of| of.deviation * self.with_any_run_out(of.name))
+    }
+
+    /// Returns the standard deviation of the parameter with an index before the recording, by its value in the scene, SI; `None` where nothing
+    /// is known.
+    #[must_use]
+    pub fn scene_deviation(&self, i: usize, given: f64) -> Option<f64> {
+        let known = scene_deviation(self.calibration.parameters.get(i)?.name)? * given.abs();
+        (known > 0.0).then_some(known)
+    }
+
     /// Returns the calibration compared with its scene, and with the noise of the probes by its residual.
     #[must_use]
     pub fn learning(&self, scene: &Scene) -> Learning {
-        let noise = largest_chi_square(self.values.max(1) as f64) + MODEL_ERROR;
-        // At a site the noise contains what is expected.
-        let largest = if self.calibration.readings.is_empty() { noise } else { noise.max(UNEXPLAINED) };
-        let learning = learning(&self.calibration, scene, largest);
-        let (taken, stored) =
-            (learning.taken && self.not_converged.is_none(), learning.stored && self.not_converged.is_none());
-        Learning { rounds: self.rounds, not_converged: self.not_converged.clone(), taken, stored, ..learning }
+        let (taken, largest) = (self.explains(), self.largest_chi_square_per_value());
+        let mut learning = Learning {
+            parameters: vec![],
+            rounds: self.rounds,
+            not_converged: self.not_converged.clone(),
+            chi_square_per_value: self.calibration.chi_square_per_value,
+            largest_chi_square_per_value: largest,
+            taken,
+            stored: taken,
+            chi_square_with_faults: None,
+        };
+        let Some(machine) = Machine::new(scene) else { return learning };
+        let present = present(&self.calibration, &machine);
+        let each = present.len().max(1) as f64;
+        let (unlikely, reach) = (quantile(0.5 * UNLIKELY / each), quantile(0.5 * MISSED / each));
+        for (i, unknown) in present {
+            let CalibratedParameter { name, bearing, value, .. } = &self.calibration.parameters[i];
+            let deviation = self.deviation(i);
+            let (printed, unit, size) = printed_name(*name);
+            let given = unknown.get(&machine);
+            let deviations = self.scene_deviation(i, given).map(|known| (value - given) / known.hypot(deviation));
+            let least = if scene_deviation(*name).is_some() { 0.0 } else { f64::NEG_INFINITY };
+            learning.parameters.push(LearnedParameter {
+                name: bearing.as_ref().map_or_else(|| printed.to_owned(), |bearing| format!("{bearing}: {printed}")),
+                unit,
+                scene: given / size,
+                value: value / size,
+                low: (value - reach * deviation).max(least) / size,
+                high: (value + reach * deviation) / size,
+                deviations,
+                unlikely: deviations.is_some_and(|deviations| deviations.abs() > unlikely),
+            });
+        }
+        learning
     }
 }
 
@@ -152,45 +235,6 @@ pub fn calibrated_scene(calibration: &Calibration, scene: &Scene) -> Scene {
     let Some(mut machine) = Machine::new(scene) else { return scene.clone() };
     apply(calibration, &mut machine);
     machine.scene(scene)
-}
-
-/// Returns the calibration compared with its scene, and with the noise of the probes by the largest chi-squared per value.
-fn learning(calibration: &Calibration, scene: &Scene, largest: f64) -> Learning {
-    let found = calibration.chi_square_per_value;
-    let mut learning = Learning {
-        parameters: vec![],
-        rounds: 0,
-        not_converged: None,
-        chi_square_per_value: found,
-        largest_chi_square_per_value: largest,
-        // NaN is no chi-squared of a machine.
-        taken: found <= largest,
-        stored: found <= largest,
-        chi_square_with_faults: None,
-    };
-    let Some(machine) = Machine::new(scene) else { return learning };
-    let present = present(calibration, &machine);
-    let each = present.len().max(1) as f64;
-    let (unlikely, reach) = (quantile(0.5 * UNLIKELY / each), quantile(0.5 * MISSED / each));
-    for (i, unknown) in present {
-        let CalibratedParameter { name, bearing, value, deviation } = &calibration.parameters[i];
-        let (printed, unit, size) = printed_name(*name);
-        let given = unknown.get(&machine);
-        let known = scene_deviation(*name).map(|share| share * given.abs()).filter(|known| *known > 0.0);
-        let deviations = known.map(|known| (value - given) / known.hypot(*deviation));
-        let least = if scene_deviation(*name).is_some() { 0.0 } else { f64::NEG_INFINITY };
-        learning.parameters.push(LearnedParameter {
-            name: bearing.as_ref().map_or_else(|| printed.to_owned(), |bearing| format!("{bearing}: {printed}")),
-            unit,
-            scene: given / size,
-            value: value / size,
-            low: (value - reach * deviation).max(least) / size,
-            high: (value + reach * deviation) / size,
-            deviations,
-            unlikely: deviations.is_some_and(|deviations| deviations.abs() > unlikely),
-        });
-    }
-    learning
 }
 
 /// Returns the parameters that a machine has, with their indices in the calibration.
@@ -269,11 +313,10 @@ fn of_scene(machine: &Machine, has_unknown_run_out: bool) -> Prior {
 
 /// Returns a machine whose bearings carry load: where no element touches its race, a fit has no slope.
 ///
-/// The clearance of a bearing without load becomes the one that leaves the least.
-fn with_load(e: &Evidence, start: &Fitted) -> Result<Machine> {
+/// A clearance among the `unknowns` of a bearing without load becomes the one that leaves the least.
+fn with_load(e: &Evidence, start: &Fitted, unknowns: &[Unknown]) -> Result<Machine> {
     let mut now = start.clone();
-    let unknowns = parameters(&start.machine).into_iter().map(|(.., unknown)| unknown);
-    for clearance in unknowns.filter(|unknown| unknown.is(&CLEARANCE)) {
+    for clearance in unknowns.iter().filter(|unknown| unknown.is(&CLEARANCE)) {
         let b = clearance.bearing;
         let forces = e.evaluated(&now.machine, b)?.forces(&e.motion);
         let loaded = forces.iter().filter(|force| force.iter().any(|f| *f != 0.0)).count();
@@ -341,14 +384,17 @@ pub(super) fn calibrate(
 ) -> Result<Calibrated> {
     let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let is_over = || end.is_some_and(|end| Instant::now() > end);
-    let own = parameters(&of.healthy.machine);
+    let mut own = parameters(&of.healthy.machine);
+    own.retain(|(name, ..)| plan.parameters.contains(name));
+    let has_unknown_run_out = of.site.as_ref().is_some_and(SiteRecording::has_unknown_run_out);
     let prior = match earlier {
         Some(calibration) => prior(calibration, &of.healthy.machine),
-        None => of_scene(&of.healthy.machine, of.site.as_ref().is_some_and(SiteRecording::has_unknown_run_out)),
+        None => of_scene(&of.healthy.machine, has_unknown_run_out),
     };
     let all: Vec<Unknown> = own.iter().map(|(.., unknown)| *unknown).collect();
     let mut now = of.healthy.clone();
-    let loaded = with_load(&of.evidence, &now)?;
+    let unexplained_before = of.evidence.unexplained_rms(&now.spectra);
+    let loaded = with_load(&of.evidence, &now, &all)?;
     if loaded != now.machine {
         of.evidence.weight_for(&loaded)?;
         (now, of.observable) = cage::fit_cages_together(&of.evidence, &of.band, &loaded, SLIPS)?;
@@ -430,14 +476,13 @@ pub(super) fn calibrate(
     let correlation = own.iter().map(|(.., a)| own.iter().map(|(.., b)| correlation(a, b)).collect()).collect();
     // The errors of the readings are those beside the machine that is stored with them.
     of.remeasure(&now.machine)?;
-    let mut readings = match &of.site {
-        Some(site) => {
-            of.evidence.weight_for(&now.machine)?;
-            let spectra = evaluate(&of.evidence, &now.machine)?.spectra;
-            site.readings(of.evidence.lines_of_sound_machine(&spectra), &of.evidence.motion_rms([&spectra; 2]))
-        }
-        None => vec![],
-    };
+    if of.site.is_some() {
+        of.evidence.weight_for(&now.machine)?;
+        now.spectra = evaluate(&of.evidence, &now.machine)?.spectra;
+    }
+    let mut readings = of.site.as_ref().map_or_else(Vec::new, |site| {
+        site.readings(of.evidence.lines_of_sound_machine(&now.spectra), &of.evidence.motion_rms([&now.spectra; 2]))
+    });
     let known = earlier.map(|calibration| calibration.readings.as_slice()).unwrap_or_default();
     readings.iter_mut().zip(known).for_each(|(readings, known)| unite(readings, known));
     let calibration = Calibration { parameters, correlation, chi_square_per_value, readings };
@@ -459,6 +504,9 @@ pub(super) fn calibrate(
         ended_early,
         shows_errors,
         shows_site,
+        has_unknown_run_out,
+        errors: of.site.as_ref().map_or_else(Vec::new, SiteRecording::outcomes),
+        unexplained_rms: [unexplained_before, of.evidence.unexplained_rms(&now.spectra)],
     })
 }
 

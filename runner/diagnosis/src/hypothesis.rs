@@ -518,8 +518,12 @@ fn scored<'a>(
     let explains_motion = match &of.shifted {
         Some(shifted) if fault.moves_shaft() => {
             let e = evidence.as_ref().unwrap_or(shifted);
-            let lacking = evaluate(e, &fault.removed(&fitted.machine, &now.machine))?;
-            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * e.unexplained_square(&lacking.spectra)
+            let square = |e: &Evidence, machine: &Machine| -> Result<f64> {
+                Ok(e.unexplained_square(&evaluate(e, machine)?.spectra))
+            };
+            let lacking = square(e, &fault.removed(&fitted.machine, &now.machine))?;
+            // With gaps as the fault would have them, the machine without it leaves more than with its own.
+            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * lacking.min(square(shifted, &now.machine)?)
         }
         _ => true,
     };

@@ -328,12 +328,7 @@ pub fn calibrate(
     of: &DiagnosisInput,
     plan: &CalibrationPlan<'_>,
 ) -> std::result::Result<Option<Calibrated>, BuildError> {
-    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
-    let alone = DiagnosisInput { calibration: None, ..*of };
-    let in_world = |world: World, to_end: bool| -> Result<Option<Calibrated>> {
-        let Some(mut prepared) = Prepared::new(&alone, &machine, world, None)? else { return Ok(None) };
-        calibration::calibrate(&mut prepared, of.calibration, plan, to_end).map(Some)
-    };
+    let in_world = |world: World, to_end: bool| calibrate_in(world, of, plan, to_end);
     if world(of) == World::Site {
         return in_world(World::Site, true);
     }
@@ -357,6 +352,43 @@ pub fn calibrate(
         return Ok(site);
     }
     // One fault of the scene's machine is no site: its recording is learned with the fault.
+    let alone = DiagnosisInput { calibration: None, ..*of };
     let with_fault = diagnose_in(World::Exact, &alone, (1, None), &|_| {})?;
     if with_fault.is_some_and(|result| result.explains()) { exact_to_end(exact) } else { Ok(site) }
+}
+
+fn calibrate_in(
+    world: World,
+    of: &DiagnosisInput,
+    plan: &CalibrationPlan<'_>,
+    to_end: bool,
+) -> Result<Option<Calibrated>> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let alone = DiagnosisInput { calibration: None, ..*of };
+    let Some(mut prepared) = Prepared::new(&alone, &machine, world, None)? else { return Ok(None) };
+    calibration::calibrate(&mut prepared, of.calibration, plan, to_end).map(Some)
+}
+
+/// Calibrates the scene of a site with a recording whose readings have errors that no machine of the scene explains; `None` for another
+/// recording, or where rotor or probes do not allow it.
+///
+/// # Errors
+/// Returns an error if a bearing cannot be built.
+pub fn calibrate_site(
+    of: &DiagnosisInput,
+    plan: &CalibrationPlan<'_>,
+) -> std::result::Result<Option<Calibrated>, BuildError> {
+    let Some(machine) = Machine::new(of.scene) else { return Ok(None) };
+    let prepared = Prepared::new(of, &machine, World::Site, uncertain(of, &machine, World::Site))?;
+    let shows_errors = |site: SiteRecording| site.shows_errors(calibration::LEAST_GAP);
+    if !prepared.and_then(|prepared| prepared.site).is_some_and(shows_errors) {
+        return Ok(None);
+    }
+    // A machine that is not the scene's may show the same.
+    let exact = calibrate_in(World::Exact, of, plan, false)?;
+    if exact.is_none_or(|calibrated| calibrated.explains()) {
+        return Ok(None);
+    }
+    let site = calibrate_in(World::Site, of, plan, true)?;
+    Ok(site.filter(|calibrated| calibrated.shows_errors))
 }

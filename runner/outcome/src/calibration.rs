@@ -165,3 +165,17 @@ pub enum ParameterName {
     /// Couple unbalance a quarter of a revolution ahead, kg m^2.
     CoupleY,
 }
+
+impl ParameterName {
+    /// All parameters.
+    pub const ALL: [Self; 8] = [
+        Self::DiametralClearance,
+        Self::YoungsModulus,
+        Self::TranslationDamping,
+        Self::RotationDamping,
+        Self::UnbalanceX,
+        Self::UnbalanceY,
+        Self::CoupleX,
+        Self::CoupleY,
+    ];
+}

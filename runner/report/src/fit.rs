@@ -6,6 +6,7 @@ use super::number::{count, fixed};
 use super::page::{self, Column, Fact, Level, Page, PageSection, Row, Table, Verdict};
 use anyhow::Result;
 use ballrace_twin::fit::{Estimate, Fitted};
+use ballrace_twin::outcome::ReadingOutcome;
 use ballrace_twin::output::quoted;
 use std::fmt::Write;
 
@@ -38,21 +39,42 @@ pub fn text(found: &Fitted) -> String {
     } else {
         let _ = writeln!(
             out,
-            "\nWARNING: the scene does not describe the recording: chi-squared per reading is {:.3e}, expected about 1 \
-             and at most {:.3} by the noise of the probes. No intervals are given. Run-out, drift and hum are no parameters of a fit: \
-             replay --learn estimates them.",
-            found.chi_square_per_reading, found.largest_chi_square_per_reading
+            "\nWARNING: the scene does not describe the recording: chi-squared per {} is {:.3e}, expected about 1 \
+             and at most {:.3} by the noise of the probes. No intervals are given.",
+            one(found),
+            found.chi_square_per_reading,
+            found.largest_chi_square_per_reading
         );
     }
-    let _ = writeln!(out, "Chi-squared of the residuals: {:.1} for {} readings.\n", found.chi_square, found.readings);
+    let _ =
+        writeln!(out, "Chi-squared of the residuals: {:.1} for {} {}s.\n", found.chi_square, found.readings, one(found));
     let _ = writeln!(out, "{:<16} {:>10} {:>10} {:>10}", "residual, um rms", "scene", "fitted", "noise");
     for r in &found.residuals {
         let _ = writeln!(out, "{:<16} {:>10.4} {:>10.4} {:>10.4}", r.probe, r.before_um, r.after_um, r.noise_um);
+    }
+    if !found.errors.is_empty() {
+        let _ = writeln!(
+            out,
+            "\n{:<16} {:>10} {:>10} {:>10} {:>10} {:>10}",
+            "errors of reading", "gap, um", "drift, um", "run-out", "hum, um", "hum, Hz"
+        );
+    }
+    for e in &found.errors {
+        let _ = writeln!(
+            out,
+            "{:<16} {:>10.2} {:>10.2} {:>10.3} {:>10.3} {:>10.0}",
+            e.probe, e.gap_um, e.drift_um, e.run_out_um, e.hum_um, e.hum_hz
+        );
     }
     for note in &found.notes {
         let _ = write!(out, "\n{note}\n");
     }
     out
+}
+
+/// Returns the name of a value of the residual: a reading, or at a site one of the spectra of the readings.
+fn one(found: &Fitted) -> &'static str {
+    if found.errors.is_empty() { "reading" } else { "value" }
 }
 
 /// Returns CSV with one row per parameter.
@@ -78,6 +100,9 @@ pub fn html(found: &Fitted) -> Result<String> {
         PageSection::table("Parameters", parameter_table(&found.parameters)),
         PageSection::table("Residual at each probe", residual_table(found)),
     ];
+    if !found.errors.is_empty() {
+        sections.push(PageSection::table("Errors of the readings", error_table(&found.errors)));
+    }
     if !found.notes.is_empty() {
         sections.push(PageSection::list("Notes", found.notes.clone()));
     }
@@ -90,7 +115,7 @@ pub fn html(found: &Fitted) -> Result<String> {
             Fact::new("Revolutions", fixed(found.turns, 1)),
             Fact::new(
                 "Chi-squared",
-                format!("{} for {} readings", fixed(found.chi_square, 1), count(found.readings as u64)),
+                format!("{} for {} {}s", fixed(found.chi_square, 1), count(found.readings as u64), one(found)),
             ),
         ],
         sections,
@@ -109,24 +134,26 @@ fn verdict(found: &Fitted) -> Verdict {
             level: Level::Amber,
             word: "SCENE DOES NOT DESCRIBE THE RECORDING",
             sentence: format!(
-                "Chi-squared per reading is {per_reading:.3e}; about 1 is expected and at most {largest:.3} by the noise of the \
-                 probes. No intervals are given."
+                "Chi-squared per {} is {per_reading:.3e}; about 1 is expected and at most {largest:.3} by the noise of the \
+                 probes. No intervals are given.",
+                one(found)
             ),
             action: "add what the scene lacks (fault, clearance, load), check the noise of the probes, or fit a recording of the \
-                     machine in good order. Run-out, drift and hum are no parameters of a fit: replay --learn estimates them."
+                     machine in good order."
                 .to_owned(),
         };
     }
     let unidentified = match unidentified {
         0 => String::new(),
-        1 => " 1 parameter is not identifiable and keeps the scene's value.".to_owned(),
-        n => format!(" {n} parameters are not identifiable and keep the scene's values."),
+        1 => " 1 parameter is not identifiable from this recording.".to_owned(),
+        n => format!(" {n} parameters are not identifiable from this recording."),
     };
     Verdict {
         level: Level::Green,
         word: "SCENE DESCRIBES THE RECORDING",
         sentence: format!(
-            "Chi-squared per reading is {per_reading:.3}, at most {largest:.3} by the noise of the probes.{unidentified}"
+            "Chi-squared per {} is {per_reading:.3}, at most {largest:.3} by the noise of the probes.{unidentified}",
+            one(found)
         ),
         action: String::new(),
     }
@@ -156,6 +183,22 @@ fn parameter_table(parameters: &[Estimate]) -> Table {
         table.push(Row::new(cells.chain([if p.identified { "yes" } else { "no" }.to_owned()])));
     }
     table
+}
+
+fn error_table(errors: &[ReadingOutcome]) -> Table {
+    let columns = vec![
+        Column::name("Probe"),
+        Column::number("Gap", "um"),
+        Column::number("Drift", "um"),
+        Column::number("Run-out", "um rms"),
+        Column::number("Hum", "um"),
+        Column::number("Hum", "Hz"),
+    ];
+    let row = |e: &ReadingOutcome| {
+        let lengths = [e.gap_um, e.drift_um, e.run_out_um, e.hum_um].map(|x| typeset(&fixed(x, 3)));
+        [e.probe.clone()].into_iter().chain(lengths).chain([fixed(e.hum_hz, 0)]).collect::<Vec<_>>()
+    };
+    Table::of(columns, errors.iter().map(row), "Beyond the offsets and the run-out at slow roll.")
 }
 
 fn residual_table(found: &Fitted) -> Table {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use ballrace_report::fit::{csv, html, text};
 use ballrace_twin::error::{Error, FitError};
 use ballrace_twin::fit::parameters::{ALL, Group};
-use ballrace_twin::fit::{FitPlan, FitProgress, Fitted, MAX_ITERATIONS, fit_recording, written};
+use ballrace_twin::fit::{FitPlan, FitProgress, Fitted, fit_recording, written};
 use ballrace_twin::output::AtomicFile;
 use ballrace_twin::recording::Reader;
 use ballrace_twin::scene::read::read_file;
@@ -68,11 +68,9 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let lines = ProgressLines::new();
     let mut part = 0.0;
     let mut progress = |at: FitProgress| {
-        let FitProgress { iteration, turns, all_turns } = at;
+        let FitProgress { iteration, most, turns, all_turns } = at;
         let message = || {
-            format!(
-                "Fitting {turns:.1} of {all_turns:.1} revolutions, iteration {iteration} of at most {MAX_ITERATIONS}"
-            )
+            format!("Fitting {turns:.1} of {all_turns:.1} revolutions, iteration {iteration} of at most {most}")
         };
         bar.set_message(message());
         bar.tick();

@@ -405,17 +405,32 @@ impl Evidence<'_> {
     /// Returns the motion at each probe about its mean, without what drifts and without what a machine `with` deviations adds to it, m rms.
     pub fn motion_rms(&self, [with, without]: [&Spectra; 2]) -> Vec<f64> {
         let [with, without] = [with, without].map(|spectra| self.unexplained_readings(spectra, &[0.0; D]));
-        let slowest = SLOWEST * self.motion.mean_speed().abs();
         let of = |(p, probe): (usize, &ballrace_scene::Probe)| {
             let row = probes::row(probe);
             let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>();
-            let square = |k: usize| (read(k) - without[p][k] + with[p][k]).norm_sqr();
-            let moves = |k: &usize| *k >= MEAN_LINES && self.transform.lines[*k] > slowest;
-            let sum: f64 = (0..self.transform.lines.len()).filter(moves).map(square).sum();
-            // By Parseval, with the lines of negative frequency.
-            (2.0 * sum / (self.motion.len() as f64 * self.transform.power)).sqrt()
+            self.rms(&|k| read(k) - without[p][k] + with[p][k])
         };
         self.weighting.probes.iter().enumerate().map(of).collect()
+    }
+
+    /// Returns the part of the motion at each probe that a machine does not explain, about its mean and without what drifts, m rms.
+    pub fn unexplained_rms(&self, spectra: &Spectra) -> Vec<f64> {
+        let of = |(lines, probe): (&Vec<C>, &ballrace_scene::Probe)| {
+            let row = probes::row(probe);
+            let read = |k: usize| (0..D).map(|i| self.displacement[0][i][k] * row[i]).sum::<C>();
+            // Near a resonance, a small error of the stiffness leaves more than the motion.
+            self.rms(&|k| if lines[k].norm_sqr() < read(k).norm_sqr() { lines[k] } else { read(k) })
+        };
+        self.unexplained_readings(spectra, &[0.0; D]).iter().zip(&self.weighting.probes).map(of).collect()
+    }
+
+    /// Returns the rms of a motion from its lines, about its mean and without what drifts.
+    fn rms(&self, line: &dyn Fn(usize) -> C) -> f64 {
+        let slowest = SLOWEST * self.motion.mean_speed().abs();
+        let moves = |k: &usize| *k >= MEAN_LINES && self.transform.lines[*k] > slowest;
+        let sum: f64 = (0..self.transform.lines.len()).filter(moves).map(|k| line(k).norm_sqr()).sum();
+        // By Parseval, with the lines of negative frequency.
+        (2.0 * sum / (self.motion.len() as f64 * self.transform.power)).sqrt()
     }
 
     /// Returns the lines of a sound machine that its model does not explain: order and amplitude (m) at each probe, those above

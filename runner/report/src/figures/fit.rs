@@ -97,7 +97,12 @@ pub(crate) fn residuals(found: &Fitted) -> Picture {
     });
     Picture {
         title: "Residual at each probe".to_owned(),
-        note: "Where the scene describes the machine, the fitted residual is the noise.".to_owned(),
+        note: if found.errors.is_empty() {
+            "Where the scene describes the machine, the fitted residual is the noise."
+        } else {
+            "Where the scene describes the machine, the fitted residual is the noise and what waves and unequal elements of sound bearings do."
+        }
+        .to_owned(),
         drawing,
         ..Picture::default()
     }

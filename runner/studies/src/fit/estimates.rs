@@ -10,7 +10,7 @@ use ballrace_scene::{KeyphasorSignal, RotationSource};
 use nalgebra::DMatrix;
 
 /// Largest posterior uncertainty of an identifiable parameter, over the prior one.
-const IDENTIFIABLE: f64 = 0.3;
+pub(super) const IDENTIFIABLE: f64 = 0.3;
 
 /// Estimates from a solution.
 pub(super) struct Estimates {

@@ -1,6 +1,7 @@
 //! Maximum-likelihood estimates of the scene's parameters from a recording.
 //!
-//! Angle and slip of the cages are estimated first, by the method of the diagnosis. Then the twin runs over the recording from an
+//! A recording of a site, whose readings have errors that no machine of the scene explains, is compared line by line (`site`). For another one,
+//! angle and slip of the cages are estimated first, by the method of the diagnosis. Then the twin runs over the recording from an
 //! unknown initial state. The fit minimises the sum of squares of the residuals at the probes, in units of their noise, over the
 //! scene's unknowns and that state. Intervals are computed from the Jacobian and the residuals at the minimum, and are wider where the
 //! residuals are correlated.
@@ -12,9 +13,11 @@ mod model;
 pub mod parameters;
 mod read;
 mod search;
+mod site;
 mod written;
 
 use ballrace_base::statistics::largest_chi_square;
+use ballrace_outcome::ReadingOutcome;
 use ballrace_plant::error::{FitError, Result};
 use ballrace_plant::observer::noise;
 use ballrace_plant::{Plant, only_observable, only_rotor};
@@ -26,13 +29,14 @@ use cages::{Cages, cages};
 use estimates::Estimates;
 use intervals::{covariance, expanded};
 use model::{Model, state_units};
-use parameters::{Group, Parameter, parameters};
+use parameters::{Group, Parameter, ParameterKind, parameters};
 use search::{Tied, probe_residuals};
 use serde::Serialize;
+use site::AtSite;
 use std::time::{Duration, Instant};
 
 pub use read::{RecordingSamples, read};
-pub use search::{FitProgress, MAX_ITERATIONS};
+pub use search::FitProgress;
 pub use written::written;
 
 /// Parameters, part of the recording and time of a fit.
@@ -59,7 +63,7 @@ pub struct Fitted {
     pub turns: f64,
     /// Sum of the squared residuals in units of the probes' noise: about the number of readings where the scene is true.
     pub chi_square: f64,
-    /// Number of readings.
+    /// Number of readings; at a site, of values of their spectra.
     pub readings: usize,
     /// Chi-squared per degree of freedom (readings less unknowns), about 1 where the scene is true.
     pub chi_square_per_reading: f64,
@@ -71,6 +75,9 @@ pub struct Fitted {
     pub residuals: Vec<Residual>,
     /// Estimates.
     pub parameters: Vec<Estimate>,
+    /// Errors of the readings that are no parameters of the scene, at a site.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub errors: Vec<ReadingOutcome>,
     /// Cages that are not estimated and parameters that are not identifiable, with the reason.
     pub notes: Vec<String>,
     /// Values to write, SI.
@@ -162,7 +169,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     let plant = Plant::try_new(of.scene)?;
     let end = Instant::now().checked_add(plan.time_limit);
     let mut unknown = parameters(of.scene, &plant, plan.groups);
-    let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
+    let (Some(_), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
         return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
     };
     if recording.probes.is_empty() {
@@ -171,6 +178,33 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     if unknown.is_empty() {
         return Err(FitError::NothingToFit { file: of.scene.path.clone() }.into());
     }
+    let at_site = match site::fitted(of, &plant, plan, progress)? {
+        Some(AtSite { fitted, is_clear: true }) => return Ok(fitted),
+        other => other.map(|other| other.fitted).filter(|fitted| fitted.consistent),
+    };
+    // Far from the offsets, a search along the time ends in another minimum.
+    for (known, value) in at_site.iter().flat_map(|at_site| &at_site.values) {
+        let is_offset = |own: &&mut Parameter| own.kind == known.kind && matches!(own.kind, ParameterKind::Offset(_));
+        unknown.iter_mut().filter(is_offset).for_each(|own| own.start = *value);
+    }
+    match (along_time(of, plant, unknown, (plan, end), progress), at_site) {
+        (Ok(fitted), Some(at_site)) => Ok(if fitted.consistent { fitted } else { at_site }),
+        (Err(_), Some(at_site)) => Ok(at_site),
+        (found, _) => found,
+    }
+}
+
+/// Fits the unknowns to the readings, sample by sample.
+fn along_time(
+    of: &FitInput,
+    plant: Plant,
+    mut unknown: Vec<Parameter>,
+    (plan, end): (&FitPlan, Option<Instant>),
+    progress: &mut dyn FnMut(FitProgress),
+) -> Result<Fitted> {
+    let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
+        return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
+    };
     let Cages { parameters: of_cages, scene, notes } = cages(of, &plant)?;
     unknown.extend(of_cages);
     let plant = Plant::try_new(&scene)?;
@@ -231,6 +265,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
         largest_chi_square_per_reading,
         consistent,
         parameters,
+        errors: vec![],
         notes: [notes, not_identified].concat(),
         residuals: recording.probes.iter().enumerate().map(residual).collect(),
         values,

@@ -73,7 +73,7 @@ pub struct Parameter {
     pub kind: ParameterKind,
     /// The scene's value, SI.
     pub given: f64,
-    /// Mean of the prior, SI: the scene's value, for a cage that of the diagnosis.
+    /// Mean of the prior, SI: the scene's value; for a cage, and for the offset of a probe with a gap, that of the diagnosis.
     pub start: f64,
     /// Prior standard deviation, SI: unit of the unknown.
     pub scale: f64,
@@ -82,7 +82,7 @@ pub struct Parameter {
 }
 
 /// No bounds.
-const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+pub(super) const OPEN: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Largest clearance of a search over the groove distance, at which the free contact angle reaches 60 degrees.
 const LARGEST_CLEARANCE: f64 = 0.999;
 /// Largest cage speed over shaft speed: a cage is slower than the shaft.
@@ -218,7 +218,7 @@ fn lever(plant: &Plant) -> f64 {
 }
 
 /// Returns the sum of the unbalances, kg m, and the sum of each times its station, kg m^2, along X and Y.
-fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
+pub(super) fn sums(unbalances: &[Unbalance]) -> ([f64; 2], [f64; 2]) {
     let (mut force, mut couple) = ([0.0; 2], [0.0; 2]);
     for one in unbalances {
         for (i, part) in [one.angle.cos(), one.angle.sin()].into_iter().enumerate() {

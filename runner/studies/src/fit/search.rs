@@ -15,7 +15,7 @@ const THERE: f64 = 0.05;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
 /// Largest number of iterations of the search over one part of the recording.
-pub const MAX_ITERATIONS: usize = 40;
+const MAX_ITERATIONS: usize = 40;
 /// Turns of the first search.
 const FIRST_TURNS: f64 = 0.5;
 /// Turns from which all unknowns are free.
@@ -24,8 +24,10 @@ const EARLY_TURNS: f64 = 5.0;
 /// Progress of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitProgress {
-    /// Iteration over this part of the recording, from 1; at most [`MAX_ITERATIONS`].
+    /// Iteration over this part of the recording, from 1.
     pub iteration: usize,
+    /// Largest number of iterations.
+    pub most: usize,
     /// Number of shaft revolutions in this part of the recording.
     pub turns: f64,
     /// Number of shaft revolutions in all samples.
@@ -126,7 +128,7 @@ impl Model<'_> {
             let limits = Limits { bounds, longest_step: LONGEST_STEP, iterations: MAX_ITERATIONS - made, least_fall };
             let report = |i: usize| {
                 let mut report = report.borrow_mut();
-                report(FitProgress { iteration: made + i + 1, turns, all_turns: self.all_turns });
+                report(FitProgress { iteration: made + i + 1, most: MAX_ITERATIONS, turns, all_turns: self.all_turns });
             };
             let found = least_squares::solve(&from, &limits, &residuals, &report)?;
             made += found.iterations;
