@@ -192,7 +192,11 @@ fn a_recording_of_a_site_is_fitted_with_the_errors_of_its_readings() {
     for (error, gap) in errors.iter().zip([11.3, -6.4, 3.7, -14.2]) {
         assert!((number(error, "/gap_um") - gap).abs() < 0.6, "{error}, {gap} um is true");
     }
-    assert!((number(&errors[1], "/hum_um") - 0.15).abs() < 0.02 && number(&errors[1], "/hum_hz") == 50.0, "{}", errors[1]);
+    assert!(
+        (number(&errors[1], "/hum_um") - 0.15).abs() < 0.02 && number(&errors[1], "/hum_hz") == 50.0,
+        "{}",
+        errors[1]
+    );
     // 2.5 um as a sine of 25 s, over a second.
     assert!((number(&errors[2], "/drift_um") - 0.62).abs() < 0.2, "{}", errors[2]);
     let notes = found["notes"].to_string();
@@ -200,7 +204,10 @@ fn a_recording_of_a_site_is_fitted_with_the_errors_of_its_readings() {
     let outcome = sandbox.replay("site-fitted.toml", &[]);
     assert!(list(&outcome, "findings").is_empty(), "{:#}", outcome["findings"]);
     let text = sandbox.done(&["fit", "site.toml", "--only", "clearance", "--report", "fit.html"]).out;
-    assert!(text.contains("errors of reading") && !text.contains("youngs_modulus") && !text.contains("offset"), "{text}");
+    assert!(
+        text.contains("errors of reading") && !text.contains("youngs_modulus") && !text.contains("offset"),
+        "{text}"
+    );
     assert!(sandbox.read("fit.html").contains("Errors of the readings"));
 }
 

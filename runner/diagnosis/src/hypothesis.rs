@@ -4,7 +4,7 @@ mod own_weights;
 
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
-use super::fit::{Fitted, MODEL_ERROR, evaluate, fit};
+use super::fit::{Fitted, MODEL_ERROR, evaluate, fit, square};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
@@ -518,12 +518,12 @@ fn scored<'a>(
     let explains_motion = match &of.shifted {
         Some(shifted) if fault.moves_shaft() => {
             let e = evidence.as_ref().unwrap_or(shifted);
-            let square = |e: &Evidence, machine: &Machine| -> Result<f64> {
-                Ok(e.unexplained_square(&evaluate(e, machine)?.spectra))
-            };
-            let lacking = square(e, &fault.removed(&fitted.machine, &now.machine))?;
-            // With gaps as the fault would have them, the machine without it leaves more than with its own.
-            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * lacking.min(square(shifted, &now.machine)?)
+            let lacking = evaluate(e, &fault.removed(&fitted.machine, &now.machine))?;
+            // Both with the gaps that suit them. Without a baseline, no mean says anything.
+            let about_mean = |e: &Evidence, of: &Fitted| square(&e.unexplained_rms(&of.spectra));
+            let share = if e.is_without_baseline() { EXPLAINED_MOTION } else { 1.0 };
+            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * e.unexplained_square(&lacking.spectra)
+                && about_mean(e, &fitted) < share * about_mean(shifted, &evaluate(shifted, &now.machine)?)
         }
         _ => true,
     };

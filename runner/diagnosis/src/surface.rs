@@ -405,9 +405,13 @@ impl Family {
         self.gains().map(|gain| gain - VALUES).sum()
     }
 
-    /// Returns how surely the lines are those of a spall, which are many: one strong line of another cause counts little.
-    fn number_of_lines(&self) -> f64 {
-        self.gains().map(|gain| (1.0 + gain.max(0.0) / VALUES).ln()).sum()
+    fn scores(&self) -> Scores {
+        let gains: Vec<f64> = self.gains().collect();
+        Scores {
+            lines: gains.iter().map(|gain| (1.0 + gain.max(0.0) / VALUES).ln()).sum(),
+            gain: gains.iter().map(|gain| gain - VALUES).sum(),
+            wave: self.wave().map_or(0.0, |(gain, ..)| gain),
+        }
     }
 
     /// Order of the profile at harmonic `k` (from 1) and l.
@@ -577,8 +581,7 @@ pub(crate) fn best_families(
         // Balls that roll in a slipping cage slip with it.
         let cage_slip = if observable { slip } else { tried };
         let family = Family::new(e, band, &from.residual, compliance, component, tried, cage_slip);
-        let wave = family.wave().map_or(0.0, |(gain, ..)| gain);
-        (Scores { lines: family.number_of_lines(), gain: family.gain(), wave }, family)
+        (family.scores(), family)
     };
     let mut tried: Vec<(Scores, Family)> = if observable && component != Component::Ball {
         vec![at(slip)]
@@ -594,21 +597,19 @@ pub(crate) fn best_families(
     if tried.len() > 1 {
         // The lines of the better peaks, between the steps of the scan.
         let between = |peak: f64| [-2.0, -1.0, 1.0, 2.0].map(|i| at(peak + BETWEEN * step * i));
-        let most_lines = |all: &[(Scores, Family)]| {
-            all.iter().max_by(|a, b| a.0.lines.total_cmp(&b.0.lines)).map(|(_, family)| family.slip)
-        };
-        let first = most_lines(&tried).unwrap_or(slip);
+        let by_lines = |a: &(Scores, Family), b: &(Scores, Family)| a.0.lines.total_cmp(&b.0.lines);
+        let first = tried.iter().max_by(|a, b| by_lines(a, b)).cloned();
         tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
         let mut peaks: Vec<f64> = tried.iter().take(REFINED).map(|(_, family)| family.slip).collect();
         let of_wave = tried.iter().max_by(|a, b| a.0.wave.total_cmp(&b.0.wave));
         peaks.extend(of_wave.map(|(_, family)| family.slip).filter(|slip| !peaks.contains(slip)));
         tried.extend(peaks.into_iter().flat_map(between));
         // A speed that changes blurs the spectrum of the scan, not the lines of a family, which turn with the shaft.
-        let blurred = [-1.0, 1.0].into_iter().flat_map(|side| BLUR.map(|i| at(first + side * i * step)));
-        let blurred: Vec<(Scores, Family)> = blurred.chain([at(first)]).collect();
-        let sharp = most_lines(&blurred).unwrap_or(first);
-        about.push(at(sharp));
-        about.extend(between(sharp));
+        let blurred = |first: f64| [-1.0, 1.0].into_iter().flat_map(move |side| BLUR.map(|i| first + side * i * step));
+        let further = first.iter().flat_map(|(_, first)| blurred(first.slip)).map(at);
+        let sharp = further.chain(first.clone()).max_by(by_lines);
+        about.extend(sharp.iter().flat_map(|(_, sharp)| between(sharp.slip)));
+        about.extend(sharp);
     }
     let none = || Family { component, bearing, slip: 0.0, elements: 1.0, harmonics: vec![] };
     let best = if about.is_empty() { &tried } else { &about }.iter().max_by(|a, b| a.0.gain.total_cmp(&b.0.gain));
@@ -625,8 +626,9 @@ pub(crate) fn best_families(
 }
 
 /// What a family explains.
+#[derive(Clone, Copy)]
 struct Scores {
-    /// Its number of lines, as [`Family::number_of_lines`] counts them.
+    /// How surely the lines are those of a spall, which are many: one strong line of another cause counts little.
     lines: f64,
     /// Fall of chi-squared by free amplitudes of all, and by one wave.
     gain: f64,

@@ -82,8 +82,8 @@ pub use snapshot::Snapshot;
 use ahead::Ahead;
 use ballrace_diagnosis::vibration;
 use ballrace_diagnosis::{CalibrationPlan, calibrated_scene, set_cages};
-use ballrace_outcome::{Outcome, ParameterName};
 use ballrace_outcome::baseline::Baseline;
+use ballrace_outcome::{Outcome, ParameterName};
 use ballrace_plant::error::{Error, ReplayError, Result};
 use ballrace_plant::{Plant, only_observable, unbalance_note};
 use ballrace_recording::Reader;
@@ -149,7 +149,8 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
                 progress(Progress::Learning(round));
             }
         };
-        let plan = CalibrationPlan { parameters: &ParameterName::ALL, begin: &begin, time_limit: options.learning_time };
+        let plan =
+            CalibrationPlan { parameters: &ParameterName::ALL, begin: &begin, time_limit: options.learning_time };
         let found = ahead.calibrate(&scene, &plant, recording, calibration.as_ref(), &plan)?;
         learning = found.as_ref().map(|found| found.learning(&given));
         // A recording that the parameters do not describe is compared with the scene as it was.

@@ -46,8 +46,13 @@ pub fn text(found: &Fitted) -> String {
             found.largest_chi_square_per_reading
         );
     }
-    let _ =
-        writeln!(out, "Chi-squared of the residuals: {:.1} for {} {}s.\n", found.chi_square, found.readings, one(found));
+    let _ = writeln!(
+        out,
+        "Chi-squared of the residuals: {:.1} for {} {}s.\n",
+        found.chi_square,
+        found.readings,
+        one(found)
+    );
     let _ = writeln!(out, "{:<16} {:>10} {:>10} {:>10}", "residual, um rms", "scene", "fitted", "noise");
     for r in &found.residuals {
         let _ = writeln!(out, "{:<16} {:>10.4} {:>10.4} {:>10.4}", r.probe, r.before_um, r.after_um, r.noise_um);

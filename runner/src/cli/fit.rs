@@ -69,9 +69,8 @@ pub fn run(args: &Args, format: Format) -> Result<()> {
     let mut part = 0.0;
     let mut progress = |at: FitProgress| {
         let FitProgress { iteration, most, turns, all_turns } = at;
-        let message = || {
-            format!("Fitting {turns:.1} of {all_turns:.1} revolutions, iteration {iteration} of at most {most}")
-        };
+        let message =
+            || format!("Fitting {turns:.1} of {all_turns:.1} revolutions, iteration {iteration} of at most {most}");
         bar.set_message(message());
         bar.tick();
         if part == turns {

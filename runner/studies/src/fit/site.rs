@@ -53,8 +53,8 @@ pub(super) fn fitted(
         CalibrationPlan { parameters: &parameters, begin: &begin, time_limit: Some(plan.time_limit) };
     let Some(found) = diagnosis::calibrate_site(&input, &plan_of_calibration)? else { return Ok(None) };
     let consistent = found.explains();
-    let Parameters { estimates, values, mut notes, one_plane } = estimates(scene, &found, plan.groups);
-    let of_offsets = plan.groups.contains(&Group::Offset).then(|| offsets(scene, &found)).unwrap_or_default();
+    let Parameters { estimates, values, mut notes, one_plane } = estimates(scene, &found);
+    let of_offsets = if plan.groups.contains(&Group::Offset) { offsets(scene, &found) } else { vec![] };
     let interval = |end: Option<f64>| end.filter(|_| consistent);
     let estimates = estimates.into_iter().chain(of_offsets.iter().map(|(estimate, ..)| estimate.clone()));
     let values = values.into_iter().chain(of_offsets.iter().map(|(_, parameter, value)| (parameter.clone(), *value)));
@@ -97,7 +97,8 @@ pub(super) fn fitted(
 /// Returns the parameters of a group that the diagnosis calibrates.
 const fn names(group: Group) -> &'static [ParameterName] {
     use ParameterName::{
-        CoupleX, CoupleY, DiametralClearance, RotationDamping, TranslationDamping, UnbalanceX, UnbalanceY, YoungsModulus,
+        CoupleX, CoupleY, DiametralClearance, RotationDamping, TranslationDamping, UnbalanceX, UnbalanceY,
+        YoungsModulus,
     };
     match group {
         Group::Unbalance => &[UnbalanceX, UnbalanceY, CoupleX, CoupleY],
@@ -117,29 +118,43 @@ struct Parameters {
     one_plane: bool,
 }
 
-/// Returns the scene's value of a calibrated parameter with its kinds: a damping of translations is that along X and Y, and along Z.
-fn kinds(scene: &Scene, rotor: &Rotor, name: ParameterName, bearing: Option<&str>) -> Vec<(ParameterKind, f64)> {
-    let b = scene.bearings.iter().position(|b| Some(b.name.as_str()) == bearing);
-    let geometry = b.and_then(|b| scene.bearings[b].geometry);
-    let clearance = geometry.and_then(|g| match g.fit {
-        FreeAngle::DiametralClearance(clearance) => Some(clearance),
-        _ => None,
-    });
+/// A parameter of the scene that changes with a calibrated one.
+struct Changed {
+    kind: ParameterKind,
+    given: f64,
+    /// Its change over that of the calibrated parameter.
+    per_calibrated: f64,
+}
+
+/// Returns the parameters of the scene that change with a calibrated one; nothing where its value follows from other keys.
+fn changed(scene: &Scene, rotor: &Rotor, name: ParameterName, bearing: Option<&str>) -> Vec<Changed> {
     let (force, couple) = sums(&rotor.unbalance);
-    let one = |kind: fn(usize) -> ParameterKind, given: Option<f64>| {
-        b.zip(given).map(|(b, given)| vec![(kind(b), given)]).unwrap_or_default()
-    };
+    let own = |kind, given| vec![Changed { kind, given, per_calibrated: 1.0 }];
+    let b = scene.bearings.iter().position(|b| Some(b.name.as_str()) == bearing).unwrap_or(0);
+    let of_bearing = scene.bearings.get(b);
+    let geometry = of_bearing.and_then(|b| b.geometry);
     match name {
-        ParameterName::DiametralClearance => one(ParameterKind::Clearance, clearance),
-        ParameterName::YoungsModulus => one(ParameterKind::Modulus, geometry.map(|g| g.youngs_modulus)),
-        ParameterName::TranslationDamping => {
-            vec![(ParameterKind::Damping(0), rotor.damping[0]), (ParameterKind::Damping(1), rotor.damping[2])]
+        ParameterName::DiametralClearance => {
+            let play = of_bearing.and_then(|b| b.law).and_then(|law| law.radial_play);
+            match (play, geometry.map(|g| g.fit)) {
+                (Some(play), _) => vec![Changed { kind: ParameterKind::Play(b), given: play, per_calibrated: 0.5 }],
+                (None, Some(FreeAngle::DiametralClearance(clearance))) => own(ParameterKind::Clearance(b), clearance),
+                _ => vec![],
+            }
         }
-        ParameterName::RotationDamping => vec![(ParameterKind::Damping(2), rotor.damping[3])],
-        ParameterName::UnbalanceX => vec![(ParameterKind::Unbalance(0), force[0])],
-        ParameterName::UnbalanceY => vec![(ParameterKind::Unbalance(1), force[1])],
-        ParameterName::CoupleX => vec![(ParameterKind::Couple(0), couple[0])],
-        ParameterName::CoupleY => vec![(ParameterKind::Couple(1), couple[1])],
+        ParameterName::YoungsModulus => {
+            geometry.map_or_else(Vec::new, |g| own(ParameterKind::Modulus(b), g.youngs_modulus))
+        }
+        ParameterName::TranslationDamping => {
+            let [across, _, along, ..] = rotor.damping;
+            let along = Changed { kind: ParameterKind::Damping(1), given: along, per_calibrated: along / across };
+            own(ParameterKind::Damping(0), across).into_iter().chain([along]).collect()
+        }
+        ParameterName::RotationDamping => own(ParameterKind::Damping(2), rotor.damping[3]),
+        ParameterName::UnbalanceX => own(ParameterKind::Unbalance(0), force[0]),
+        ParameterName::UnbalanceY => own(ParameterKind::Unbalance(1), force[1]),
+        ParameterName::CoupleX => own(ParameterKind::Couple(0), couple[0]),
+        ParameterName::CoupleY => own(ParameterKind::Couple(1), couple[1]),
     }
 }
 
@@ -147,7 +162,7 @@ const fn parameter(kind: ParameterKind, given: f64) -> Parameter {
     Parameter { kind, given, start: given, scale: 1.0, bounds: OPEN }
 }
 
-fn estimates(scene: &Scene, found: &Calibrated, groups: &[Group]) -> Parameters {
+fn estimates(scene: &Scene, found: &Calibrated) -> Parameters {
     let calibration = &found.calibration;
     let mut all = Parameters { estimates: vec![], values: vec![], notes: vec![], one_plane: false };
     let Some(rotor) = &scene.rotor else { return all };
@@ -157,17 +172,17 @@ fn estimates(scene: &Scene, found: &Calibrated, groups: &[Group]) -> Parameters 
         .filter(|&i| names(Group::Unbalance).contains(&calibration.parameters[i].name))
         .collect();
     for (i, calibrated) in calibration.parameters.iter().enumerate() {
-        for (kind, given) in kinds(scene, rotor, calibrated.name, calibrated.bearing.as_deref()) {
-            let first = kinds(scene, rotor, calibrated.name, calibrated.bearing.as_deref())[0].1;
-            // Damping along Z changes as that along X and Y does.
-            let factor = if given == first { 1.0 } else { given / first };
-            let (value, deviation) = (factor * calibrated.value, factor * found.deviation(i));
+        for Changed { kind, given, per_calibrated } in
+            changed(scene, rotor, calibrated.name, calibrated.bearing.as_deref())
+        {
+            let (value, deviation) = (per_calibrated * calibrated.value, per_calibrated * found.deviation(i));
             all.values.push((parameter(kind, given), value));
             if of_unbalance.contains(&i) {
                 continue;
             }
             let (name, unit, size) = kind.name(scene);
-            let remains = found.scene_deviation(i, first).map_or(0.0, |known| found.deviation(i) / known);
+            let known = found.scene_deviation(i, given / per_calibrated);
+            let remains = known.map_or(0.0, |known| found.deviation(i) / known);
             let identified = remains < IDENTIFIABLE;
             if !identified {
                 all.notes.push(format!(
@@ -187,7 +202,7 @@ fn estimates(scene: &Scene, found: &Calibrated, groups: &[Group]) -> Parameters 
             });
         }
     }
-    if let (true, [_, _, _, _]) = (groups.contains(&Group::Unbalance), of_unbalance.as_slice()) {
+    if of_unbalance.len() == names(Group::Unbalance).len() {
         let covariance = DMatrix::from_fn(4, 4, |a, b| {
             let (i, j) = (of_unbalance[a], of_unbalance[b]);
             calibration.correlation[i][j] * found.deviation(i) * found.deviation(j)
