@@ -5,6 +5,8 @@ use crate::observer::{TURN, motion, recording, rotor};
 use crate::support::{Sandbox, list, number, swap};
 use serde_json::Value;
 use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
 use std::sync::OnceLock;
 
 const TURNS: usize = 30;
@@ -263,5 +265,28 @@ fn a_wave_is_named_on_its_bearing() {
         // Normal to the race: 0.8 um along the radius.
         let [low, high] = ["/low", "/high"].map(|end| number(&findings[0]["amplitude_um"], end));
         assert!(low < 0.8 && 0.75 < high && high < 2.0 * low, "{}", findings[0]["amplitude_um"]);
+    }
+}
+
+/// A ring that is tilted by a minute of arc moves the shaft by more than its gaps are known: it is found in the readings that the tilt itself would leave.
+/// Recordings of an independent simulator, where they are beside the project.
+#[test]
+fn a_tilted_ring_is_found_where_the_means_have_moved() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/site/rig00");
+    let Ok(scene) = fs::read_to_string(folder.join("scene-rough.toml")) else { return };
+    let sandbox = Sandbox::empty();
+    for name in ["healthy", "misaligned", "slow-roll"] {
+        let file = format!("{name}.npy.gz");
+        sandbox.put(&file, fs::read(folder.join(&file)).unwrap());
+        sandbox.put(&format!("{name}.toml"), scene.replace("RECORDING", &file));
+    }
+    sandbox.done(&["replay", "healthy.toml", "--no-report", "--learn", "b.json"]);
+    let outcome = sandbox.replay("misaligned.toml", &["--no-report", "--baseline", "b.json"]);
+    let findings = list(&outcome, "findings");
+    assert_eq!(kinds(&outcome), ["misalignment"], "{findings:#?}");
+    assert_eq!(findings[0]["bearing"], "NDE", "{findings:#?}");
+    for (key, truth) in [("tilt_mrad", 1.066), ("axis_deg", 153.3)] {
+        let [low, high] = ["low", "high"].map(|end| number(&findings[0], &format!("/{key}/{end}")));
+        assert!((low..=high).contains(&truth), "{key}: {truth} not in {low} to {high}");
     }
 }

@@ -142,6 +142,20 @@ impl Estimates<'_, '_> {
         around(angle.value, ((angle.high - angle.value) / WITHIN_95).hypot(late))
     }
 
+    /// Size and direction of a vector of two unknowns by which the rotor moves: what the gaps of the probes leave of it is in the intervals.
+    pub fn moving_vector(&self, unknowns: [Unknown; 2], unit: f64) -> [Estimate; 2] {
+        let by_gaps =
+            |unknown| self.e.deviation_by_gaps(&self.last.spectra, &self.last.machine, unknown).unwrap_or(0.0);
+        let by_gaps = unknowns.map(by_gaps).into_iter().fold(0.0, f64::max);
+        let [size, direction] = self.vector(unknowns, unit);
+        let wider = |of: &Estimate, by: f64| around(of.value, ((of.high - of.value) / WITHIN_95).hypot(by));
+        let across = (by_gaps / (unit * size.value).max(1e-30)).to_degrees();
+        let Estimate { value, high, .. } = wider(&direction, across);
+        let half = (high - value).min(180.0);
+        let direction = Estimate { value, low: value - half, high: value + half };
+        [not_negative(wider(&size, by_gaps / unit)), within_turn(direction)]
+    }
+
     /// Size and direction of a vector of two unknowns.
     pub fn vector(&self, [x, y]: [Unknown; 2], unit: f64) -> [Estimate; 2] {
         let (a, b) = (x.get(&self.last.machine), y.get(&self.last.machine));

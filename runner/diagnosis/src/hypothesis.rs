@@ -9,11 +9,12 @@ use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
 use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
+use super::site::SiteRecording;
 use super::{Prepared, Result, cage};
 use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
-use own_weights::{LAST_ROUNDS_OF_SITE, in_own_weights, weighted, with_cages};
+use own_weights::{LAST_ROUNDS_OF_SITE, in_own_weights, weighted, with_cages, with_trials};
 
 /// Identified fault, with the machine that contains it and all faults before it.
 #[derive(Clone)]
@@ -186,6 +187,13 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         let known =
             |fault: &AnyFault| faults.iter().any(|other| other.fault == *fault) || of.deviations.contains(fault);
         list.retain(|candidate| !known(&candidate.fault));
+        let is_as_recorded = faults.is_empty() && of.deviations.is_empty();
+        if is_as_recorded && of.site.as_ref().is_some_and(SiteRecording::has_moved) {
+            for candidate in &mut list {
+                with_trials(of, candidate, &now)?;
+            }
+            list.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        }
         progress(0.3 + 0.2 * faults.len() as f64);
         let is_first = faults.is_empty();
         let round = Round { of, now: &now, shifted, least, is_first, first_excess };
@@ -424,7 +432,10 @@ impl<'a> Round<'a, '_> {
         let fit = |candidate: &&'c Candidate| -> Result<Option<(&'c Candidate, Fitted)>> {
             let is_shifted = candidate.fault.moves_shaft();
             let (e, now) = if is_shifted { self.shifted } else { (&self.of.evidence, self.now) };
-            let fitted = candidate.fault.fit(e, candidate, now, competition.extent(self.of, candidate))?;
+            let fitted = match candidate.is_weighted {
+                true => candidate.near_start(e, now)?,
+                false => candidate.fault.fit(e, candidate, now, competition.extent(self.of, candidate))?,
+            };
             Ok(fitted.map(|fitted| (*candidate, fitted)))
         };
         let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
@@ -432,7 +443,7 @@ impl<'a> Round<'a, '_> {
         fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
         let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
         let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-            scored(self.of, self.now, candidate, fitted, *rank < competition.searched)
+            scored(self.of, self.now, candidate, fitted, *rank < competition.searched || candidate.is_weighted)
         };
         parallel::map(&ranked, score).into_iter().collect()
     }

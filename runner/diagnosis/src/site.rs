@@ -10,7 +10,7 @@ use super::residual::{Evidence, Weighting};
 use super::{DiagnosisInput, Result};
 use ballrace_outcome::{ProbeReadings, ReadingOutcome};
 use ballrace_plant::probes;
-use ballrace_scene::Probe;
+use ballrace_scene::{Direction, Probe};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -22,6 +22,9 @@ const CLOSE: f64 = 3e-8;
 /// Standard deviation of a scene's unbalance over it, and of that of a baseline.
 pub const UNBALANCE_ERROR: f64 = 0.3;
 const UNBALANCE_LATER: f64 = 0.0;
+
+/// Standard deviations of a gap between recordings beyond which the shaft may have moved.
+const MOVED_GAPS: f64 = 2.0;
 
 /// Standard deviations of an unmeasured reading from which its error is none of a probe.
 const IMPLAUSIBLE: f64 = 5.0;
@@ -99,6 +102,15 @@ impl<'a> SiteRecording<'a> {
             error.iter().zip(usual).all(|(x, deviation)| x.abs() < IMPLAUSIBLE * deviation)
         };
         self.errors.iter().zip(self.input.probes).all(is_plausible)
+    }
+
+    /// Returns true where the mean of a radial probe has moved against the baseline by more than gaps do.
+    pub fn has_moved(&self) -> bool {
+        let moved = |(error, probe): (&ReadingError, &Probe)| {
+            probe.direction != Direction::Axial
+                && error[GAP].abs() > MOVED_GAPS * self.knowledge.deviations(probe.direction)[GAP]
+        };
+        self.knowledge == Knowledge::Baseline && self.errors.iter().zip(self.input.probes).any(moved)
     }
 
     /// Returns true where neither a slow roll nor a baseline tells the run-out from the motion of the shaft.

@@ -22,6 +22,8 @@ static TILT: Parameter = Parameter {
 
 /// Tilts that are tried, rad: one about a number of axes, others about the best axis.
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
+/// Tilt of the trials at a site whose means have moved, rad, and the number of their axes.
+const TRIALS: (f64, u32) = (0.6e-3, 4);
 /// Least tilt, rad.
 const TOLERANCE: f64 = 3e-5;
 /// The same between recordings of a site: one minute of arc, half of the least that catalogues permit for deep groove ball bearings.
@@ -56,6 +58,17 @@ impl Fault for Misalignment {
         let other = search.best_of(self.bearing, more)?;
         let (gain, start) = if other.0 > best.0 { other } else { best };
         Ok(Some(search.found(AnyFault::Misalignment(*self), gain, vec![start], &own)))
+    }
+
+    fn trials(&self, machine: &Machine) -> Vec<Machine> {
+        let (size, axes) = TRIALS;
+        let tilted = |i: u32| {
+            let axis = TAU * f64::from(i) / f64::from(axes);
+            let mut tilted = machine.clone();
+            tilted.bearings[self.bearing].tilt = [size * axis.cos(), size * axis.sin()];
+            tilted
+        };
+        (0..axes).map(tilted).collect()
     }
 
     fn remove(&self, machine: &mut Machine, before: &Machine) {
@@ -94,7 +107,7 @@ impl Fault for Misalignment {
     }
 
     fn parameters(&self, of: &Estimates) -> FaultParameters {
-        let [tilt, axis] = of.vector([0, 1].map(|axis| TILT.of_bearing_at(self.bearing, axis)), 1e-3);
+        let [tilt, axis] = of.moving_vector([0, 1].map(|axis| TILT.of_bearing_at(self.bearing, axis)), 1e-3);
         FaultParameters { tilt_mrad: Some(tilt), axis_deg: Some(axis), ..FaultParameters::default() }
     }
 

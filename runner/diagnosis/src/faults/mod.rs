@@ -46,6 +46,12 @@ pub trait Fault {
         candidate.near_start(e, now)?.map(fitted).transpose()
     }
 
+    /// Returns machines with the fault to try at a site whose means have moved: each moves the shaft by so much that the position by the gaps of the
+    /// baseline, known to a micrometre, does not show its force. None where the force is about the same.
+    fn trials(&self, _machine: &Machine) -> Vec<Machine> {
+        vec![]
+    }
+
     /// Removes the fault from a machine, which becomes as it was `before` in that respect.
     fn remove(&self, machine: &mut Machine, before: &Machine);
 

@@ -7,6 +7,7 @@ use super::super::machine::Machine;
 use super::super::parameter::Unknown;
 use super::super::residual::Evidence;
 use super::super::{Prepared, Result};
+use ballrace_base::parallel;
 
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
 const ROUNDS_OF_SITE: usize = 2;
@@ -34,6 +35,9 @@ pub(super) fn weighted<'a>(
     candidate: &Candidate,
     first: &Fitted,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
+    if candidate.is_weighted {
+        return weighted_from(of, candidate, &first.machine);
+    }
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
     let best = weighted_from(of, candidate, &found.machine)?;
@@ -43,6 +47,22 @@ pub(super) fn weighted<'a>(
     }
     let other = weighted_from(of, candidate, &first.machine)?;
     Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
+}
+
+/// Tries the machines of a candidate that moves the shaft, each in weights of its own, and starts from the best where it explains more than is expected
+/// of the candidate.
+pub(super) fn with_trials(of: &Prepared, candidate: &mut Candidate, now: &Fitted) -> Result<()> {
+    let trials = candidate.fault.trials(&now.machine);
+    let chi_square =
+        |machine: &Machine| -> Result<f64> { Ok(evaluate(&of.weighted_for(machine)?, machine)?.chi_square) };
+    let tried = parallel::map(&trials, chi_square);
+    for (machine, chi_square) in trials.into_iter().zip(tried) {
+        let gain = now.chi_square - chi_square?;
+        if gain > candidate.gain {
+            (candidate.gain, candidate.starts, candidate.is_weighted) = (gain, vec![machine], true);
+        }
+    }
+    Ok(())
 }
 
 fn weighted_from<'a>(

@@ -4,8 +4,11 @@
 use super::super::Result;
 use super::super::machine::Machine;
 use super::super::motion::{C, D};
+use super::super::parameter::Unknown;
 use super::{Evidence, Spectra};
 use ballrace_base::parallel;
+use ballrace_plant::probes;
+use ballrace_scene::{Direction, Probe};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Step of a difference quotient of the position, m and rad.
@@ -62,6 +65,19 @@ impl Evidence<'_> {
             moved
         };
         Ok(slopes.iter_mut().map(keep).collect())
+    }
+
+    /// Returns the standard deviation that the gaps of the radial probes leave of an unknown by which the rotor of a site moves; 0 for another recording.
+    pub fn deviation_by_gaps(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<f64> {
+        let Some(site) = &self.site else { return Ok(0.0) };
+        let mut slopes = self.force_slopes(spectra, machine, &[unknown])?;
+        let moved = self.keep_mean_forces(spectra, machine, slopes.iter_mut())?.pop().unwrap_or_default();
+        let radial = self.weighting.probes.iter().zip(&site.gaps).filter(|(p, _)| p.direction != Direction::Axial);
+        let square = |(probe, gap): (&Probe, &f64)| {
+            let read: f64 = probes::row(probe).iter().zip(moved).map(|(a, x)| a * x).sum();
+            (read / gap).powi(2)
+        };
+        Ok(radial.map(square).sum::<f64>().sqrt().recip())
     }
 
     /// Moves the rotor of a machine to where its bearings carry the mean force of another one; both with their spectra.

@@ -5,7 +5,7 @@
 
 use super::super::Result;
 use super::super::machine::Machine;
-use super::super::measurement::{Expected, ReadingBasis, ReadingError, Site, limited};
+use super::super::measurement::{Expected, GAP, ReadingBasis, ReadingError, Site, limited};
 use super::super::motion::{C, D};
 use super::{Evidence, MEAN_LINES, Spectra};
 use ballrace::Displacement;
@@ -140,7 +140,8 @@ impl Evidence<'_> {
         };
         let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
         self.subtracted = Arc::new(self.pretended(&basis, subtracted));
-        self.site = Some(Arc::new(Site { basis, expected, waves }));
+        let gaps = known.deviations.iter().map(|of| of[GAP]).collect();
+        self.site = Some(Arc::new(Site { basis, gaps, expected, waves }));
     }
 
     /// Returns the square of each line that a bearing makes of others: of the second and third power of the motion over the displacement
