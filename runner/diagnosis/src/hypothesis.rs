@@ -64,6 +64,8 @@ struct Scored<'a> {
     evidence: Option<Evidence<'a>>,
     /// No more than the deviations of healthy bearings and rotors.
     is_sound: bool,
+    /// As of its candidate.
+    is_weighted: bool,
 }
 
 impl Scored<'_> {
@@ -399,8 +401,10 @@ impl<'a> Round<'a, '_> {
         let equal = closest(&tried) + left;
         let score = |scored: &Scored| (scored.chi_square() - equal).max(0.0) + scored.prior;
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        // Of a machine that was never recorded in good order, the shape of the lines is not known well enough to tell faults apart by each.
-        let dependent = if of.evidence.is_without_baseline() { DEPENDENT } else { 1.0 };
+        // Of a machine that was never recorded in good order, the shape of the lines is not known well enough to tell faults apart by each. No more is the
+        // position at which a fault that was searched with readings of its own would be another one.
+        let is_weighted = tried.first().is_some_and(|first| first.is_weighted);
+        let dependent = if of.evidence.is_without_baseline() || is_weighted { DEPENDENT } else { 1.0 };
         let next = match (tried.as_slice(), not_fitted.first()) {
             ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)) / dependent)),
             ([first], Some(next)) => {
@@ -550,7 +554,8 @@ fn scored<'a>(
         explains_motion,
         observable,
     };
-    let mut scored = Scored { is_sound, identified, prior, tolerated: 0.0, evidence };
+    let is_weighted = candidate.is_weighted;
+    let mut scored = Scored { is_sound, is_weighted, identified, prior, tolerated: 0.0, evidence };
     scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
     Ok(scored)
 }

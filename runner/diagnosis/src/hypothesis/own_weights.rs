@@ -10,7 +10,7 @@ use super::super::{Prepared, Result};
 use ballrace_base::parallel;
 
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
-const ROUNDS_OF_SITE: usize = 2;
+const ROUNDS_OF_SITE: usize = 4;
 /// The same of the machine that was selected.
 pub(super) const LAST_ROUNDS_OF_SITE: usize = 4;
 /// Move of every parameter over its standard deviation by noise below which it stays.
