@@ -77,7 +77,8 @@ impl Evidence<'_> {
             let read: f64 = probes::row(probe).iter().zip(moved).map(|(a, x)| a * x).sum();
             (read / gap).powi(2)
         };
-        Ok(radial.map(square).sum::<f64>().sqrt().recip())
+        // At most 1: a parameter that moves no probe is not known by them.
+        Ok(radial.map(square).sum::<f64>().sqrt().max(1.0).recip())
     }
 
     /// Moves the rotor of a machine to where its bearings carry the mean force of another one; both with their spectra.
