@@ -211,6 +211,19 @@ fn a_recording_of_a_site_is_fitted_with_the_errors_of_its_readings() {
     assert!(sandbox.read("fit.html").contains("Errors of the readings"));
 }
 
+/// A fit that does not converge on the readings of a site, in its time or on any machine of the scene, writes nothing.
+#[test]
+fn a_fit_at_a_site_without_a_minimum_writes_nothing() {
+    let sandbox = Sandbox::empty();
+    let recorded = String::from_utf8(std::fs::read(demonstrated("healthy.csv")).unwrap()).unwrap();
+    sandbox.put("healthy.csv", &recorded);
+    sandbox.put("site.toml", wrong());
+    let late = sandbox.run(&["fit", "site.toml", "--time-limit", "0.01 s"]);
+    let is_late = late.err.contains("healthy.csv: the fit does not converge because its time has ended: 0.01 s, over ");
+    assert!(late.code == Some(1) && is_late && late.out.is_empty(), "{late:?}");
+    assert!(!sandbox.path("site-fitted.toml").exists());
+}
+
 /// Gaps alone are offsets of the scene: the fit along the time finds them, and the parameters as exactly as without them.
 #[test]
 fn gaps_alone_are_offsets() {

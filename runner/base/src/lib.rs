@@ -3,7 +3,7 @@
 //! | modules | content |
 //! | --- | --- |
 //! | [`printable`], [`output`], [`bounded`], [`folder_lock`], [`npy_header`], [`sha256`] | text and files |
-//! | [`parallel`], [`caught`], [`priority`] | work on all processors |
+//! | [`parallel`], [`caught`], [`priority`], [`time_limit`] | work on all processors, and its end |
 //! | [`least_squares`], [`eigenvalues`], [`moments`], [`statistics`] | numerical methods |
 #![forbid(unsafe_code)]
 
@@ -20,3 +20,4 @@ pub mod printable;
 pub mod priority;
 pub mod sha256;
 pub mod statistics;
+pub mod time_limit;

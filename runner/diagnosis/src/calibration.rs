@@ -10,12 +10,12 @@ use super::residual::site::{DEPENDENT, GAIN_ERROR, UNEXPLAINED};
 use super::site::{SiteRecording, UNBALANCE_ERROR};
 use super::{Prepared, Result, SHOWN_GAP, cage};
 use ballrace_base::statistics::{largest_chi_square, quantile};
+use ballrace_base::time_limit::TimeLimit;
 use ballrace_outcome::{
     CalibratedParameter, Calibration, LearnedParameter, Learning, ParameterName, ProbeReadings, ReadingOutcome,
 };
 use ballrace_scene::Scene;
 use nalgebra::{DMatrix, DVector};
-use std::time::{Duration, Instant};
 
 /// Clearances that are tried where a bearing carries no load, over that of the scene.
 const SMALLER_CLEARANCES: [f64; 12] = [0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4];
@@ -83,7 +83,7 @@ pub struct CalibrationPlan<'a> {
     /// Receives the number of each round before it, from 1; at most [`MAX_ROUNDS`].
     pub begin: &'a dyn Fn(usize),
     /// Time after which the calibration is given up; none without a limit.
-    pub time_limit: Option<Duration>,
+    pub time_limit: Option<TimeLimit>,
 }
 
 /// Returns the name in a table, the unit there, and its size in SI.
@@ -338,7 +338,7 @@ fn with_load(e: &Evidence, start: &Fitted, unknowns: &[Unknown]) -> Result<Machi
 
 /// Returns the fit with a damping that the recording hardly determines as it was known before: where the motion is not far above the noise,
 /// damping is estimated too high.
-fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<Instant>) -> Result<Fitted> {
+fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, time_limit: Option<TimeLimit>) -> Result<Fitted> {
     let is_vague = |(i, unknown): (usize, &Unknown)| {
         let deviation = fitted.covariance[(i, i)].max(0.0).sqrt();
         unknown.is(&DAMPING) && prior.unknowns.contains(unknown) && deviation > VAGUE * unknown.get(&fitted.machine)
@@ -358,7 +358,7 @@ fn with_known_damping(e: &Evidence, fitted: Fitted, prior: &Prior, end: Option<I
         &changed(e, &fitted, &machine)?,
         &unknowns,
         prior,
-        Limits { end, ..Limits::iterations(2 * ITERATIONS) },
+        Limits { time_limit, ..Limits::iterations(2 * ITERATIONS) },
     )
 }
 
@@ -382,8 +382,8 @@ pub(super) fn calibrate(
     plan: &CalibrationPlan<'_>,
     to_end: bool,
 ) -> Result<Calibrated> {
-    let end = plan.time_limit.and_then(|limit| Instant::now().checked_add(limit));
-    let is_over = || end.is_some_and(|end| Instant::now() > end);
+    let time_limit = plan.time_limit;
+    let is_over = || time_limit.is_some_and(|limit| limit.is_over());
     let mut own = parameters(&of.healthy.machine);
     own.retain(|(name, ..)| plan.parameters.contains(name));
     let has_unknown_run_out = of.site.as_ref().is_some_and(SiteRecording::has_unknown_run_out);
@@ -411,7 +411,8 @@ pub(super) fn calibrate(
         let before = now.chi_square;
         let mut unknowns = [all.clone(), cage::unknowns(&of.observable, &now.machine)].concat();
         unknowns.retain(|unknown| has_modulus || !unknown.is(&MODULUS));
-        now = fit_whole(&of.evidence, &now, &unknowns, &loose, Limits { end, ..Limits::iterations(ITERATIONS) })?;
+        now =
+            fit_whole(&of.evidence, &now, &unknowns, &loose, Limits { time_limit, ..Limits::iterations(ITERATIONS) })?;
         // The gaps are found anew, so that the readings give the position.
         now.machine.position = Default::default();
         of.remeasure(&now.machine)?;
@@ -434,14 +435,14 @@ pub(super) fn calibrate(
     }
     let unknowns = [all, cage::unknowns(&of.observable, &now.machine)].concat();
     let fitted =
-        fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { end, ..Limits::iterations(2 * ITERATIONS) })?;
-    let mut now = with_known_damping(&of.evidence, fitted, &prior, end)?;
+        fit_whole(&of.evidence, &now, &unknowns, &prior, Limits { time_limit, ..Limits::iterations(2 * ITERATIONS) })?;
+    let mut now = with_known_damping(&of.evidence, fitted, &prior, time_limit)?;
     now.machine.position = Default::default();
-    let not_converged = match (plan.time_limit.filter(|_| is_over()), still_falls) {
+    let not_converged = match (time_limit.filter(TimeLimit::is_over), still_falls) {
         (Some(limit), _) => Some(format!(
             "the search does not converge because its time has ended: {} s, in round {rounds} of at most {MAX_ROUNDS}, expected more time \
              (--time-limit) or a recording that the model describes",
-            limit.as_secs_f64()
+            limit.seconds()
         )),
         (None, Some(still_falls)) => Some(format!(
             "the search does not converge: after {MAX_ROUNDS} rounds chi-squared still falls by {:.1e} % a round",

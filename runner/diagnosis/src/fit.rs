@@ -5,8 +5,8 @@ use super::parameter::{ForceSource, Unknown};
 use super::residual::{Evidence, Spectra};
 use super::{BuildError, Result};
 use ballrace_base::least_squares::{Problem, Progress, dot, minimise};
+use ballrace_base::time_limit::TimeLimit;
 use nalgebra::{DMatrix, DVector};
-use std::time::Instant;
 
 /// A machine with its unknowns fitted.
 #[derive(Clone)]
@@ -144,14 +144,14 @@ enum Weights {
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
     pub iterations: usize,
-    pub end: Option<Instant>,
+    pub time_limit: Option<TimeLimit>,
     /// A fit that would need more than [`AHEAD`] further falls as large as the last one to come below it ends.
     pub target: f64,
 }
 
 impl Limits {
     pub const fn iterations(iterations: usize) -> Self {
-        Self { iterations, end: None, target: f64::INFINITY }
+        Self { iterations, time_limit: None, target: f64::INFINITY }
     }
 }
 
@@ -267,6 +267,6 @@ impl Problem for Fit<'_, '_> {
 
     fn may_continue(&self, Progress { iterations, square, fall }: Progress) -> bool {
         let is_hopeless = iterations > SETTLING && fall > 0.0 && square - AHEAD * fall > self.limits.target;
-        !is_hopeless && self.limits.end.is_none_or(|end| Instant::now() <= end)
+        !is_hopeless && !self.limits.time_limit.is_some_and(|limit| limit.is_over())
     }
 }

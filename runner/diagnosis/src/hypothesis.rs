@@ -447,9 +447,73 @@ impl<'a> Round<'a, '_> {
         fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
         let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
         let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-            scored(self.of, self.now, candidate, fitted, *rank < competition.searched || candidate.is_weighted)
+            self.scored(candidate, fitted, *rank < competition.searched || candidate.is_weighted)
         };
         parallel::map(&ranked, score).into_iter().collect()
+    }
+
+    /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
+    fn scored(&self, candidate: &Candidate, first: &Fitted, search: bool) -> Result<Scored<'a>> {
+        let Round { of, now, shifted: (shifted, moved), .. } = *self;
+        let values = now.residual.len() as f64;
+        let is_explained = first.chi_square < (1.0 + MODEL_ERROR) * values;
+        let mut evidence = None;
+        let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
+        let fault = candidate.fault;
+        if search && fault.changes_stiffness(&of.evidence) {
+            let (own, again, seen) = weighted(of, candidate, first)?;
+            // Without contact, a machine has no stiffness to be weighted by.
+            if again.chi_square < FAR * now.chi_square {
+                (fitted, observable) = (again, seen);
+                evidence = Some(own);
+            }
+        } else if search && !is_explained && !fault.includes_cages() {
+            (fitted, observable) = with_cages(of, candidate, first)?;
+        }
+        if let Some(b) = fault.shows_cage() {
+            observable[b] = true;
+        }
+        let penalty = values.ln() * candidate.unknowns.len() as f64;
+        let unusual = |(b, bearing): (usize, &MachineBearing)| {
+            // The cage ratio of the scene may be an estimate from this recording.
+            let kinematics = &of.evidence.plant.bearings[b].kinematics;
+            let slip = 1.0 - kinematics.cage_ratio * (1.0 - bearing.cage.slip) / kinematics.rolling_cage_ratio;
+            ((slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2)
+        };
+        let slips: f64 = fitted.machine.bearings.iter().enumerate().map(unusual).sum();
+        // Only the gain of the fault counts, not that of the cages that are fitted with it.
+        let before = evaluate(&of.evidence, &fault.removed(&fitted.machine, &now.machine))?.chi_square;
+        let before = before.min(now.chi_square);
+        let prior = penalty + slips;
+        let gain = before - fitted.chi_square - prior;
+        let explains_motion = match of.shifted {
+            Some(_) if fault.moves_shaft() => {
+                let e = evidence.as_ref().unwrap_or(shifted);
+                let lacking = evaluate(e, &fault.removed(&fitted.machine, &now.machine))?;
+                // Both with the gaps that suit them. Without a baseline, no mean says anything.
+                let about_mean = |e: &Evidence, of: &Fitted| square(&e.unexplained_rms(&of.spectra));
+                let share = if e.is_without_baseline() { EXPLAINED_MOTION } else { 1.0 };
+                e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * e.unexplained_square(&lacking.spectra)
+                    && about_mean(e, &fitted) < share * about_mean(shifted, moved)
+            }
+            _ => true,
+        };
+        let is_sound = !fault.exceeds_tolerance(&of.evidence, now, &fitted);
+        let identified = IdentifiedFault {
+            fault,
+            gain,
+            next: None,
+            rival: f64::INFINITY,
+            explained: 0.0,
+            values: 0.0,
+            fitted,
+            explains_motion,
+            observable,
+        };
+        let is_weighted = candidate.is_weighted;
+        let mut scored = Scored { is_sound, is_weighted, identified, prior, tolerated: 0.0, evidence };
+        scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
+        Ok(scored)
     }
 }
 
@@ -489,75 +553,6 @@ impl Competition {
         candidate.fault.is_nonlinear()
             || now.chi_square - GAIN_OVER_EXPECTED * candidate.gain < self.extent(of, candidate).target
     }
-}
-
-/// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
-fn scored<'a>(
-    of: &Prepared<'a>,
-    now: &Fitted,
-    candidate: &Candidate,
-    first: &Fitted,
-    search: bool,
-) -> Result<Scored<'a>> {
-    let values = now.residual.len() as f64;
-    let is_explained = first.chi_square < (1.0 + MODEL_ERROR) * values;
-    let mut evidence = None;
-    let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
-    let fault = candidate.fault;
-    if search && fault.changes_stiffness(&of.evidence) {
-        let (own, again, seen) = weighted(of, candidate, first)?;
-        // Without contact, a machine has no stiffness to be weighted by.
-        if again.chi_square < FAR * now.chi_square {
-            (fitted, observable) = (again, seen);
-            evidence = Some(own);
-        }
-    } else if search && !is_explained && !fault.includes_cages() {
-        (fitted, observable) = with_cages(of, candidate, first)?;
-    }
-    if let Some(b) = fault.shows_cage() {
-        observable[b] = true;
-    }
-    let penalty = values.ln() * candidate.unknowns.len() as f64;
-    let unusual = |(b, bearing): (usize, &MachineBearing)| {
-        // The cage ratio of the scene may be an estimate from this recording.
-        let kinematics = &of.evidence.plant.bearings[b].kinematics;
-        let slip = 1.0 - kinematics.cage_ratio * (1.0 - bearing.cage.slip) / kinematics.rolling_cage_ratio;
-        ((slip - USUAL_SLIP[0]) / USUAL_SLIP[1]).powi(2)
-    };
-    let slips: f64 = fitted.machine.bearings.iter().enumerate().map(unusual).sum();
-    // Only the gain of the fault counts, not that of the cages that are fitted with it.
-    let before = evaluate(&of.evidence, &fault.removed(&fitted.machine, &now.machine))?.chi_square;
-    let before = before.min(now.chi_square);
-    let prior = penalty + slips;
-    let gain = before - fitted.chi_square - prior;
-    let explains_motion = match &of.shifted {
-        Some(shifted) if fault.moves_shaft() => {
-            let e = evidence.as_ref().unwrap_or(shifted);
-            let lacking = evaluate(e, &fault.removed(&fitted.machine, &now.machine))?;
-            // Both with the gaps that suit them. Without a baseline, no mean says anything.
-            let about_mean = |e: &Evidence, of: &Fitted| square(&e.unexplained_rms(&of.spectra));
-            let share = if e.is_without_baseline() { EXPLAINED_MOTION } else { 1.0 };
-            e.unexplained_square(&fitted.spectra) < EXPLAINED_MOTION * e.unexplained_square(&lacking.spectra)
-                && about_mean(e, &fitted) < share * about_mean(shifted, &evaluate(shifted, &now.machine)?)
-        }
-        _ => true,
-    };
-    let is_sound = !fault.exceeds_tolerance(&of.evidence, now, &fitted);
-    let identified = IdentifiedFault {
-        fault,
-        gain,
-        next: None,
-        rival: f64::INFINITY,
-        explained: 0.0,
-        values: 0.0,
-        fitted,
-        explains_motion,
-        observable,
-    };
-    let is_weighted = candidate.is_weighted;
-    let mut scored = Scored { is_sound, is_weighted, identified, prior, tolerated: 0.0, evidence };
-    scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
-    Ok(scored)
 }
 
 /// Fits a machine with a fault of a surface along the axial motion that the fault causes, where no probe measures it; returns the recording

@@ -80,6 +80,7 @@ pub use session::{Replay, Update};
 pub use snapshot::Snapshot;
 
 use ahead::Ahead;
+use ballrace_base::time_limit::TimeLimit;
 use ballrace_diagnosis::vibration;
 use ballrace_diagnosis::{CalibrationPlan, calibrated_scene, set_cages};
 use ballrace_outcome::baseline::Baseline;
@@ -149,8 +150,11 @@ pub fn replay(scene: &Scene, mut reader: Reader, recording_name: &str, options: 
                 progress(Progress::Learning(round));
             }
         };
-        let plan =
-            CalibrationPlan { parameters: &ParameterName::ALL, begin: &begin, time_limit: options.learning_time };
+        let plan = CalibrationPlan {
+            parameters: &ParameterName::ALL,
+            begin: &begin,
+            time_limit: options.learning_time.map(TimeLimit::start),
+        };
         let found = ahead.calibrate(&scene, &plant, recording, calibration.as_ref(), &plan)?;
         learning = found.as_ref().map(|found| found.learning(&given));
         // A recording that the parameters do not describe is compared with the scene as it was.

@@ -17,20 +17,16 @@ pub enum FitError {
         /// Name of the recording.
         recording: String,
     },
-    /// The search ended at its largest number of iterations.
+    /// The search ended before a minimum.
     #[error(
-        "{recording}: the fit does not converge because the scene does not describe the recording: after {iterations} iterations \
-         over all samples chi-squared still falls by {:.1e} % an iteration, and probe {probe} leaves {left_um:.3} um rms where its \
-         noise is {noise_um:.3} um, expected a recording of this machine without drift of a probe; --only or --turns fits less",
-        100.0 * still_falls
+        "{recording}: {reason}, and probe {probe} leaves {left_um:.3} um rms where its noise is {noise_um:.3} um, expected a recording \
+         of this machine; --only or --turns fits less"
     )]
     NotConverged {
         /// Name of the recording.
         recording: String,
-        /// Number of iterations over all samples.
-        iterations: usize,
-        /// Relative decrease of chi-squared in the last iteration.
-        still_falls: f64,
+        /// Where the search ended: "the fit does not converge ...".
+        reason: String,
         /// Column of the probe with the largest residual over its noise.
         probe: String,
         /// Residual of that probe, um rms.

@@ -17,6 +17,7 @@ mod site;
 mod written;
 
 use ballrace_base::statistics::largest_chi_square;
+use ballrace_base::time_limit::TimeLimit;
 use ballrace_outcome::ReadingOutcome;
 use ballrace_plant::error::{FitError, Result};
 use ballrace_plant::observer::noise;
@@ -33,7 +34,7 @@ use parameters::{Group, Parameter, ParameterKind, parameters};
 use search::{Tied, probe_residuals};
 use serde::Serialize;
 use site::AtSite;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 pub use read::{RecordingSamples, read};
 pub use search::FitProgress;
@@ -167,7 +168,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     only_rotor(of.scene, "fit")?;
     only_observable(of.scene, "fit")?;
     let plant = Plant::try_new(of.scene)?;
-    let end = Instant::now().checked_add(plan.time_limit);
+    let time_limit = TimeLimit::start(plan.time_limit);
     let mut unknown = parameters(of.scene, &plant, plan.groups);
     let (Some(_), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
         return Err(FitError::NoSample { recording: of.recording.to_owned() }.into());
@@ -178,7 +179,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
     if unknown.is_empty() {
         return Err(FitError::NothingToFit { file: of.scene.path.clone() }.into());
     }
-    let at_site = match site::fitted(of, &plant, plan, progress)? {
+    let at_site = match site::fitted(of, &plant, (plan.groups, time_limit), progress)? {
         Some(AtSite { fitted, is_clear: true }) => return Ok(fitted),
         other => other.map(|other| other.fitted).filter(|fitted| fitted.consistent),
     };
@@ -187,7 +188,7 @@ pub fn fit(of: &FitInput, plan: &FitPlan, progress: &mut dyn FnMut(FitProgress))
         let is_offset = |own: &&mut Parameter| own.kind == known.kind && matches!(own.kind, ParameterKind::Offset(_));
         unknown.iter_mut().filter(is_offset).for_each(|own| own.start = *value);
     }
-    match (along_time(of, plant, unknown, (plan, end), progress), at_site) {
+    match (along_time(of, plant, unknown, time_limit, progress), at_site) {
         (Ok(fitted), Some(at_site)) => Ok(if fitted.consistent { fitted } else { at_site }),
         (Err(_), Some(at_site)) => Ok(at_site),
         (found, _) => found,
@@ -199,7 +200,7 @@ fn along_time(
     of: &FitInput,
     plant: Plant,
     mut unknown: Vec<Parameter>,
-    (plan, end): (&FitPlan, Option<Instant>),
+    time_limit: TimeLimit,
     progress: &mut dyn FnMut(FitProgress),
 ) -> Result<Fitted> {
     let (Some(first), Some(recording)) = (of.samples.first(), &of.scene.recording) else {
@@ -220,8 +221,9 @@ fn along_time(
     let at = [given, state].concat();
     let last = of.samples.last().unwrap_or(first);
     let turns = turns_of(last) - total;
-    let (all_turns, time) = (turns.abs(), (plan.time_limit, end));
-    let model = Model { of, plant: &plant, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at, all_turns, time };
+    let all_turns = turns.abs();
+    let model =
+        Model { of, plant: &plant, rows: &rows, sigma: &sigma, unknown: &unknown, prior: &at, all_turns, time_limit };
     let before = model.residuals(&at)?;
     let everything = model.search(progress)?;
     let open = covariance(&everything, &model);
@@ -232,11 +234,6 @@ fn along_time(
     (0..at.len()).filter(|i| !identified.contains(i)).for_each(|i| at[i] = model.prior[i]);
     let free: Vec<Tied> = identified.iter().map(|&i| vec![i]).collect();
     let solution = if identified.len() < at.len() { model.solution(&at, &free, progress)? } else { everything };
-    if let Some(still_falls) = solution.still_falls {
-        return Err(model.not_converged(&solution, still_falls).into());
-    }
-    let covariance = expanded(&covariance(&solution, &model), &open, &identified);
-    let estimates = model.estimates(&solution, &covariance);
     let rms = |left: &[f64], p: usize| 1e6 * model.rms(left, p);
     let residual = |(p, probe): (usize, &ballrace_scene::Probe)| Residual {
         probe: probe.column.clone(),
@@ -244,6 +241,12 @@ fn along_time(
         after_um: rms(&solution.residuals, p),
         noise_um: sigma[p] * 1e6,
     };
+    let residuals: Vec<Residual> = recording.probes.iter().enumerate().map(residual).collect();
+    if let Some(still_falls) = solution.still_falls {
+        return Err(not_converged(of, search::reason(still_falls), &residuals).into());
+    }
+    let covariance = expanded(&covariance(&solution, &model), &open, &identified);
+    let estimates = model.estimates(&solution, &covariance);
     let readings = of.samples.iter().flat_map(|s| &s.row.probes).filter(|x| x.is_finite()).count();
     let chi_square: f64 = probe_residuals(&solution, rows.len(), of).iter().map(|r| r * r).sum();
     let freedom = readings.saturating_sub(solution.x.len()).max(1) as f64;
@@ -267,10 +270,23 @@ fn along_time(
         parameters,
         errors: vec![],
         notes: [notes, not_identified].concat(),
-        residuals: recording.probes.iter().enumerate().map(residual).collect(),
+        residuals,
         values,
         one_plane,
     })
+}
+
+/// Returns the error that a search ended before a minimum for a reason, with the probe that leaves most over its noise.
+fn not_converged(of: &FitInput, reason: String, residuals: &[Residual]) -> FitError {
+    let share = |probe: &&Residual| probe.after_um / probe.noise_um;
+    let worst = residuals.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    FitError::NotConverged {
+        recording: of.recording.to_owned(),
+        reason,
+        probe: worst.map_or_else(String::new, |probe| probe.probe.clone()),
+        left_um: worst.map_or(0.0, |probe| probe.after_um),
+        noise_um: worst.map_or(0.0, |probe| probe.noise_um),
+    }
 }
 
 fn turns_of(sample: &Sample) -> f64 {

@@ -3,11 +3,11 @@
 use super::parameters::{Parameter, with};
 use super::{FitInput, turns_of};
 use ballrace_base::least_squares::Bounds;
+use ballrace_base::time_limit::TimeLimit;
 use ballrace_plant::Plant;
 use ballrace_plant::error::{FitError, Result};
 use ballrace_plant::motion::check_overflow;
 use ballrace_plant::probes::reading;
-use std::time::{Duration, Instant};
 
 /// Units of the unknowns of the initial state: m, rad, m/s, rad/s.
 const STATE: [f64; 4] = [50e-6, 5e-4, 0.05, 0.5];
@@ -24,8 +24,7 @@ pub(super) struct Model<'a> {
     pub(super) prior: &'a [f64],
     /// Number of shaft revolutions in all samples of the fit.
     pub(super) all_turns: f64,
-    /// Time of the fit, and its end; `None` where no clock reaches it.
-    pub(super) time: (Duration, Option<Instant>),
+    pub(super) time_limit: TimeLimit,
 }
 
 impl Model<'_> {
@@ -44,7 +43,7 @@ impl Model<'_> {
     fn too_long(&self) -> FitError {
         FitError::TooLong {
             recording: self.of.recording.to_owned(),
-            limit_s: self.time.0.as_secs_f64(),
+            limit_s: self.time_limit.seconds(),
             turns: self.turns(),
             all_turns: self.all_turns,
         }
@@ -74,7 +73,7 @@ impl Model<'_> {
     ///
     /// After the end of the time it is an error. A search takes that at a trial step for a bad step, and at the slopes it ends.
     pub(super) fn residuals(&self, x: &[f64]) -> Result<Vec<f64>> {
-        if self.time.1.is_some_and(|end| Instant::now() > end) {
+        if self.time_limit.is_over() {
             return Err(self.too_long().into());
         }
         let (values, state) = (self.values(x), x.get(self.unknown.len()..).unwrap_or_default());

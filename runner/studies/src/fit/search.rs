@@ -4,7 +4,7 @@ use super::model::Model;
 use super::parameters::ParameterKind;
 use super::{FitInput, turns_of};
 use ballrace_base::least_squares::{self, Bounds, Limits};
-use ballrace_plant::error::{FitError, Result};
+use ballrace_plant::error::Result;
 use nalgebra::DMatrix;
 use std::cell::RefCell;
 
@@ -140,22 +140,15 @@ impl Model<'_> {
             last = weight;
         }
     }
+}
 
-    /// Returns the error that a search over all samples ended at its largest number of iterations, with the probe that leaves most.
-    pub(super) fn not_converged(&self, found: &Solution, still_falls: f64) -> FitError {
-        let rms = |p: usize| self.rms(&found.residuals, p);
-        let share = |p: &usize| rms(*p) / self.sigma[*p];
-        let worst = (0..self.rows.len()).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
-        let probes = self.of.scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
-        FitError::NotConverged {
-            recording: self.of.recording.to_owned(),
-            iterations: MAX_ITERATIONS,
-            still_falls,
-            probe: probes.get(worst).map_or_else(String::new, |probe| probe.column.clone()),
-            left_um: 1e6 * rms(worst),
-            noise_um: 1e6 * self.sigma.get(worst).copied().unwrap_or(0.0),
-        }
-    }
+/// Returns the reason that a search over all samples ended at its largest number of iterations.
+pub(super) fn reason(still_falls: f64) -> String {
+    format!(
+        "the fit does not converge because the scene does not describe the recording: after {MAX_ITERATIONS} iterations over all samples \
+         chi-squared still falls by {:.1e} % an iteration",
+        100.0 * still_falls
+    )
 }
 
 /// Returns the residuals at the probes, without the priors.

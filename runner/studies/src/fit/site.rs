@@ -4,12 +4,13 @@
 use super::estimates::IDENTIFIABLE;
 use super::intervals::unbalance;
 use super::parameters::{Group, OPEN, Parameter, ParameterKind, sums};
-use super::{Estimate, FitInput, FitPlan, FitProgress, Fitted, Residual, turns_of};
+use super::{Estimate, FitInput, FitProgress, Fitted, Residual, not_converged, turns_of};
 use ballrace_base::statistics::quantile;
+use ballrace_base::time_limit::TimeLimit;
 use ballrace_diagnosis::{self as diagnosis, Calibrated, CalibrationPlan, DiagnosisInput};
 use ballrace_outcome::ParameterName;
 use ballrace_plant::Plant;
-use ballrace_plant::error::Result;
+use ballrace_plant::error::{FitError, Result};
 use ballrace_plant::observer::noise;
 use ballrace_scene::{FreeAngle, Rotor, Scene};
 use nalgebra::DMatrix;
@@ -25,15 +26,16 @@ pub(super) struct AtSite {
     pub(super) is_clear: bool,
 }
 
-/// Returns the fit to a recording of a site; `None` for a recording without errors of the readings.
+/// Returns the fit to a recording of a site; `None` for a recording without errors of the readings, or where they may be gaps alone and the
+/// search does not converge.
 pub(super) fn fitted(
     of: &FitInput,
     plant: &Plant,
-    plan: &FitPlan,
+    (groups, time_limit): (&[Group], TimeLimit),
     progress: &mut dyn FnMut(FitProgress),
 ) -> Result<Option<AtSite>> {
     let (scene, samples) = (of.scene, of.cage_samples);
-    let parameters: Vec<ParameterName> = plan.groups.iter().flat_map(|group| names(*group)).copied().collect();
+    let parameters: Vec<ParameterName> = groups.iter().flat_map(|group| names(*group)).copied().collect();
     if parameters.is_empty() || diagnosis::not_applicable(scene, samples).is_some() {
         return Ok(None);
     }
@@ -49,22 +51,8 @@ pub(super) fn fitted(
     let probes = scene.recording.as_ref().map(|r| r.probes.as_slice()).unwrap_or_default();
     let input =
         DiagnosisInput { scene, plant, probes, samples, period: of.period, calibration: None, is_corrected: false };
-    let plan_of_calibration =
-        CalibrationPlan { parameters: &parameters, begin: &begin, time_limit: Some(plan.time_limit) };
+    let plan_of_calibration = CalibrationPlan { parameters: &parameters, begin: &begin, time_limit: Some(time_limit) };
     let Some(found) = diagnosis::calibrate_site(&input, &plan_of_calibration)? else { return Ok(None) };
-    let consistent = found.explains();
-    let Parameters { estimates, values, mut notes, one_plane } = estimates(scene, &found);
-    let of_offsets = if plan.groups.contains(&Group::Offset) { offsets(scene, &found) } else { vec![] };
-    let interval = |end: Option<f64>| end.filter(|_| consistent);
-    let estimates = estimates.into_iter().chain(of_offsets.iter().map(|(estimate, ..)| estimate.clone()));
-    let values = values.into_iter().chain(of_offsets.iter().map(|(_, parameter, value)| (parameter.clone(), *value)));
-    notes.extend(found.not_converged.clone().map(|reason| format!("{reason}.")));
-    if plan.groups.contains(&Group::Unbalance) && found.has_unknown_run_out {
-        notes.push(
-            "Without a recording at slow roll the unbalance is not told from the run-out: its interval is that of the scene's value."
-                .to_owned(),
-        );
-    }
     let [before, after] = &found.unexplained_rms;
     let residual = |(p, probe): (usize, &ballrace_scene::Probe)| Residual {
         probe: probe.column.clone(),
@@ -72,8 +60,30 @@ pub(super) fn fitted(
         after_um: 1e6 * after.get(p).copied().unwrap_or(0.0),
         noise_um: 1e6 * noise(samples, p, None),
     };
-    let per_value = found.calibration.chi_square_per_value;
+    let residuals: Vec<Residual> = probes.iter().enumerate().map(residual).collect();
     let is_clear = found.leaves_lines();
+    match found.not_converged.clone() {
+        Some(_) if !is_clear => return Ok(None),
+        Some(_) if time_limit.is_over() => {
+            let (recording, limit_s, turns) = (of.recording.to_owned(), time_limit.seconds(), turns.abs());
+            return Err(FitError::TooLong { recording, limit_s, turns, all_turns: turns }.into());
+        }
+        Some(reason) => return Err(not_converged(of, reason, &residuals).into()),
+        None => {}
+    }
+    let consistent = found.explains();
+    let Parameters { estimates, values, mut notes, one_plane } = estimates(scene, &found);
+    let of_offsets = if groups.contains(&Group::Offset) { offsets(scene, &found) } else { vec![] };
+    let interval = |end: Option<f64>| end.filter(|_| consistent);
+    let estimates = estimates.into_iter().chain(of_offsets.iter().map(|(estimate, ..)| estimate.clone()));
+    let values = values.into_iter().chain(of_offsets.iter().map(|(_, parameter, value)| (parameter.clone(), *value)));
+    if groups.contains(&Group::Unbalance) && found.has_unknown_run_out {
+        notes.push(
+            "Without a recording at slow roll the unbalance is not told from the run-out: its interval is that of the scene's value."
+                .to_owned(),
+        );
+    }
+    let per_value = found.calibration.chi_square_per_value;
     let fitted = Fitted {
         scene: scene.name.clone(),
         recording: of.recording.to_owned(),
@@ -84,7 +94,7 @@ pub(super) fn fitted(
         chi_square_per_reading: per_value,
         largest_chi_square_per_reading: found.largest_chi_square_per_value(),
         consistent,
-        residuals: probes.iter().enumerate().map(residual).collect(),
+        residuals,
         parameters: estimates.map(|p| Estimate { low: interval(p.low), high: interval(p.high), ..p }).collect(),
         errors: found.errors,
         notes,
