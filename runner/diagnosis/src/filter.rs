@@ -4,7 +4,7 @@
 //! readings, its mean would be biased. It is evaluated at the lines above the noise, and linearised for the rest.
 
 use super::motion::{C, D};
-use rustfft::{Fft, FftPlanner};
+use rustfft::Fft;
 use std::sync::Arc;
 
 /// Ratio of the power of a line to that of noise above which it is kept; noise alone passes in 1 of 1000 lines.
@@ -27,11 +27,9 @@ fn trend(q: &[[f64; D]], i: usize) -> impl Fn(usize) -> f64 {
 }
 
 impl LineFilter {
-    /// Finds the lines of `q` above white noise with these standard deviations.
-    pub fn new(q: &[[f64; D]], noise: [f64; D]) -> Self {
+    /// Finds the lines of `q` above white noise with these standard deviations, by the transforms of its length.
+    pub fn new(q: &[[f64; D]], noise: [f64; D], [forward, inverse]: [Arc<dyn Fft<f64>>; 2]) -> Self {
         let n = q.len();
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
         let kept = std::array::from_fn(|i| {
             let trend = trend(q, i);
             let mut lines: Vec<C> = (0..n).map(|t| C::new(q[t][i] - trend(t), 0.0)).collect();
@@ -69,6 +67,7 @@ impl LineFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::Transform;
     use crate::residual::Normal;
 
     #[test]
@@ -78,7 +77,8 @@ mod tests {
         let pure: Vec<[f64; D]> = (0..n).map(|t| [(0.3 * t as f64).sin(), 0.0, 0.0, 1.0, 0.0]).collect();
         let noise = 0.2;
         let noisy: Vec<[f64; D]> = pure.iter().map(|q| q.map(|x| x + noise * normal.next())).collect();
-        let filtered = LineFilter::new(&noisy, [noise; D]).apply(&noisy);
+        let plans = Transform::new(n, 1e-4, 1.0, [0.0, 0.12]).plans();
+        let filtered = LineFilter::new(&noisy, [noise; D], plans).apply(&noisy);
         for i in 0..D {
             let rms = filtered.iter().zip(&pure).map(|(a, b)| (a[i] - b[i]).powi(2)).sum::<f64>() / n as f64;
             // The trend takes the noise of two samples.

@@ -111,7 +111,8 @@ impl Motion {
 
 /// Windowed Fourier transforms of a record.
 pub struct Transform {
-    fft: Arc<dyn Fft<f64>>,
+    forward: Arc<dyn Fft<f64>>,
+    inverse: Arc<dyn Fft<f64>>,
     /// Window and its first two derivatives by time.
     window: [Vec<f64>; 3],
     /// Angular frequency of each line in use, rad/s.
@@ -125,7 +126,8 @@ impl Transform {
     ///
     /// The window begins after the share `lead` of the record and rises over the share `taper`; it falls in the same way.
     pub fn new(n: usize, period: f64, highest: f64, [lead, taper]: [f64; 2]) -> Self {
-        let fft = FftPlanner::new().plan_fft_forward(n);
+        let mut planner = FftPlanner::new();
+        let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
         let length = n as f64 * period;
         let rise = taper * length;
         // sin^4: value and first three derivatives vanish at the ends.
@@ -148,7 +150,12 @@ impl Transform {
         let bin = TAU / length;
         let lines = (0..n / 2).map(|k| k as f64 * bin).take_while(|w| *w <= highest).collect();
         let power = window[0].iter().map(|w| w * w).sum();
-        Self { fft, window, lines, power }
+        Self { forward, inverse, window, lines, power }
+    }
+
+    /// Returns the transforms of as many samples without a window, forward and inverse.
+    pub fn plans(&self) -> [Arc<dyn Fft<f64>>; 2] {
+        [self.forward.clone(), self.inverse.clone()]
     }
 
     /// Returns the window at a share of the record.
@@ -166,7 +173,7 @@ impl Transform {
     pub fn pair(&self, order: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> [Vec<C>; 2] {
         let n = self.window[0].len();
         let mut both: Vec<C> = (0..n).map(|i| C::new(a(i), b(i)) * self.window[order][i]).collect();
-        self.fft.process(&mut both);
+        self.forward.process(&mut both);
         let m = self.lines.len();
         let (mut first, mut second) = (Vec::with_capacity(m), Vec::with_capacity(m));
         for k in 0..m {
@@ -180,14 +187,19 @@ impl Transform {
     /// Transforms a complex series: all lines, positive and negative.
     pub fn full(&self, of: impl Fn(usize) -> C) -> Vec<C> {
         let mut all: Vec<C> = self.window[0].iter().enumerate().map(|(t, w)| of(t) * *w).collect();
-        self.fft.process(&mut all);
+        self.forward.process(&mut all);
         all
+    }
+
+    /// Transforms the third and the fourth of five real series, as [`Transform::five`] does.
+    pub fn axial_pair(&self, order: usize, of: impl Fn(usize) -> [f64; D]) -> [Vec<C>; 2] {
+        self.pair(order, |i| of(i)[2], |i| of(i)[3])
     }
 
     /// Transforms five real series under derivative `order` of the window.
     pub fn five(&self, order: usize, of: impl Fn(usize) -> [f64; D]) -> [Vec<C>; D] {
         let [a, b] = self.pair(order, |i| of(i)[0], |i| of(i)[1]);
-        let [c, d] = self.pair(order, |i| of(i)[2], |i| of(i)[3]);
+        let [c, d] = self.axial_pair(order, &of);
         let [e, _] = self.pair(order, |i| of(i)[4], |_| 0.0);
         [a, b, c, d, e]
     }

@@ -156,6 +156,34 @@ impl Shaft {
             dynamics: Arc::new(dynamics),
         })
     }
+
+    /// Returns the relations applied to another pose in the same motion of the shaft.
+    fn moved(&self, pose: &[[f64; D]]) -> Self {
+        Self { by_pose: Arc::new(self.dynamics.displacements(pose)), ..self.clone() }
+    }
+}
+
+/// The displacement of a motion, divided into its lines above the noise of the probes and the rest.
+struct Filtered {
+    filter: LineFilter,
+    q: Vec<[f64; D]>,
+    rest: Vec<[f64; D]>,
+    displacement: Arc<[[Vec<C>; D]; 3]>,
+    rest_lines: Arc<[Vec<C>; D]>,
+}
+
+impl Filtered {
+    /// Divides the displacement of a motion, which keeps its lines.
+    fn new(motion: &mut Motion, weighting: &Weighting, transform: &Transform) -> Self {
+        let whole: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
+        let filter = LineFilter::new(&whole, weighting.pose_noise(), transform.plans());
+        let q = filter.apply(&whole);
+        let displacement = Arc::new(std::array::from_fn(|order| transform.five(order, |t| q[t])));
+        let rest: Vec<[f64; D]> = whole.iter().zip(&q).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
+        let rest_lines = Arc::new(transform.five(0, |t| rest[t]));
+        motion.q = q.iter().copied().map(Displacement::from_array).collect();
+        Self { filter, q, rest, displacement, rest_lines }
+    }
 }
 
 /// A direction of the whitened residual with the share of it that is subtracted from a residual.
@@ -216,11 +244,7 @@ impl<'a> Evidence<'a> {
             highest,
             if plant.layout.is_rigid() { RIGID_WINDOW } else { ELASTIC_WINDOW },
         );
-        let q: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
-        let filter = LineFilter::new(&q, weighting.pose_noise());
-        let filtered = filter.apply(&q);
-        let displacement = std::array::from_fn(|order| transform.five(order, |t| filtered[t]));
-        let rest: Vec<[f64; D]> = q.iter().zip(&filtered).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
+        let filtered = Filtered::new(&mut motion, &weighting, &transform);
         let [gx, gy, gz] = rotor.gravity;
         let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
         let unit_unbalance = motion.unit_unbalance();
@@ -228,7 +252,7 @@ impl<'a> Evidence<'a> {
             let of = motion.harmonic(order);
             transform.pair(0, |t| of[t][0], |t| of[t][1])
         });
-        let Some(shaft) = Shaft::new(scene, plant, &weighting, &transform, (&motion, &filtered)) else {
+        let Some(shaft) = Shaft::new(scene, plant, &weighting, &transform, (&motion, &filtered.q)) else {
             return Ok(None);
         };
         let mut stiffer = None;
@@ -240,19 +264,18 @@ impl<'a> Evidence<'a> {
                 .iter_mut()
                 .flat_map(|r| &mut r.flexible)
                 .for_each(|drawn| drawn.youngs_modulus = youngs_modulus);
-            stiffer = Shaft::new(&scene, plant, &weighting, &transform, (&motion, &filtered));
+            stiffer = Shaft::new(&scene, plant, &weighting, &transform, (&motion, &filtered.q));
         }
-        motion.q = filtered.into_iter().map(Displacement::from_array).collect();
         Ok(Some(Self {
             scene,
             plant,
-            rest_lines: Arc::new(transform.five(0, |t| rest[t])),
+            rest_lines: filtered.rest_lines,
             unit_unbalance_lines: Arc::new(transform.pair(0, |t| unit_unbalance[t][0], |t| unit_unbalance[t][1])),
             harmonic_lines: Arc::new(harmonic_lines),
             constant: Arc::new(transform.pair(0, |_| 1.0, |_| 0.0)[0].clone()),
             motion: Arc::new(motion),
             transform: Arc::new(transform),
-            displacement: Arc::new(displacement),
+            displacement: filtered.displacement,
             weighting,
             shaft,
             stiffer,
@@ -269,14 +292,32 @@ impl<'a> Evidence<'a> {
             reference: MeanStiffness::default(),
             reference_lines: Arc::default(),
             rows: 0,
-            filter: Arc::new(filter),
-            rest: Arc::new(rest),
+            filter: Arc::new(filtered.filter),
+            rest: Arc::new(filtered.rest),
             correction: Default::default(),
             gravity,
             site: None,
             subtracted: Arc::default(),
             narrowing: vec![],
         }))
+    }
+
+    /// Returns the evidence of the same record with another displacement in the same motion of the shaft. The next call must be
+    /// [`Evidence::weight_for`].
+    pub fn with_motion(&self, mut motion: Motion) -> Self {
+        let Filtered { filter, q, rest, displacement, rest_lines } =
+            Filtered::new(&mut motion, &self.weighting, &self.transform);
+        Self {
+            motion: Arc::new(motion),
+            displacement,
+            shaft: self.shaft.moved(&q),
+            stiffer: self.stiffer.as_ref().map(|stiffer| stiffer.moved(&q)),
+            displaced: vec![],
+            filter: Arc::new(filter),
+            rest: Arc::new(rest),
+            rest_lines,
+            ..self.clone()
+        }
     }
 
     /// Returns true if a probe measures the axial motion.
@@ -294,10 +335,14 @@ impl<'a> Evidence<'a> {
         self.weighting.reading_noise(row)
     }
 
-    /// Applies a changed pose of the motion of a rigid rotor.
-    fn set_pose(&mut self) {
+    /// Applies a changed axial coordinate of the motion of a rigid rotor.
+    fn set_axial_motion(&mut self) {
         let q: Vec<[f64; D]> = self.motion.q.iter().map(|q| q.to_array()).collect();
-        self.displacement = Arc::new(std::array::from_fn(|order| self.transform.five(order, |t| q[t])));
+        let mut displacement = (*self.displacement).clone();
+        for (order, displacement) in displacement.iter_mut().enumerate() {
+            [displacement[2], displacement[3]] = self.transform.axial_pair(order, |t| q[t]);
+        }
+        self.displacement = Arc::new(displacement);
         self.shaft.by_pose = Arc::new(self.shaft.dynamics.displacements(&q));
     }
 

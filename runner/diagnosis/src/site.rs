@@ -56,6 +56,8 @@ pub struct SiteRecording<'a> {
     /// Errors beyond them.
     errors: Vec<ReadingError>,
     basis: Option<Arc<ReadingBasis>>,
+    /// The first evidence of the record: the others differ in the displacement alone.
+    first: Option<Arc<Evidence<'a>>>,
 }
 
 impl<'a> SiteRecording<'a> {
@@ -92,7 +94,7 @@ impl<'a> SiteRecording<'a> {
         let deviations: Vec<ReadingError> =
             input.probes.iter().map(|probe| knowledge.deviations(probe.direction)).collect();
         let known = SiteKnowledge { deviations: deviations.clone(), learned };
-        Self { input, weighting, highest, raw, knowledge, known, deviations, centre, errors, basis: None }
+        Self { input, weighting, highest, raw, knowledge, known, deviations, centre, errors, basis: None, first: None }
     }
 
     /// Returns true where no error of a reading is beyond what a probe and the surface of a shaft may have.
@@ -124,6 +126,7 @@ impl<'a> SiteRecording<'a> {
         let unbalance = if self.known.learned.is_empty() { UNBALANCE_ERROR } else { UNBALANCE_LATER };
         for round in 0..ROUNDS {
             let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
+            self.first.get_or_insert_with(|| Arc::new(e.clone()));
             let basis = self.basis.get_or_insert_with(|| Arc::new(ReadingBasis::new(&e.transform, &self.raw))).clone();
             e.refer_to(machine)?;
             let [_, unknown] = divided(&self.errors, &self.known);
@@ -185,6 +188,9 @@ impl<'a> SiteRecording<'a> {
     fn without(&self, errors: &[ReadingError]) -> Result<Option<Evidence<'a>>> {
         let mut motion = self.raw.clone();
         measurement::subtract(&mut motion, &self.weighting.solver, &sums(&self.centre, errors));
+        if let Some(first) = &self.first {
+            return Ok(Some(first.with_motion(motion)));
+        }
         let DiagnosisInput { scene, plant, .. } = self.input;
         Evidence::new(scene, plant, motion, self.highest, self.weighting.clone())
     }

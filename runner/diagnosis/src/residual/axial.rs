@@ -65,7 +65,7 @@ impl Evidence<'_> {
         let mut moved = motion.clone();
         moved.q = q;
         self.motion = Arc::new(moved);
-        self.set_pose();
+        self.set_axial_motion();
         self.displace(machine)?;
         Ok(true)
     }
