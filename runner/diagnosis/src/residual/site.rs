@@ -297,9 +297,9 @@ impl Evidence<'_> {
     }
 
     /// Narrows the weights by what the site adds to the noise, and counts the errors that were subtracted.
-    pub(super) fn narrow(&mut self, machine: &Machine) -> Result<()> {
-        let Some(site) = self.site.clone() else { return Ok(()) };
-        let modelled = self.modelled_readings(machine)?;
+    pub(super) fn narrow(&mut self, spectra: &Spectra) {
+        let Some(site) = self.site.clone() else { return };
+        let modelled = self.modelled_readings(spectra);
         let subtracted = self.required_at_reference(&self.subtracted);
         for (sum, part) in self.correction.iter_mut().zip(subtracted) {
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum -= part);
@@ -349,12 +349,11 @@ impl Evidence<'_> {
         let mut whitening = std::mem::take(&mut self.whitening);
         self.narrow_weights(&mut whitening);
         self.whitening = whitening;
-        Ok(())
     }
 
     /// Returns the square of each line of each probe's reading that the machine describes: the largest of the lines about it.
-    fn modelled_readings(&self, machine: &Machine) -> Result<Vec<Vec<f64>>> {
-        let unexplained = self.unexplained_readings(&self.spectra(machine)?, &[0.0; D]);
+    fn modelled_readings(&self, spectra: &Spectra) -> Vec<Vec<f64>> {
+        let unexplained = self.unexplained_readings(spectra, &[0.0; D]);
         let probe = |(p, unexplained): (usize, &Vec<C>)| {
             let row = probes::row(&self.weighting.probes[p]);
             let square = |k: usize| {
@@ -371,7 +370,7 @@ impl Evidence<'_> {
             };
             (0..squares.len()).map(around).collect()
         };
-        Ok(unexplained.iter().enumerate().map(probe).collect())
+        unexplained.iter().enumerate().map(probe).collect()
     }
 
     /// Returns the largest radial motion of a bearing by a force there, over the static one: by so much an error of the stiffness changes the

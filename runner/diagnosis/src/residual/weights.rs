@@ -49,12 +49,13 @@ impl Evidence<'_> {
         self.narrowing.clear();
         self.tolerance.clear();
         self.scale_noise(machine)?;
+        let spectra = self.spectra(machine)?;
         if self.site.is_some() {
             self.whiten_bearings();
-            self.narrow(machine)?;
+            self.narrow(&spectra);
         }
         self.whiten_bearings();
-        self.tolerate(machine)
+        self.tolerate(machine, &spectra)
     }
     /// Converts the weights of forces about the centre of mass to forces at each bearing.
     fn whiten_bearings(&mut self) {
@@ -136,14 +137,13 @@ impl Evidence<'_> {
     /// With `U = S L` the changes by one deviation of each independent parameter (S the slopes, `L L^T` the covariance) the
     /// covariance of the residual is `1 + U U^T`. From the eigenvalues `d^2` of `U^T U` its inverse root is
     /// `1 - sum q q^T (1 - 1 / sqrt(1 + d^2))`, q the unit vectors `U v / d`.
-    fn tolerate(&mut self, machine: &Machine) -> Result<()> {
+    fn tolerate(&mut self, machine: &Machine, spectra: &Spectra) -> Result<()> {
         let none = (vec![], DMatrix::zeros(0, 0));
         let (unknowns, known) = self.uncertain.as_ref().unwrap_or(&none);
-        let spectra = self.spectra(machine)?;
-        let mut slopes = self.slopes_of_uncertain(&spectra, machine, unknowns)?;
+        let mut slopes = self.slopes_of_uncertain(spectra, machine, unknowns)?;
         let of_uncertain = slopes.clone();
-        slopes.extend(self.elasticity_slope(&spectra, machine)?);
-        slopes.extend(self.instant_slope(&spectra, machine)?);
+        slopes.extend(self.elasticity_slope(spectra, machine)?);
+        slopes.extend(self.instant_slope(spectra, machine)?);
         let n = slopes.len();
         if n == 0 {
             return Ok(());
