@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Rounds in which the errors are found: each evaluates the bearings at the motion without those found before.
 const ROUNDS: usize = 5;
-/// Largest change of a gap at which the rounds end, m.
+/// Largest change of what is subtracted as a gap at which the rounds end, m.
 const CLOSE: f64 = 3e-8;
 /// Standard deviation of a scene's unbalance over it, and of that of a baseline.
 pub const UNBALANCE_ERROR: f64 = 0.3;
@@ -140,8 +140,10 @@ impl<'a> SiteRecording<'a> {
             // A hum beside a line of a bearing may be that line: it stays in the noise alone.
             let hidden = self.hidden_hums();
             found.iter_mut().for_each(|error| hidden.iter().for_each(|j| error[*j] = 0.0));
-            let moved = found.iter().zip(&removed).map(|(new, old)| (new[GAP] - old[GAP]).abs()).fold(0.0, f64::max);
             self.errors = found;
+            let [counting, unknown] = divided(&self.errors, &self.known);
+            let next = sums(&counting, &unknown);
+            let moved = next.iter().zip(&removed).map(|(new, old)| (new[GAP] - old[GAP]).abs()).fold(0.0, f64::max);
             if round > 0 && moved < CLOSE {
                 break;
             }
