@@ -27,6 +27,11 @@ impl Fitted {
         let at = self.unknowns.iter().position(|own| *own == unknown);
         at.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
     }
+
+    /// Returns the least significant fall of chi-squared: while its excess is large, a fall by a small share of it is none.
+    pub fn least_fall(&self) -> f64 {
+        MIN_FALL + MIN_SHARE * (self.chi_square - self.residual.len() as f64).max(0.0)
+    }
 }
 
 pub fn square(r: &[f64]) -> f64 {
@@ -260,9 +265,8 @@ impl Problem for Fit<'_, '_> {
         }
     }
 
-    /// While the excess of chi-squared is large, a fall by a small share of it is not significant.
     fn least_fall(&self, at: &Fitted) -> f64 {
-        MIN_FALL + MIN_SHARE * (at.chi_square - at.residual.len() as f64).max(0.0)
+        at.least_fall()
     }
 
     fn may_continue(&self, Progress { iterations, square, fall }: Progress) -> bool {

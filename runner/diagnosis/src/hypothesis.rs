@@ -14,7 +14,7 @@ use super::{Prepared, Result, cage};
 use ballrace_base::least_squares::dot;
 use ballrace_base::parallel;
 use nalgebra::{DMatrix, DVector};
-use own_weights::{LAST_ROUNDS_OF_SITE, in_own_weights, weighted, with_cages, with_trials};
+use own_weights::{in_own_weights, weighted, with_cages, with_trials};
 
 /// Identified fault, with the machine that contains it and all faults before it.
 #[derive(Clone)]
@@ -149,6 +149,8 @@ const FORCE_ERROR: f64 = 0.01;
 const FEWER_THAN_NOISE: f64 = 5.0;
 /// Share of the largest gain from which an error of a reading is taken before a fault.
 const MEASURED: f64 = 0.7;
+/// Excess of chi-squared from which on a candidate at a site is decided against: odds of more than a thousand.
+const DECIDED: f64 = 14.0 * DEPENDENT;
 /// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
 const EXPLAINED_MOTION: f64 = 0.5;
 /// Least share that a further fault explains of the excess of chi-squared over the noise left by the faults before it, and that the first
@@ -205,7 +207,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         }
         if of.site.is_some() && evidence.is_some() {
             let before = identified.fitted.chi_square;
-            let (own, fitted) = in_own_weights(of, identified.fitted, LAST_ROUNDS_OF_SITE)?;
+            let (own, fitted) = in_own_weights(of, identified.fitted, f64::INFINITY)?;
             identified.gain += before - fitted.chi_square;
             identified.fitted = fitted;
             evidence = own.or(evidence);
@@ -317,7 +319,7 @@ impl<'a> Round<'a, '_> {
         let (likely, others): (Vec<&Candidate>, _) = list.iter().partition(is_likely);
         // Where the likeliest candidate explains the recording, the others are fitted as far as they compete with it.
         let mut likely = likely.into_iter().take(FITTED.0);
-        let alone = Competition { searched: 1, top, explained: None };
+        let alone = Competition { searched: 1, top, explained: None, target: f64::INFINITY };
         let mut tried = self.scored_all(likely.next().into_iter(), alone)?;
         let values = self.now.residual.len() as f64;
         let explains = |scored: &&Scored| {
@@ -326,7 +328,7 @@ impl<'a> Round<'a, '_> {
         let explained = tried.iter().filter(|scored| self.is_fault(scored)).find(explains);
         let explained = explained.map(|Scored { identified, .. }| [identified.fitted.chi_square, identified.gain]);
         let searched = if explained.is_some() { SEARCHED - 1 } else { SEARCHED };
-        let beside = Competition { searched, explained, ..alone };
+        let beside = Competition { searched, explained, target: self.target(&tried), ..alone };
         let (competing, not_fitted): (Vec<&Candidate>, Vec<&Candidate>) =
             likely.partition(|candidate| beside.may_compete(of, candidate, self.now));
         tried.extend(self.scored_all(competing.into_iter(), beside)?);
@@ -336,7 +338,8 @@ impl<'a> Round<'a, '_> {
                 others.into_iter().partition(|c| c.fault.is_nonlinear());
             let further = nonlinear.into_iter().chain(others.into_iter().take(FURTHER));
             let further_top = further.clone().map(|candidate| candidate.gain).fold(0.0, f64::max);
-            tried.extend(self.scored_all(further, Competition { top: further_top, ..alone })?);
+            let target = self.target(&tried);
+            tried.extend(self.scored_all(further, Competition { top: further_top, target, ..alone })?);
         }
         Ok((tried, not_fitted))
     }
@@ -370,6 +373,12 @@ impl<'a> Round<'a, '_> {
 
     fn is_fault(&self, scored: &Scored) -> bool {
         self.is_significant(scored) && !scored.is_sound
+    }
+
+    /// Returns the chi-squared from which on a candidate is decided against by those that were fitted.
+    fn target(&self, tried: &[Scored]) -> f64 {
+        let faults = tried.iter().filter(|scored| self.is_fault(scored));
+        faults.map(|scored| scored.identified.fitted.chi_square).fold(f64::INFINITY, f64::min) + DECIDED
     }
 
     /// Returns the largest gain of a fault.
@@ -447,27 +456,30 @@ impl<'a> Round<'a, '_> {
         fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
         let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
         let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-            self.scored(candidate, fitted, *rank < competition.searched || candidate.is_weighted)
+            let is_searched = *rank < competition.searched || candidate.is_weighted;
+            self.scored(candidate, fitted, is_searched.then_some(competition.target))
         };
         parallel::map(&ranked, score).into_iter().collect()
     }
 
-    /// Scores a fitted candidate, after a search of the cages where `search` allows it and something is left to explain.
-    fn scored(&self, candidate: &Candidate, first: &Fitted, search: bool) -> Result<Scored<'a>> {
+    /// Scores a fitted candidate, after a search of the cages where something is left to explain, towards a target; `None` without a search.
+    fn scored(&self, candidate: &Candidate, first: &Fitted, search: Option<f64>) -> Result<Scored<'a>> {
         let Round { of, now, shifted: (shifted, moved), .. } = *self;
         let values = now.residual.len() as f64;
         let is_explained = first.chi_square < (1.0 + MODEL_ERROR) * values;
         let mut evidence = None;
         let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
         let fault = candidate.fault;
-        if search && fault.changes_stiffness(&of.evidence) {
-            let (own, again, seen) = weighted(of, candidate, first)?;
+        if let Some(target) = search
+            && fault.changes_stiffness(&of.evidence)
+        {
+            let (own, again, seen) = weighted(of, candidate, first, target)?;
             // Without contact, a machine has no stiffness to be weighted by.
             if again.chi_square < FAR * now.chi_square {
                 (fitted, observable) = (again, seen);
                 evidence = Some(own);
             }
-        } else if search && !is_explained && !fault.includes_cages() {
+        } else if search.is_some() && !is_explained && !fault.includes_cages() {
             (fitted, observable) = with_cages(of, candidate, first)?;
         }
         if let Some(b) = fault.shows_cage() {
@@ -536,6 +548,8 @@ struct Competition {
     top: f64,
     /// Chi-squared and gain of a candidate that explains the recording.
     explained: Option<[f64; 2]>,
+    /// Chi-squared from which on a candidate is decided against by another one.
+    target: f64,
 }
 
 impl Competition {

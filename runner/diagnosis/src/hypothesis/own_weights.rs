@@ -1,7 +1,7 @@
 //! Fit of a candidate that changes the stiffness, in the weights that its residual has with it.
 
 use super::super::cage::{self, SLIPS};
-use super::super::faults::candidates::Candidate;
+use super::super::faults::candidates::{Candidate, FAR};
 use super::super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
 use super::super::machine::Machine;
 use super::super::parameter::Unknown;
@@ -11,8 +11,6 @@ use ballrace_base::parallel;
 
 /// Most fits at a site of a machine that differs in stiffness: each to the readings without the errors that the machine before leaves.
 const ROUNDS_OF_SITE: usize = 4;
-/// The same of the machine that was selected.
-pub(super) const LAST_ROUNDS_OF_SITE: usize = 4;
 /// Move of every parameter over its standard deviation by noise below which it stays.
 const SETTLED: f64 = 0.2;
 
@@ -34,18 +32,19 @@ pub(super) fn weighted<'a>(
     of: &Prepared<'a>,
     candidate: &Candidate,
     first: &Fitted,
+    target: f64,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     if candidate.is_weighted {
-        return weighted_from(of, candidate, &first.machine);
+        return weighted_from(of, candidate, &first.machine, target);
     }
     // The cages are found in the weights of the machine before, or in those of the first fit: either may be far from the truth.
     let (found, _) = with_cages(of, candidate, first)?;
-    let best = weighted_from(of, candidate, &found.machine)?;
+    let best = weighted_from(of, candidate, &found.machine, target)?;
     let is_explained = best.1.chi_square < (1.0 + MODEL_ERROR) * best.1.residual.len() as f64;
     if is_explained || first.chi_square - found.chi_square < MIN_FALL {
         return Ok(best);
     }
-    let other = weighted_from(of, candidate, &first.machine)?;
+    let other = weighted_from(of, candidate, &first.machine, target.min(best.1.chi_square))?;
     Ok(if other.1.chi_square < best.1.chi_square { other } else { best })
 }
 
@@ -69,33 +68,40 @@ fn weighted_from<'a>(
     of: &Prepared<'a>,
     candidate: &Candidate,
     start: &Machine,
+    target: f64,
 ) -> Result<(Evidence<'a>, Fitted, Vec<bool>)> {
     let first = of.weighted_for(start)?;
     let (settled, observable) = cage::fit_cages(&first, &of.band, start, SLIPS)?;
     let mut unknowns = cage::unknowns(&observable, &settled.machine);
     unknowns.extend(candidate.own_unknowns());
     let fitted = fit(&first, &settled, &unknowns, 12)?;
-    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
-    let (own, fitted) = in_own_weights(of, fitted, rounds)?;
+    if fitted.chi_square > FAR * target {
+        return Ok((first, fitted, observable));
+    }
+    let (own, fitted) = in_own_weights(of, fitted, target)?;
     Ok((own.unwrap_or(first), fitted, observable))
 }
 
-/// Fits a machine in weights of its own until chi-squared or its parameters stay, in at most so many rounds; returns it with the recording so weighted, `None`
-/// without a round.
+/// Fits a machine in weights of its own, at a site until chi-squared or its parameters stay, or falls as large as the last one would not lead below `target`;
+/// returns it with the recording so weighted, `None` without a round.
 pub(super) fn in_own_weights<'a>(
     of: &Prepared<'a>,
     mut fitted: Fitted,
-    rounds: usize,
+    target: f64,
 ) -> Result<(Option<Evidence<'a>>, Fitted)> {
     let mut last = None;
-    for _ in 0..rounds {
+    let rounds = if of.site.is_some() { ROUNDS_OF_SITE } else { 1 };
+    for round in 1..=rounds {
         let own = of.weighted_for(&fitted.machine)?;
         let next = fit(&own, &evaluate(&own, &fitted.machine)?, &fitted.unknowns, 12)?;
         last = Some(own);
         let before = std::mem::replace(&mut fitted, next);
         let moved = |unknown: &Unknown| (unknown.get(&fitted.machine) - unknown.get(&before.machine)).abs();
         let stays = |unknown: &Unknown| moved(unknown) < SETTLED * fitted.deviation(*unknown);
-        if (fitted.chi_square - before.chi_square).abs() < MIN_FALL || fitted.unknowns.iter().all(stays) {
+        let fall = before.chi_square - fitted.chi_square;
+        // The first fall is also one of the weights.
+        let is_hopeless = round > 1 && fitted.chi_square - (rounds - round) as f64 * fall.max(0.0) > target;
+        if is_hopeless || fall.abs() < fitted.least_fall() || fitted.unknowns.iter().all(stays) {
             break;
         }
     }
