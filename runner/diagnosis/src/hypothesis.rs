@@ -205,7 +205,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
             evidence = moved_axially(of, &now.machine, &mut identified)?;
         }
-        if of.site.is_some() && evidence.is_some() {
+        if of.site.is_some() && evidence.is_some() && !is_sound {
             let before = identified.fitted.chi_square;
             let (own, fitted) = in_own_weights(of, identified.fitted, f64::INFINITY)?;
             identified.gain += before - fitted.chi_square;
