@@ -204,6 +204,10 @@ impl Runs {
         };
         let mut all: Vec<Cause> = self.other_masses(table, condition, stated).into_iter().map(of_masses).collect();
         all.extend(other_vectors(table, measured, stated));
+        // Of the rotor's own unbalance alone, vectors in any unit are expected, and those below the errors agree with all.
+        if self.usual > 0.0 {
+            all.extend(other_units(measured, stated));
+        }
         all
     }
 
@@ -270,15 +274,22 @@ fn other_vectors(table: &VectorTable, measured: &Measured, stated: &[C]) -> Vec<
     let direction = "angles of all vectors in one direction";
     let mut all =
         vec![cause(changed(&|y| y.conj()), "the angles of the vectors counted the other way".to_owned(), direction)];
-    for (size, unit) in SIZES {
-        all.push(cause(changed(&|y| y / size), format!("vectors in {unit}"), "one unit for all runs"));
-    }
     for [a, b] in pairs(measured.probes) {
         let [first, second] = [&table.probes[a], &table.probes[b]];
         let likely = format!("probes {first} and {second} exchanged");
         all.push(cause(measured.exchanged(a, b), likely, "the same probes in the columns of all runs"));
     }
     all
+}
+
+/// Returns the vectors of a condition in the unit of the table, where they are in another one.
+fn other_units(measured: &Measured, stated: &[C]) -> impl Iterator<Item = Cause> {
+    SIZES.into_iter().map(|(size, unit)| Cause {
+        moments: stated.to_vec(),
+        response: measured.response.iter().map(|y| y / size).collect(),
+        likely: format!("vectors in {unit}"),
+        expected: "one unit for all runs",
+    })
 }
 
 /// Returns each pair of two numbers below `count`.
