@@ -85,7 +85,7 @@ pub const MIN_FALL: f64 = 0.5;
 /// The same, over the excess of chi-squared.
 const MIN_SHARE: f64 = 1e-3;
 /// Falls as large as the last one within which a fit comes close to its minimum, after its first steps.
-const AHEAD: f64 = 10.0;
+const FURTHER_FALLS: f64 = 10.0;
 const SETTLING: usize = 2;
 
 /// A normal distribution of some unknowns, known before the recording.
@@ -150,7 +150,7 @@ enum Weights {
 pub(crate) struct Limits {
     pub iterations: usize,
     pub time_limit: Option<TimeLimit>,
-    /// A fit that would need more than [`AHEAD`] further falls as large as the last one to come below it ends.
+    /// A fit that would need more than [`FURTHER_FALLS`] further falls as large as the last one to come below it ends.
     pub target: f64,
 }
 
@@ -270,7 +270,7 @@ impl Problem for Fit<'_, '_> {
     }
 
     fn may_continue(&self, Progress { iterations, square, fall }: Progress) -> bool {
-        let is_hopeless = iterations > SETTLING && fall > 0.0 && square - AHEAD * fall > self.limits.target;
+        let is_hopeless = iterations > SETTLING && fall > 0.0 && square - FURTHER_FALLS * fall > self.limits.target;
         !is_hopeless && !self.limits.time_limit.is_some_and(|limit| limit.is_over())
     }
 }

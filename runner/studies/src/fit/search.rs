@@ -9,9 +9,9 @@ use nalgebra::DMatrix;
 use std::cell::RefCell;
 
 /// Fall of chi-squared in an iteration below which an early search ends.
-const NEAR: f64 = 1.0;
+const EARLY_FALL: f64 = 1.0;
 /// The same for the last search.
-const THERE: f64 = 0.05;
+const LAST_FALL: f64 = 0.05;
 /// Longest step of a search, in prior standard deviations of an unknown.
 const LONGEST_STEP: f64 = 10.0;
 /// Largest number of iterations of the search over one part of the recording.
@@ -74,7 +74,7 @@ impl Model<'_> {
             }
             let short = FitInput { samples: self.of.samples.get(..count).unwrap_or_default(), ..*self.of };
             let free = if turns < EARLY_TURNS { &early } else { &all };
-            at = Model { of: &short, ..*self }.stage(&at, free, NEAR, progress)?.x;
+            at = Model { of: &short, ..*self }.stage(&at, free, EARLY_FALL, progress)?.x;
             turns *= 2.0;
         }
     }
@@ -99,7 +99,7 @@ impl Model<'_> {
         free: &[Tied],
         progress: &mut dyn FnMut(FitProgress),
     ) -> Result<Solution> {
-        let Found { x, residuals, weight, still_falls } = self.stage(start, free, THERE, progress)?;
+        let Found { x, residuals, weight, still_falls } = self.stage(start, free, LAST_FALL, progress)?;
         let bounds: Vec<Bounds> = free.iter().map(|tied| self.bounds(tied)).collect();
         let at: Vec<f64> = free.iter().map(|tied| x[tied[0]]).collect();
         let of = |free_x: &[f64]| self.weighted_residuals(&whole(free_x, &x, free), weight);
