@@ -5,7 +5,7 @@ pub use crate::dynamic::{Balls, moving_balls};
 pub use crate::handle::{AnyBearing, AnyForceModel, Shared};
 pub use crate::linear::{linearised, spring_of};
 pub use crate::lumped::{Exponent, law};
-pub use crate::preload::{loaded, offset_by_preload, preload_force, preload_offset, preloaded};
+pub use crate::preload::{loaded, mounted_offset, offset_as_mounted, preload_force, preloaded};
 pub use crate::quasi_static::{quasi_static, solved_in};
 pub use crate::roller::{BearingRollers, RollerStates, roller_states};
 pub use crate::solved::Solved;

@@ -1,4 +1,4 @@
-//! Static equilibrium of one bearing under a load, and its preload.
+//! Static equilibrium of one bearing under a load, its preload and the tilt of its outer ring.
 
 use crate::construction::{BuildError, rotation_at};
 use crate::handle::{AnyBearing, Shared};
@@ -11,7 +11,7 @@ use ballrace::{BearingKinematicState, Displacement, Exact, Scalar, Stiffness};
 use ballrace_scene::{Bearing as BearingScene, Facing, Preload, PreloadAmount, PreloadState, Scene};
 use std::sync::Arc;
 
-/// A bearing with a constant displacement by its preload.
+/// A bearing with a constant displacement by its preload and the tilt of its outer ring.
 struct Preloaded<T> {
     bearing: AnyBearing<T>,
     offset: Displacement<T>,
@@ -42,7 +42,8 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
     }
 }
 
-/// Returns the displacement of the inner ring by the scene's preload; the bearing's thrust direction is that of `facing`.
+/// Returns the displacement of the inner ring against the outer one by the scene's preload and the tilt of the outer ring; `None` without both. The bearing's
+/// thrust direction is that of `facing`; its preload is that of aligned rings.
 ///
 /// A preload that is set before fits or temperatures act is set at standstill and locks the rings axially: the axial distance of their groove
 /// centres stays as it was set, while the displacement counts from the first contact of the mounted, warm bearing:
@@ -50,14 +51,30 @@ impl<T: Scalar> Bearing<T> for Preloaded<T> {
 ///
 /// # Errors
 /// A preload that the bearing does not carry, or a bearing without thrust capacity.
-pub fn preload_offset(
+pub fn mounted_offset(
     scene: &Scene,
     bearing: &BearingScene,
     built: &AnyBearing<f64>,
 ) -> Result<Option<Displacement<f64>>, BuildError> {
-    let Some(preload) = bearing.preload else { return Ok(None) };
+    let [about_x, about_y] = bearing.outer_ring_tilt;
+    let tilt = Displacement { thu: -about_x, thv: -about_y, ..Displacement::default() };
+    let Some(preload) = bearing.preload else { return Ok(has_tilt(bearing).then_some(tilt)) };
+    Ok(Some(by_preload(scene, bearing, preload, built)? + tilt))
+}
+
+fn has_tilt(bearing: &BearingScene) -> bool {
+    bearing.outer_ring_tilt != [0.0; 2]
+}
+
+/// Returns the displacement of the inner ring by a preload.
+fn by_preload(
+    scene: &Scene,
+    bearing: &BearingScene,
+    preload: Preload,
+    built: &AnyBearing<f64>,
+) -> Result<Displacement<f64>, BuildError> {
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..rotation_at(scene, bearing, 0.0)? };
-    let Some(set) = as_set(bearing) else { return displaced(scene, bearing, preload, built, &at).map(Some) };
+    let Some(set) = as_set(bearing) else { return displaced(scene, bearing, preload, built, &at) };
     let built = construct::<f64, Exact, AnyBearing<f64>>(scene, &set, bearing_model(set.model).preload_model())?;
     let axial = |of: &BearingScene| match of.facing {
         // Without a displacement the grooves of a deep groove bearing are opposite each other.
@@ -67,7 +84,7 @@ pub fn preload_offset(
     let shift = thrust_sign(bearing) * (axial(&set) - axial(bearing));
     let standing = BearingKinematicState { inner_speed: 0.0, outer_speed: 0.0, ..at };
     let offset = displaced(scene, &set, preload, &built, &standing)?;
-    Ok(Some(Displacement { w: offset.w + shift, ..offset }))
+    Ok(Displacement { w: offset.w + shift, ..offset })
 }
 
 /// Returns the direction of the thrust that a bearing carries.
@@ -100,16 +117,16 @@ fn displaced(
     }
 }
 
-/// Returns the displacement of the inner ring by the preload; 0 without one.
+/// Returns the displacement of the inner ring by preload and tilt of the outer ring; 0 without both.
 ///
 /// # Errors
-/// As [`preload_offset`].
-pub fn offset_by_preload(scene: &Scene, of: &BearingScene) -> Result<Displacement<f64>, BuildError> {
-    if of.preload.is_none() {
+/// As [`mounted_offset`].
+pub fn offset_as_mounted(scene: &Scene, of: &BearingScene) -> Result<Displacement<f64>, BuildError> {
+    if of.preload.is_none() && !has_tilt(of) {
         return Ok(Displacement::default());
     }
     let built = construct::<f64, Exact, AnyBearing<f64>>(scene, of, bearing_model(of.model).preload_model())?;
-    Ok(preload_offset(scene, of, &built)?.unwrap_or_default())
+    Ok(mounted_offset(scene, of, &built)?.unwrap_or_default())
 }
 
 /// Returns the bearing as its preload is set, without mounting; `None` where it is set in operation or nothing changes it.
@@ -131,15 +148,16 @@ fn as_set(bearing: &BearingScene) -> Option<BearingScene> {
 /// Returns the axial force of a bearing by its preload alone, at the scene's speed, with fits and temperatures, N; `None` without preload.
 ///
 /// # Errors
-/// As [`preload_offset`].
+/// As [`mounted_offset`].
 pub fn preload_force(scene: &Scene, bearing: &BearingScene) -> Result<Option<f64>, BuildError> {
     if let Some(PreloadAmount::Force(force)) = bearing.preload.map(|preload| preload.amount)
         && bearing.has_constant_preload_force()
     {
         return Ok(Some(force));
     }
+    let aligned = BearingScene { outer_ring_tilt: [0.0; 2], ..bearing.clone() };
     let built = construct::<f64, Exact, AnyBearing<f64>>(scene, bearing, bearing.model)?;
-    let Some(offset) = preload_offset(scene, bearing, &built)? else { return Ok(None) };
+    let Some(offset) = mounted_offset(scene, &aligned, &built)? else { return Ok(None) };
     let at = rotation_at(scene, bearing, 0.0)?;
     let at = BearingKinematicState { inner_speed: scene.shaft.speed.nominal(), ..at };
     Ok(Some(built.reaction(&offset, &at).wrench.fz.abs()))

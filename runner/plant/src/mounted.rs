@@ -26,7 +26,7 @@ pub struct MountedBearing {
     pub element_azimuths: Vec<Phase>,
     /// Speeds of its parts and orders.
     pub kinematics: Kinematics,
-    /// Displacement by preload.
+    /// Displacement by preload and tilt of the outer ring.
     pub offset: Displacement<f64>,
     /// The scene's model; for moving balls the lumped model, which is their limit without mass.
     pub bearing: AnyBearing<f64>,
@@ -128,10 +128,10 @@ fn solved(bearing: &BearingScene) -> Result<Option<ColdAndFew>> {
     Ok(cold.zip(few).map(|(cold, few)| ColdAndFew { cold, few }))
 }
 
-/// Returns the bearing with its preload, and the offset: the given displacement, or the one at which it reacts with the given force.
+/// Returns the bearing with its preload and the tilt of its outer ring, and the displacement by these.
 fn loaded(scene: &Scene, bearing: &BearingScene, model: Model) -> Result<(AnyBearing<f64>, Displacement<f64>)> {
     let plain = build::bearing(scene, bearing, model)?;
-    match build::preload_offset(scene, bearing, &plain)? {
+    match build::mounted_offset(scene, bearing, &plain)? {
         Some(offset) => Ok((build::preloaded(plain, offset), offset)),
         None => Ok((plain, Displacement::default())),
     }

@@ -49,6 +49,8 @@ pub struct Bearing {
     pub lubricant: Option<Lubricant>,
     /// How the bearing is preloaded.
     pub preload: Option<Preload>,
+    /// `outer_ring_tilt`: tilt of the outer ring in its seat about X and Y, rad.
+    pub outer_ring_tilt: [f64; 2],
     /// Range of the tabulated model, as far as the scene defines it.
     pub table: Option<TableRange>,
     /// `coordinates`: of the inner ring, on a `[system]`

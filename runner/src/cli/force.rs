@@ -101,14 +101,14 @@ fn significance(scene: &Scene, bearing: &Bearing, model: Model, rows: &[Pose]) -
     let size = |row: &&Pose| row.u.iter().take(3).map(|x| x * x).sum::<f64>();
     let finite = rows.iter().filter(|row| size(row).is_finite());
     let Some(row) = finite.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(vec![]) };
-    // The displacements already include the preload.
-    let without_preload = Bearing { model, preload: None, ..bearing.clone() };
+    // The displacements already include preload and tilt.
+    let alone = Bearing { model, preload: None, outer_ring_tilt: [0.0; 2], ..bearing.clone() };
     // Effects of inertia and film grow with the speed: the fastest one of the scene and of a device log counts.
     let (low, high) = scene.shaft.speed.range();
     let speeds = rows.iter().map(|row| row.at.inner_speed).chain([low, high]);
     let inner_speed = speeds.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(high);
     let at = BearingKinematicState { inner_speed, ..row.at };
-    Ok(effect_significance::of_bearing(scene, &without_preload, &Displacement::from_array(row.u), &at)?)
+    Ok(effect_significance::of_bearing(scene, &alone, &Displacement::from_array(row.u), &at)?)
 }
 
 /// A displacement of the inner ring relative to the outer ring, with the kinematic state of the bearing.

@@ -303,7 +303,7 @@ fn module(scene: &Scene, part: &Part<'_>) -> Result<String> {
     let Selected { of, firmware } = part.selected;
     writeln!(out, "\n/// Bearing {:?}.\npub mod {} {{", of.name, part.certificate.module)?;
     let springs = linearised(scene, of)?;
-    let offset = build::offset_by_preload(scene, of)?;
+    let offset = build::offset_as_mounted(scene, of)?;
     let constants = Constants { scene, of, table: part.table.as_ref(), offset, springs: springs.as_ref() };
     firmware.write_rust(&mut out, &constants)?;
     checksum_constants(&mut out, &part.certificate)?;

@@ -166,7 +166,7 @@ pub fn of_bearing(
     let (still, interference) = with_own_play(of);
     let Some(geometry) = build::geometry(&still)? else { return Ok(vec![]) };
     let built = build::bearing(scene, &still, Model::Angular)?;
-    let offset = build::preload_offset(scene, &still, &built)?.unwrap_or_default();
+    let offset = build::mounted_offset(scene, &still, &built)?.unwrap_or_default();
     let (_, datum) = build::contact_geometry(&still, "angular")?;
     let angular = Angular::<f64, Exact, _>::try_new(geometry, build::places(&still), datum);
     let angular = angular.map_err(|e| build::named(&still, e))?;

@@ -189,7 +189,7 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     let begun = Instant::now();
     let (u, residual) = match (load, of.preload) {
         (None, Some(_)) if !of.has_constant_preload_force() => {
-            (build::preload_offset(scene, of, &built)?.unwrap_or_default(), 0.0)
+            (build::mounted_offset(scene, of, &built)?.unwrap_or_default(), 0.0)
         }
         (load, preload) => {
             let force = match preload.map(|preload| preload.amount) {
@@ -209,7 +209,8 @@ fn bearing_equilibrium(scene: &Scene, name: Option<&str>, load: Option<[f64; 5]>
     let one = equilibrium_of_bearing(&of.name, &built, &u, &u, &at).with_kinematics(scene, of, &elements)?;
     let one = one.with_life(of, &solved, &u, &at)?;
     // The displacement contains the preload.
-    let significance = effect_significance::of_bearing(scene, &BearingScene { preload: None, ..of.clone() }, &u, &at)?;
+    let alone = BearingScene { preload: None, outer_ring_tilt: [0.0; 2], ..of.clone() };
+    let significance = effect_significance::of_bearing(scene, &alone, &u, &at)?;
     Ok(StaticEquilibrium {
         scene: scene.name.clone(),
         speed: at.inner_speed,

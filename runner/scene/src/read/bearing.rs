@@ -114,6 +114,7 @@ pub(super) fn read(table: &Table<'_>, root: &Table<'_>) -> Read<Bearing> {
         effects: super::effects::read(table, model)?,
         lubricant: super::effects::lubricant(table)?,
         preload: super::effects::preload(table, model)?,
+        outer_ring_tilt: outer_ring_tilt(table, model)?,
         table: super::effects::table_range(table, model)?,
         coordinates: coordinates(table, "coordinates", on_system)?,
         housing_coordinates: coordinates(table, "housing_coordinates", on_system)?,
@@ -397,6 +398,19 @@ fn housing(node: &Node<'_>, elements: usize) -> Read<Vec<[f64; 3]>> {
         return Err(node.fail(format!("a list of {}", list.len()), expected));
     }
     list.iter().map(|entry| entry.array("a list of 3 lengths: along X, Y, Z")).collect()
+}
+
+/// Tilt of the outer ring, in models that have moments by it.
+fn outer_ring_tilt(table: &Table<'_>, model: Model) -> Read<[f64; 2]> {
+    let Some(node) = table.optional("outer_ring_tilt") else { return Ok([0.0; 2]) };
+    let reacts = |of: &ModelProperties| {
+        matches!(of.input, ModelInput::ContactAngle | ModelInput::Rollers) && !of.moving_elements
+    };
+    if !reacts(model.properties()) {
+        let expected = format!("only with model = {}; remove it", choice_of(models_with(reacts)));
+        return Err(node.misplaced(expected));
+    }
+    node.array("a list of 2 angles: about X and about Y")
 }
 
 /// A ring that bends; its form when it is not loaded is round.

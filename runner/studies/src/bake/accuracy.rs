@@ -191,7 +191,7 @@ impl BakedModel {
         table: Option<&TableData>,
         language: Language,
     ) -> Result<Self> {
-        let (model, offset) = (firmware.model(), build::offset_by_preload(scene, of)?);
+        let (model, offset) = (firmware.model(), build::offset_as_mounted(scene, of)?);
         let force = |of: &Bearing| match table {
             Some(made) => Ok(build::of_table::<f32, Exact, AnyForceModel<f32>>(of, made)?),
             None => force::handle(scene, of, model, build::force_model::<f32, Exact>),
@@ -297,5 +297,5 @@ fn effects(of: &Bearing) -> String {
 fn own_model(scene: &Scene, i: usize) -> Result<Reference> {
     let of = scene.bearings.get(i).ok_or(ballrace_plant::error::TradeError::NoModel)?;
     let bearing = force::handle(scene, of, of.model, build::bearing)?;
-    Ok((of.model.name().to_owned(), bearing, build::offset_by_preload(scene, of)?))
+    Ok((of.model.name().to_owned(), bearing, build::offset_as_mounted(scene, of)?))
 }

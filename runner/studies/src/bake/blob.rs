@@ -60,7 +60,7 @@ fn bearing(scene: &Scene, part: &Part<'_>) -> Result<Vec<u8>> {
     }
     let elements = if of.model.has_elements() { build::places::<f32>(&of) } else { vec![] };
     let springs = linearised(scene, &of)?;
-    let offset = build::offset_by_preload(scene, selected.of)?;
+    let offset = build::offset_as_mounted(scene, selected.of)?;
     let constants = Constants { scene, of: &of, table: part.table.as_ref(), offset, springs: springs.as_ref() };
     let own = selected.firmware.c_struct(&constants)?;
     let (table, words) = (own.array.as_ref().map_or(&[][..], |array| &array.numbers), own.words());

@@ -125,7 +125,7 @@ impl<'a> Writer<'a> {
         writeln!(header, "// Checksum of 1024 forces, computed on the desktop.")?;
         writeln!(header, "#define {upper}_CHECKSUM UINT64_C({:#018x})\n", self.part.certificate.checksum)?;
         writeln!(source, "\n// Bearing \"{title}\".\n")?;
-        let offset = build::offset_by_preload(scene, self.part.selected.of)?;
+        let offset = build::offset_as_mounted(scene, self.part.selected.of)?;
         writeln!(header, "// By preload, to be added to every displacement.\nextern const float {name}_offset[5];")?;
         writeln!(source, "const float {name}_offset[5] = {};\n", list(&offset.to_array().map(|x| x as f32)))?;
         if !self.elements.is_empty() {

@@ -83,7 +83,7 @@ impl<T: Scalar, H: BearingHandle<T> + ForceModel<T>> CandidateBearings<T, H> {
                 Some(mounted) if of.is_linearised() => build::spring_of(&mounted.bearing),
                 _ => build(scene, of, of.model)?,
             };
-            let offset = mounted.map_or_else(|| build::offset_by_preload(scene, of), |mounted| Ok(mounted.offset))?;
+            let offset = mounted.map_or_else(|| build::offset_as_mounted(scene, of), |mounted| Ok(mounted.offset))?;
             Ok((bearing, precision::displacement(&offset)))
         };
         Ok(Self { bearings: scene.bearings.iter().enumerate().map(mounted).collect::<Result<_, BuildError>>()? })

@@ -145,7 +145,7 @@ pub fn measured(scene: &Scene, plant: &Plant, recording: &Recording, most_rows: 
 /// Returns an error if the kernel rejects a parameter.
 pub fn about_preload(scene: &Scene) -> Result<Poses> {
     let of_bearing = |of: &Bearing| {
-        let offset = build::offset_by_preload(scene, of)?;
+        let offset = build::offset_as_mounted(scene, of)?;
         let (centre, amplitude) = about_offset(of, &offset);
         let range = ChecksumRange {
             centre: Displacement::from_array(centre.map(three_digits)),

@@ -139,6 +139,10 @@ pub(super) static BEARING: Keys = Keys {
             key("preload", Table(&PRELOAD), "preload along the thrust direction", "none",
                 "exactly one of `force` and `displacement`", "{ force = \"500 N\" }"),
         ]]),
+        ("Misalignment", &[&[
+            key("outer_ring_tilt", Tuple(&[ANGLE; 2]), "tilt of the outer ring in its seat about X and Y", "0",
+                "not with `lumped`, `linear`, `dynamic` and `multibody`", "[\"0.5 mrad\", 0]"),
+        ]]),
         (QUASI_STATIC, &[&[
             key("table", Table(&TABLE), "ranges of the table of `tabulated`", "defaults of its keys", "", ""),
         ]]),

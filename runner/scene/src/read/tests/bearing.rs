@@ -233,6 +233,25 @@ fn effects_and_preload() {
     ]);
 }
 
+#[test]
+fn tilt_of_the_outer_ring() {
+    let tilted = MINIMAL.to_owned() + "outer_ring_tilt = [\"1 mrad\", \"-0.5 mrad\"]\n";
+    assert_eq!(read(&tilted).unwrap().bearings[0].outer_ring_tilt, [1e-3, -0.5e-3]);
+    assert_refused(
+        &tilted,
+        &[
+            ("\"-0.5 mrad\"", "\"-0.5 mm\"", &["outer_ring_tilt", "(a length), expected an angle"]),
+            (", \"-0.5 mrad\"", "", &["outer_ring_tilt", "a list of 2 angles: about X and about Y"]),
+        ],
+    );
+    let lumped = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nmodel = \"lumped\"\nelements = 8\ncage_ratio = 0.4\nstiffness = 1e9\nexponent = 1.5\nradial_play = 0\nouter_ring_tilt = [0, 0]\n";
+    let why = refusal(lumped);
+    assert!(
+        why.contains("outer_ring_tilt") && why.contains("only with model = \"angular\"") && why.contains("remove it"),
+        "{why}"
+    );
+}
+
 /// A bearing without model, by its diameters and by the orders of a data sheet.
 const DIAMETERS: &str = "[shaft]\nspeed = 100\n[[bearing]]\nname = \"A\"\nelements = 9\nball_diameter = \"7.94 mm\"\n\
                          pitch_diameter = \"39.04 mm\"\ncontact_angle = \"0 deg\"\n";
