@@ -1,6 +1,7 @@
 //! Commands on machines with roller bearings.
 
 use crate::support::{Sandbox, list, number, swap};
+use serde_json::Value;
 
 /// A rotor on a 6205 and an NU205 whose rollers have 5 laminae.
 const SCENE: &str = r#"
@@ -71,14 +72,14 @@ fn a_spall_on_a_roller_is_named() {
 /// Balls and rollers each have the models that are theirs.
 #[test]
 fn balls_and_rollers_in_one_trade() {
-    let found: serde_json::Value =
+    let found: Value =
         recorded(SCENE).done(&["trade", "scene.toml", "--forces-only", "--format", "json"]).json();
     assert!(found["truth"].as_str().is_some_and(|truth| truth.starts_with("quasi-static")), "{}", found["truth"]);
     let names: Vec<String> = list(&found, "candidates").iter().map(|one| one["model"].to_string()).collect();
     for name in ["linear", "lumped", "angular", "roller, 11 laminae", "tabulated 8 x 8"] {
         assert!(names.iter().any(|found| found.contains(name)), "{name}: {names:?}");
     }
-    assert_eq!(list(&found, "impossible"), &[] as &[serde_json::Value], "{}", found["impossible"]);
+    assert_eq!(list(&found, "impossible"), &[] as &[Value], "{}", found["impossible"]);
 }
 
 /// A thrust that no bearing carries is named by its direction.
@@ -111,6 +112,29 @@ fn the_pressure_along_a_roller_is_drawn_symmetrically() {
     }
 }
 
+/// An outer ring that is turned by a positive angle about X is nearer to a shaft that its weight presses down at the end towards -Z, and shortens the
+/// life.
+#[test]
+fn a_tilted_outer_ring_loads_one_end_of_the_rollers() {
+    let sandbox = Sandbox::empty();
+    let with = |tilt: f64| {
+        let laminae = format!("laminae = 30\nouter_ring_tilt = [\"{tilt} mrad\", 0]");
+        sandbox.put("scene.toml", swap(SCENE, "laminae = 5", &laminae));
+        let found: Value = sandbox.done(&["equilibrium", "scene.toml", "--format", "json"]).json();
+        let rollers = list(&found, "elements").iter().filter(|one| one["bearing"] == "NDE");
+        let loads = |one: &Value| list(&one["roller"], "lamina_loads").iter().map(|x| x.as_f64().unwrap()).collect();
+        let loads: Vec<Vec<f64>> = rollers.map(loads).collect();
+        let at = |k: usize| loads.iter().map(|of| of[k]).sum::<f64>();
+        let [towards_minus_z, towards_plus_z]: [f64; 2] = [(0..15).map(at).sum(), (15..30).map(at).sum()];
+        let life = found["bearings"][1]["life"]["reference_life"].as_f64().unwrap();
+        (towards_minus_z / (towards_minus_z + towards_plus_z), life)
+    };
+    let [tilted, aligned, other_way] = [1.0, 0.0, -1.0].map(with);
+    assert!(tilted.0 > 0.7 && (aligned.0 - 0.5).abs() < 0.02, "{tilted:?}, {aligned:?}");
+    assert!((tilted.0 + other_way.0 - 1.0).abs() < 0.02, "{tilted:?}, {other_way:?}");
+    assert!(tilted.1 < 0.9 * aligned.1 && other_way.1 < 0.9 * aligned.1, "{tilted:?}, {aligned:?}, {other_way:?}");
+}
+
 /// The columns of `check` line up with the longest name of a model.
 #[test]
 fn check_aligns_its_columns() {
@@ -135,8 +159,8 @@ fn the_clearance_of_rollers_is_learned() {
     let sandbox = recorded(&machine);
     sandbox.put("scene.toml", swap(&machine, "\"8 um\"", "\"8.6 um\""));
     sandbox.done(&["replay", "scene.toml", "--learn", "b.json"]);
-    let learned: serde_json::Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
-    let of_rollers = |p: &&serde_json::Value| p["name"] == "diametral_clearance" && p["bearing"] == "NDE";
+    let learned: Value = serde_json::from_str(&sandbox.read("b.json")).unwrap();
+    let of_rollers = |p: &&Value| p["name"] == "diametral_clearance" && p["bearing"] == "NDE";
     let clearance = learned.pointer("/calibration/parameters").unwrap().as_array().unwrap().iter().find(of_rollers);
     let found = number(clearance.unwrap(), "/value");
     assert!((found - 16e-6).abs() < 0.1e-6, "{found}");
