@@ -149,7 +149,7 @@ const FORCE_ERROR: f64 = 0.01;
 const FEWER_THAN_NOISE: f64 = 5.0;
 /// Share of the largest gain from which an error of a reading is taken before a fault.
 const MEASURED: f64 = 0.7;
-/// Excess of chi-squared from which on a candidate at a site is decided against: odds of more than a thousand.
+/// Excess of chi-squared over that of another candidate from which on one is decided against: at a site, odds of more than a thousand.
 const DECIDED: f64 = 14.0 * DEPENDENT;
 /// Largest share of the square of the unexplained motion that a fault leaves that moves the shaft of a site.
 const EXPLAINED_MOTION: f64 = 0.5;
