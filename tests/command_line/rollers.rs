@@ -72,8 +72,7 @@ fn a_spall_on_a_roller_is_named() {
 /// Balls and rollers each have the models that are theirs.
 #[test]
 fn balls_and_rollers_in_one_trade() {
-    let found: Value =
-        recorded(SCENE).done(&["trade", "scene.toml", "--forces-only", "--format", "json"]).json();
+    let found: Value = recorded(SCENE).done(&["trade", "scene.toml", "--forces-only", "--format", "json"]).json();
     assert!(found["truth"].as_str().is_some_and(|truth| truth.starts_with("quasi-static")), "{}", found["truth"]);
     let names: Vec<String> = list(&found, "candidates").iter().map(|one| one["model"].to_string()).collect();
     for name in ["linear", "lumped", "angular", "roller, 11 laminae", "tabulated 8 x 8"] {
