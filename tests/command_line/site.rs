@@ -268,22 +268,23 @@ fn a_wave_is_named_on_its_bearing() {
     }
 }
 
-/// A tilted ring of the simulated rotor, with its size and its axis.
+/// Tilted rings of the simulated rotor, with their sizes and axes.
 #[test]
 fn a_tilted_ring_is_found() {
-    const TILT: [f64; 2] = [0.6, 0.9];
     let sandbox = site();
-    let tilt = format!("outer_ring_tilt = [\"{} mrad\", \"{} mrad\"]\n", TILT[0], TILT[1]);
-    sandbox.put("tilted.toml", rotor("angular", &format!("{CAGE}{WAVES}{tilt}"), "Z"));
-    sandbox.put("recording.csv", readings(&motion(&sandbox, "tilted.toml", 20..20 + TURNS), |_, _, _| 0.0));
-    let outcome = outcome(&sandbox);
-    let findings = list(&outcome, "findings");
-    assert_eq!(kinds(&outcome), ["misalignment"], "{findings:#?}");
-    assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
-    let [about_x, about_y] = TILT;
-    for (key, truth) in [("tilt_mrad", about_x.hypot(about_y)), ("axis_deg", about_y.atan2(about_x).to_degrees())] {
-        let [low, high] = ["low", "high"].map(|end| number(&findings[0], &format!("/{key}/{end}")));
-        assert!((low..=high).contains(&truth), "{key}: {truth} not in {low} to {high}");
+    for [about_x, about_y] in [[0.6_f64, 0.9_f64], [-1.2, 0.3]] {
+        let tilt = format!("outer_ring_tilt = [\"{about_x} mrad\", \"{about_y} mrad\"]\n");
+        sandbox.put("tilted.toml", rotor("angular", &format!("{CAGE}{WAVES}{tilt}"), "Z"));
+        sandbox.put("recording.csv", readings(&motion(&sandbox, "tilted.toml", 20..20 + TURNS), |_, _, _| 0.0));
+        let outcome = outcome(&sandbox);
+        let findings = list(&outcome, "findings");
+        assert_eq!(kinds(&outcome), ["misalignment"], "{findings:#?}");
+        assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
+        let axis = about_y.atan2(about_x).to_degrees();
+        for (key, truth) in [("tilt_mrad", about_x.hypot(about_y)), ("axis_deg", axis)] {
+            let [low, high] = ["low", "high"].map(|end| number(&findings[0], &format!("/{key}/{end}")));
+            assert!((low..=high).contains(&truth), "{key}: {truth} not in {low} to {high}");
+        }
     }
 }
 

@@ -4,7 +4,7 @@ mod own_weights;
 
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
-use super::fit::{Fitted, MODEL_ERROR, evaluate, fit, square};
+use super::fit::{Fitted, MODEL_ERROR, changed, evaluate, fit, square};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
@@ -64,8 +64,8 @@ struct Scored<'a> {
     evidence: Option<Evidence<'a>>,
     /// No more than the deviations of healthy bearings and rotors.
     is_sound: bool,
-    /// As of its candidate.
-    is_weighted: bool,
+    /// Found from the trial of its candidate alone.
+    is_trial: bool,
 }
 
 impl Scored<'_> {
@@ -412,8 +412,8 @@ impl<'a> Round<'a, '_> {
         tried.sort_by(|a, b| score(a).total_cmp(&score(b)));
         // Of a machine that was never recorded in good order, the shape of the lines is not known well enough to tell faults apart by each. No more is the
         // position at which a fault that was searched with readings of its own would be another one.
-        let is_weighted = tried.first().is_some_and(|first| first.is_weighted);
-        let dependent = if of.evidence.is_without_baseline() || is_weighted { DEPENDENT } else { 1.0 };
+        let is_trial = tried.first().is_some_and(|first| first.is_trial);
+        let dependent = if of.evidence.is_without_baseline() || is_trial { DEPENDENT } else { 1.0 };
         let next = match (tried.as_slice(), not_fitted.first()) {
             ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)) / dependent)),
             ([first], Some(next)) => {
@@ -445,10 +445,10 @@ impl<'a> Round<'a, '_> {
         let fit = |candidate: &&'c Candidate| -> Result<Option<(&'c Candidate, Fitted)>> {
             let is_shifted = candidate.fault.moves_shaft();
             let (e, now) = if is_shifted { self.shifted } else { (&self.of.evidence, self.now) };
-            let fitted = match candidate.is_weighted {
-                true => candidate.near_start(e, now)?,
-                false => candidate.fault.fit(e, candidate, now, competition.extent(self.of, candidate))?,
-            };
+            let mut fitted = candidate.fault.fit(e, candidate, now, competition.extent(self.of, candidate))?;
+            if let (None, Some(trial)) = (&fitted, &candidate.trial) {
+                fitted = Some(changed(e, now, trial)?);
+            }
             Ok(fitted.map(|fitted| (*candidate, fitted)))
         };
         let fits = parallel::map(&candidates, fit).into_iter().collect::<Result<Vec<_>>>()?;
@@ -456,7 +456,7 @@ impl<'a> Round<'a, '_> {
         fits.sort_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square));
         let ranked: Vec<(usize, (&Candidate, Fitted))> = fits.into_iter().enumerate().collect();
         let score = |(rank, (candidate, fitted)): &(usize, (&Candidate, Fitted))| {
-            let is_searched = *rank < competition.searched || candidate.is_weighted;
+            let is_searched = *rank < competition.searched || candidate.trial.is_some();
             self.scored(candidate, fitted, is_searched.then_some(competition.target))
         };
         parallel::map(&ranked, score).into_iter().collect()
@@ -467,17 +467,17 @@ impl<'a> Round<'a, '_> {
         let Round { of, now, shifted: (shifted, moved), .. } = *self;
         let values = now.residual.len() as f64;
         let is_explained = first.chi_square < (1.0 + MODEL_ERROR) * values;
-        let mut evidence = None;
+        let (mut evidence, mut is_trial) = (None, false);
         let (mut fitted, mut observable) = (first.clone(), of.observable.clone());
         let fault = candidate.fault;
         if let Some(target) = search
             && fault.changes_stiffness(&of.evidence)
         {
-            let (own, again, seen) = weighted(of, candidate, first, target)?;
+            let own = weighted(of, candidate, first, target)?;
             // Without contact, a machine has no stiffness to be weighted by.
-            if again.chi_square < FAR * now.chi_square {
-                (fitted, observable) = (again, seen);
-                evidence = Some(own);
+            if own.fitted.chi_square < FAR * now.chi_square {
+                (fitted, observable, is_trial) = (own.fitted, own.observable, own.is_trial);
+                evidence = Some(own.evidence);
             }
         } else if search.is_some() && !is_explained && !fault.includes_cages() {
             (fitted, observable) = with_cages(of, candidate, first)?;
@@ -522,8 +522,7 @@ impl<'a> Round<'a, '_> {
             explains_motion,
             observable,
         };
-        let is_weighted = candidate.is_weighted;
-        let mut scored = Scored { is_sound, is_weighted, identified, prior, tolerated: 0.0, evidence };
+        let mut scored = Scored { is_sound, is_trial, identified, prior, tolerated: 0.0, evidence };
         scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
         Ok(scored)
     }

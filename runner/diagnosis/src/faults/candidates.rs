@@ -20,8 +20,9 @@ pub struct Candidate {
     /// Machines to start a fit from; further ones than [`STARTS`] are tried if these lead nowhere.
     pub starts: Vec<Machine>,
     pub unknowns: Vec<Unknown>,
-    /// The start was found in weights and with readings of its own: in those of the machine before, a fit leads elsewhere.
-    pub is_weighted: bool,
+    /// Machine that explains more in weights and with readings of its own than is expected of the candidate: a fit in those of the machine before may
+    /// lead elsewhere.
+    pub trial: Option<Machine>,
 }
 
 /// How far a candidate is fitted.
@@ -120,7 +121,7 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Returns a candidate; the cages are free in its fit.
     pub fn found(&self, fault: AnyFault, gain: f64, starts: Vec<Machine>, own: &[Unknown]) -> Candidate {
-        Candidate { fault, gain, starts, unknowns: union(self.cages.clone(), own), is_weighted: false }
+        Candidate { fault, gain, starts, unknowns: union(self.cages.clone(), own), trial: None }
     }
 
     /// Returns a candidate whose force depends linearly on its unknowns.
