@@ -50,7 +50,8 @@ pub(super) fn weighted<'a>(
     let mut best = weighted_from(of, candidate, candidate.trial.as_ref().unwrap_or(&found.machine), target)?;
     best.is_trial = candidate.trial.is_some();
     for start in candidate.trial.is_some().then_some(&found.machine).into_iter().chain(further) {
-        if best.fitted.chi_square < (1.0 + MODEL_ERROR) * best.fitted.residual.len() as f64 {
+        let values = best.fitted.residual.len() as f64;
+        if !best.is_trial && best.fitted.chi_square < (1.0 + MODEL_ERROR) * values {
             break;
         }
         // Less than one value of a site does not tell two minima apart.
