@@ -58,8 +58,15 @@ class Indicators(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     def transform(self, recordings: Iterable[RecordingLike]) -> npt.NDArray[np.float64]:
         """Return an array of shape (recordings, indicators); NaN where a replay has no value for an indicator."""
         check_is_fitted(self, "_names")
+        return self._array([self._row(recording) for recording in recordings])
+
+    def fit_transform(self, recordings: Iterable[RecordingLike], y: Any = None) -> npt.NDArray[np.float64]:
+        """Fit and transform with one replay of each recording."""
         rows = [self._row(recording) for recording in recordings]
-        return np.array([[row.get(name, np.nan) for name in self._names] for row in rows]).reshape(len(rows), -1)
+        if not rows:
+            raise ValueError("recordings: none, expected at least one")
+        self._names = list(rows[0])
+        return self._array(rows)
 
     def get_feature_names_out(self, input_features: Any = None) -> npt.NDArray[np.object_]:
         """Return the names of the indicators."""
@@ -75,6 +82,9 @@ class Indicators(TransformerMixin, BaseEstimator):  # type: ignore[misc]
 
     def __sklearn_is_fitted__(self) -> bool:
         return hasattr(self, "_names")
+
+    def _array(self, rows: list[dict[str, float]]) -> npt.NDArray[np.float64]:
+        return np.array([[row.get(name, np.nan) for name in self._names] for row in rows]).reshape(len(rows), -1)
 
     def _row(self, recording: RecordingLike) -> dict[str, float]:
         return self.scene.replay(recording, self.baseline).indicators()
