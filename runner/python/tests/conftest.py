@@ -24,14 +24,14 @@ def _once(replay: Callable[..., ballrace.Outcome]) -> Callable[..., ballrace.Out
     """Evaluate a recording once for all tests and examples that read its outcome, which none of them changes."""
 
     @functools.wraps(replay)
-    def known(scene: ballrace.Scene, recording: Any = None, *baseline: Any, **options: Any) -> ballrace.Outcome:
+    def known(scene: ballrace.Scene, recording: Any = None, baseline: Any = None, **options: Any) -> ballrace.Outcome:
         # Other tables are the subject of tests; a baseline may change, and a file of forces is to be written.
         is_file = isinstance(recording, (str, Path)) and Path(recording).is_file()
         is_table = type(recording) is dict and all(
             type(values) is np.ndarray and values.dtype == float and values.ndim == 1 for values in recording.values()
         )
-        if baseline or options.keys() - {"samples"} or not (is_file or is_table):
-            return replay(scene, recording, *baseline, **options)
+        if baseline is not None or options.keys() - {"samples"} or not (is_file or is_table):
+            return replay(scene, recording, baseline, **options)
         read = hashlib.sha256()
         for name, values in recording.items() if is_table else [(str(recording), Path(recording).read_bytes())]:
             read.update(name.encode() + bytes(values))
