@@ -3,7 +3,8 @@
 //! The force of a bearing is strongly nonlinear where its balls are deflected by no more than the noise: evaluated at the raw
 //! readings, its mean would be biased. It is evaluated at the lines above the noise, and linearised for the rest.
 
-use super::motion::{C, D};
+use super::motion::{C, D, Motion, Transform};
+use ballrace::Displacement;
 use rustfft::Fft;
 use std::sync::Arc;
 
@@ -64,10 +65,32 @@ impl LineFilter {
     }
 }
 
+/// The displacement of a motion, divided into its lines above the noise of the probes and the rest.
+pub(crate) struct Filtered {
+    pub filter: LineFilter,
+    pub q: Vec<[f64; D]>,
+    pub rest: Vec<[f64; D]>,
+    pub displacement: Arc<[[Vec<C>; D]; 3]>,
+    pub rest_lines: Arc<[Vec<C>; D]>,
+}
+
+impl Filtered {
+    /// Divides the displacement of a motion, which keeps its lines above white noise with these standard deviations.
+    pub fn new(motion: &mut Motion, noise: [f64; D], transform: &Transform) -> Self {
+        let whole: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
+        let filter = LineFilter::new(&whole, noise, transform.plans());
+        let q = filter.apply(&whole);
+        let displacement = Arc::new(std::array::from_fn(|order| transform.five(order, |t| q[t])));
+        let rest: Vec<[f64; D]> = whole.iter().zip(&q).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
+        let rest_lines = Arc::new(transform.five(0, |t| rest[t]));
+        motion.q = q.iter().copied().map(Displacement::from_array).collect();
+        Self { filter, q, rest, displacement, rest_lines }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::Transform;
     use crate::residual::Normal;
 
     #[test]

@@ -7,7 +7,7 @@ mod weights;
 
 use super::Result;
 use super::dynamics::{Dynamics, LEAD, Square, Tangent, UnitResponses};
-use super::filter::LineFilter;
+use super::filter::{Filtered, LineFilter};
 use super::machine::{Evaluated, Machine, MachineBearing};
 use super::measurement::Site;
 use super::motion::{C, D, Motion, Transform};
@@ -163,29 +163,6 @@ impl Shaft {
     }
 }
 
-/// The displacement of a motion, divided into its lines above the noise of the probes and the rest.
-struct Filtered {
-    filter: LineFilter,
-    q: Vec<[f64; D]>,
-    rest: Vec<[f64; D]>,
-    displacement: Arc<[[Vec<C>; D]; 3]>,
-    rest_lines: Arc<[Vec<C>; D]>,
-}
-
-impl Filtered {
-    /// Divides the displacement of a motion, which keeps its lines.
-    fn new(motion: &mut Motion, weighting: &Weighting, transform: &Transform) -> Self {
-        let whole: Vec<[f64; D]> = motion.q.iter().map(|q| q.to_array()).collect();
-        let filter = LineFilter::new(&whole, weighting.pose_noise(), transform.plans());
-        let q = filter.apply(&whole);
-        let displacement = Arc::new(std::array::from_fn(|order| transform.five(order, |t| q[t])));
-        let rest: Vec<[f64; D]> = whole.iter().zip(&q).map(|(q, f)| std::array::from_fn(|i| q[i] - f[i])).collect();
-        let rest_lines = Arc::new(transform.five(0, |t| rest[t]));
-        motion.q = q.iter().copied().map(Displacement::from_array).collect();
-        Self { filter, q, rest, displacement, rest_lines }
-    }
-}
-
 /// A direction of the whitened residual with the share of it that is subtracted from a residual.
 #[derive(Clone)]
 struct Direction {
@@ -244,7 +221,7 @@ impl<'a> Evidence<'a> {
             highest,
             if plant.layout.is_rigid() { RIGID_WINDOW } else { ELASTIC_WINDOW },
         );
-        let filtered = Filtered::new(&mut motion, &weighting, &transform);
+        let filtered = Filtered::new(&mut motion, weighting.pose_noise(), &transform);
         let [gx, gy, gz] = rotor.gravity;
         let gravity = [gx * rotor.mass, gy * rotor.mass, gz * rotor.mass, 0.0, 0.0];
         let unit_unbalance = motion.unit_unbalance();
@@ -306,7 +283,7 @@ impl<'a> Evidence<'a> {
     /// [`Evidence::weight_for`].
     pub fn with_motion(&self, mut motion: Motion) -> Self {
         let Filtered { filter, q, rest, displacement, rest_lines } =
-            Filtered::new(&mut motion, &self.weighting, &self.transform);
+            Filtered::new(&mut motion, self.weighting.pose_noise(), &self.transform);
         Self {
             motion: Arc::new(motion),
             displacement,

@@ -69,7 +69,7 @@ fn recorded(folder: &TempDir, duration: f64) -> PathBuf {
 /// radial probe is at least twice its noise: the ball pass has an amplitude of 0.008 to 0.012 um.
 #[test]
 fn cages_are_followed_in_live_operation() {
-    const DURATION: f64 = 24.0;
+    const DURATION: f64 = 14.0;
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(&folder, DURATION);
     let scene = read_file(&path).unwrap();
