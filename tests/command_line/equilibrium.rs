@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::f64::consts::TAU;
 
-use crate::support::{Sandbox, list, number};
+use crate::support::{Sandbox, list, number, swap};
 
 const BALLS: &str = "model = \"quasi-static\"\nelements = 14\nball_diameter = \"7 mm\"\npitch_diameter = \"38.5 mm\"\n\
                      inner_conformity = 0.52\nouter_conformity = 0.52\ncontact_angle = \"25 deg\"\n";
@@ -49,6 +49,43 @@ fn natural_frequencies_of_the_reference_rotor() {
         let preload = outcome["bearings"][0]["displacement"][2].as_f64().unwrap().abs();
         assert!((preload - 10.000495e-6).abs() < 1e-11, "{preload}");
         assert!(number(&outcome, "/residual") < 1e-9);
+    }
+}
+
+/// A tilted outer ring adds to the preload, which is that of aligned rings; the rotor finds the position in which the forces of both bearings cancel. All
+/// models with this key find the same.
+#[test]
+fn a_rotor_rests_between_an_aligned_and_a_tilted_ring() {
+    let tilt = [0.6e-3, -0.9e-3];
+    let key = format!("outer_ring_tilt = [{:?}, {:?}]\n[[bearing]]\nname = \"R\"", tilt[0], tilt[1]);
+    let tilted = swap(&rotor(0, ["+z", "-z"], ""), "[[bearing]]\nname = \"R\"", &key);
+    let values = |of: &Value| -> Vec<f64> { of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+    let mut positions = vec![];
+    for model in ["quasi-static", "angular", "tabulated"] {
+        let outcome = settled(&tilted.replace("quasi-static", model), &[]);
+        let (rotor, bearings) = (values(&outcome["displacement"]), list(&outcome, "bearings"));
+        let [left, right] = [0, 1].map(|b| values(&bearings[b]["displacement"]));
+        for (axis, tilt) in tilt.into_iter().enumerate() {
+            assert!((left[3 + axis] - (rotor[3 + axis] - tilt)).abs() < 1e-12, "{left:?} {rotor:?}");
+            assert!((right[3 + axis] - rotor[3 + axis]).abs() < 1e-12, "{right:?} {rotor:?}");
+        }
+        assert!((left[2] - rotor[2] - 10.000495e-6).abs() < 1e-8, "{model}: {left:?} {rotor:?}");
+        let [of_left, of_right] = [0, 1].map(|b| values(&bearings[b]["force"]));
+        let largest = of_left.iter().chain(&of_right).map(|x| x.abs()).fold(0.0, f64::max);
+        // About the centre, at -50 mm and 50 mm: the moment of a force is z x F.
+        let moments = [0.05 * (of_left[1] - of_right[1]), 0.05 * (of_right[0] - of_left[0])];
+        for i in 0..5 {
+            let sum = of_left[i] + of_right[i] + if i < 3 { 0.0 } else { moments[i - 3] };
+            assert!(sum.abs() < 1e-6 * largest, "{model}: {sum} of {largest} along {i}");
+        }
+        assert!(of_left[3].hypot(of_left[4]) > 0.1, "the ring resists: {of_left:?}");
+        positions.push(rotor);
+    }
+    let tilt_of_rotor = positions[0][3].hypot(positions[0][4]);
+    assert!(tilt_of_rotor > 0.05 * tilt[0].hypot(tilt[1]), "{positions:?}");
+    for other in &positions[1..] {
+        let apart = (other[3] - positions[0][3]).hypot(other[4] - positions[0][4]);
+        assert!(apart < 0.01 * tilt_of_rotor, "{positions:?}");
     }
 }
 
