@@ -193,10 +193,7 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         list.retain(|candidate| !known(&candidate.fault));
         let is_as_recorded = faults.is_empty() && of.deviations.is_empty();
         if is_as_recorded && of.site.as_ref().is_some_and(SiteRecording::has_moved) {
-            for candidate in &mut list {
-                with_trials(of, candidate, &now)?;
-            }
-            list.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            with_trials(of, &mut list, &now)?;
         }
         progress(0.3 + 0.2 * faults.len() as f64);
         let is_first = faults.is_empty();

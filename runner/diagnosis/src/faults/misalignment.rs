@@ -10,7 +10,7 @@ use super::candidates::{Candidate, Search};
 use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultKind, FaultParameters};
 use ballrace_plant::Plant;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 
 /// Tilt of an outer ring about X (0) or Y (1).
 static TILT: Parameter = Parameter {
@@ -22,7 +22,8 @@ static TILT: Parameter = Parameter {
 
 /// Tilts that are tried, rad: one about a number of axes, others about the best axis.
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
-/// Tilt of the trials at a site whose means have moved, rad, and the number of their axes.
+/// Tilt of the first trials at a site whose means have moved, rad, and the number of their axes; the next are larger about the best axis, then between two
+/// axes, then between the sizes.
 const TRIALS: (f64, u32) = (0.6e-3, 4);
 /// Least tilt, rad.
 const TOLERANCE: f64 = 3e-5;
@@ -60,15 +61,23 @@ impl Fault for Misalignment {
         Ok(Some(search.found(AnyFault::Misalignment(*self), gain, vec![start], &own)))
     }
 
-    fn trials(&self, machine: &Machine) -> Vec<Machine> {
+    fn trials(&self, machine: &Machine, round: usize) -> Vec<Machine> {
         let (size, axes) = TRIALS;
-        let tilted = |i: u32| {
-            let axis = TAU * f64::from(i) / f64::from(axes);
+        let [x, y] = machine.bearings[self.bearing].tilt;
+        let (now, axis) = (x.hypot(y), y.atan2(x));
+        let vectors: Vec<(f64, f64)> = match round {
+            0 => (0..axes).map(|i| (size, TAU * f64::from(i) / f64::from(axes))).collect(),
+            1 => [2.0, 4.0].map(|times| (times * now, axis)).into(),
+            2 => [-1.0, 1.0].map(|side| (now, axis + side * TAU / f64::from(4 * axes))).into(),
+            3 => [FRAC_1_SQRT_2, SQRT_2].map(|times| (times * now, axis)).into(),
+            _ => vec![],
+        };
+        let tilted = |(size, axis): (f64, f64)| {
             let mut tilted = machine.clone();
             tilted.bearings[self.bearing].tilt = [size * axis.cos(), size * axis.sin()];
             tilted
         };
-        (0..axes).map(tilted).collect()
+        vectors.into_iter().map(tilted).collect()
     }
 
     fn remove(&self, machine: &mut Machine, before: &Machine) {

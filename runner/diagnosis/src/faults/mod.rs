@@ -47,8 +47,9 @@ pub trait Fault {
     }
 
     /// Returns machines with the fault to try at a site whose means have moved: each moves the shaft by so much that the position by the gaps of the
-    /// baseline, known to a micrometre, does not show its force. None where the force is about the same.
-    fn trials(&self, _machine: &Machine) -> Vec<Machine> {
+    /// baseline, known to a micrometre, does not show its force. Those of a later round than 0 are about `machine`, the best before. None where the force
+    /// is about the same, and after the last round.
+    fn trials(&self, _machine: &Machine, _round: usize) -> Vec<Machine> {
         vec![]
     }
 

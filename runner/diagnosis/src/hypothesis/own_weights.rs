@@ -64,19 +64,33 @@ pub(super) fn weighted<'a>(
     Ok(best)
 }
 
-/// Tries the machines of a candidate that moves the shaft, each in weights of its own; the best is a further start where it explains more than is expected
-/// of the candidate.
-pub(super) fn with_trials(of: &Prepared, candidate: &mut Candidate, now: &Fitted) -> Result<()> {
-    let trials = candidate.fault.trials(&now.machine);
-    let chi_square =
-        |machine: &Machine| -> Result<f64> { Ok(evaluate(&of.weighted_for(machine)?, machine)?.chi_square) };
-    let tried = parallel::map(&trials, chi_square);
-    for (machine, chi_square) in trials.into_iter().zip(tried) {
-        let gain = now.chi_square - chi_square?;
-        if gain > candidate.gain {
+/// Tries the machines of candidates that move the shaft, each in weights of its own, and further ones about the best of all. The best of a candidate is a
+/// further start of its fit where it explains more than is expected.
+pub(super) fn with_trials(of: &Prepared, list: &mut [Candidate], now: &Fitted) -> Result<()> {
+    let gain = |machine: &Machine| -> Result<f64> {
+        Ok(now.chi_square - evaluate(&of.weighted_for(machine)?, machine)?.chi_square)
+    };
+    let best_of = |trials: Vec<Machine>| -> Result<Option<(f64, Machine)>> {
+        let gains = parallel::map(&trials, gain).into_iter().collect::<Result<Vec<f64>>>()?;
+        Ok(gains.into_iter().zip(trials).max_by(|a, b| a.0.total_cmp(&b.0)))
+    };
+    let first = list.iter().map(|candidate| best_of(candidate.fault.trials(&now.machine, 0)));
+    let mut tried = first.collect::<Result<Vec<_>>>()?;
+    let best = tried.iter_mut().zip(&*list).filter_map(|(tried, candidate)| Some((tried.as_mut()?, candidate.fault)));
+    if let Some((best, fault)) = best.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) {
+        for round in 1.. {
+            let Some(next) = best_of(fault.trials(&best.1, round))? else { break };
+            if next.0 > best.0 {
+                *best = next;
+            }
+        }
+    }
+    for (candidate, tried) in list.iter_mut().zip(tried) {
+        if let Some((gain, machine)) = tried.filter(|(gain, _)| *gain > candidate.gain) {
             (candidate.gain, candidate.trial) = (gain, Some(machine));
         }
     }
+    list.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Ok(())
 }
 
