@@ -64,8 +64,8 @@ pub(super) fn weighted<'a>(
     Ok(best)
 }
 
-/// Tries the machines of candidates that move the shaft, each in weights of its own, and further ones about the best of all. The best of a candidate is a
-/// further start of its fit where it explains more than is expected.
+/// Tries the machines of candidates that move the shaft, each in weights of its own, and further ones about the best of all while these explain more. The
+/// best of a candidate is a further start of its fit where it explains more than is expected.
 pub(super) fn with_trials(of: &Prepared, list: &mut [Candidate], now: &Fitted) -> Result<()> {
     let gain = |machine: &Machine| -> Result<f64> {
         Ok(now.chi_square - evaluate(&of.weighted_for(machine)?, machine)?.chi_square)
@@ -79,9 +79,9 @@ pub(super) fn with_trials(of: &Prepared, list: &mut [Candidate], now: &Fitted) -
     let best = tried.iter_mut().zip(&*list).filter_map(|(tried, candidate)| Some((tried.as_mut()?, candidate.fault)));
     if let Some((best, fault)) = best.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) {
         for round in 1.. {
-            let Some(next) = best_of(fault.trials(&best.1, round))? else { break };
-            if next.0 > best.0 {
-                *best = next;
+            match best_of(fault.trials(&best.1, round))? {
+                Some(next) if next.0 > best.0 => *best = next,
+                _ => break,
             }
         }
     }
