@@ -84,8 +84,26 @@ def test_features_are_a_frame_where_it_is_asked_for(
 def test_no_recording_and_no_fit_are_errors(scene: ballrace.Scene) -> None:
     with pytest.raises(ValueError, match="recordings: none, expected at least one"):
         Indicators(scene).fit([])
+    with pytest.raises(ValueError, match="recordings: none, expected at least one"):
+        Indicators(scene).fit_transform([])
     with pytest.raises(ValueError, match="not fitted"):
         Indicators(scene).transform([])
+
+
+def test_a_pipeline_replays_each_recording_once(scene: ballrace.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    replayed: list[str] = []
+
+    class Replayed:
+        def indicators(self) -> dict[str, float]:
+            return {"level": float(len(replayed))}
+
+    def replay(scene: ballrace.Scene, recording: str, baseline: None) -> Replayed:
+        replayed.append(recording)
+        return Replayed()
+
+    monkeypatch.setattr(ballrace.Scene, "replay", replay)
+    features = make_pipeline(Indicators(scene)).fit_transform(["a.csv", "b.csv"])
+    assert replayed == ["a.csv", "b.csv"] and features.tolist() == [[1.0], [2.0]]
 
 
 def test_a_motion_is_a_labelled_dataset(scene: ballrace.Scene) -> None:
