@@ -272,7 +272,7 @@ fn a_wave_is_named_on_its_bearing() {
 #[test]
 fn a_tilted_ring_is_found() {
     let sandbox = site();
-    for [about_x, about_y] in [[0.6_f64, 0.9_f64], [-1.2, 0.3], [2.0, 1.0]] {
+    for [about_x, about_y] in [[0.6_f64, 0.9_f64], [-1.5, 1.5], [1.25, -2.16]] {
         let tilt = format!("outer_ring_tilt = [\"{about_x} mrad\", \"{about_y} mrad\"]\n");
         sandbox.put("tilted.toml", rotor("angular", &format!("{CAGE}{WAVES}{tilt}"), "Z"));
         sandbox.put("recording.csv", readings(&motion(&sandbox, "tilted.toml", 20..20 + TURNS), |_, _, _| 0.0));

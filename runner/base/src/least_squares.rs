@@ -60,6 +60,11 @@ pub trait Problem {
         true
     }
 
+    /// Returns how many dampings a step tries at most: few where a point is expensive.
+    fn dampings(&self) -> usize {
+        DAMPINGS
+    }
+
     /// Returns what is known of the unknowns besides the residuals, as a sum of squares.
     fn prior_square(&self, _at: &Self::Point) -> f64 {
         0.0
@@ -125,7 +130,7 @@ pub fn minimise<P: Problem>(problem: &P, start: P::Point, most: usize) -> Result
         progress.iterations += 1;
         let equations = system.insert(NormalEquations::new(problem, &now, &slopes));
         let mut next = None;
-        for _ in 0..if is_exact { DAMPINGS } else { 1 } {
+        for _ in 0..if is_exact { problem.dampings() } else { 1 } {
             let Some(to) = equations.step(problem, &now, damping) else { break };
             let tried = problem.moved(&now, &to).ok().map(|point| (sum_of_squares(&point), point));
             next = tried.filter(|(square, _)| *square < progress.square);

@@ -142,20 +142,6 @@ impl Estimates<'_, '_> {
         around(angle.value, ((angle.high - angle.value) / WITHIN_95).hypot(late))
     }
 
-    /// Size and direction of a vector of two unknowns by which the rotor moves: what the gaps of the probes leave of it is in the intervals.
-    pub fn moving_vector(&self, unknowns: [Unknown; 2], unit: f64) -> [Estimate; 2] {
-        let by_gaps =
-            |unknown| self.e.deviation_by_gaps(&self.last.spectra, &self.last.machine, unknown).unwrap_or(0.0);
-        let by_gaps = unknowns.map(by_gaps).into_iter().fold(0.0, f64::max);
-        let [size, direction] = self.vector(unknowns, unit);
-        let wider = |of: &Estimate, by: f64| around(of.value, ((of.high - of.value) / WITHIN_95).hypot(by));
-        let across = (by_gaps / (unit * size.value).max(1e-30)).to_degrees();
-        let Estimate { value, high, .. } = wider(&direction, across);
-        let half = (high - value).min(180.0);
-        let direction = Estimate { value, low: value - half, high: value + half };
-        [not_negative(wider(&size, by_gaps / unit)), within_turn(direction)]
-    }
-
     /// Size and direction of a vector of two unknowns.
     pub fn vector(&self, [x, y]: [Unknown; 2], unit: f64) -> [Estimate; 2] {
         let (a, b) = (x.get(&self.last.machine), y.get(&self.last.machine));
@@ -174,32 +160,39 @@ impl Estimates<'_, '_> {
     }
 }
 
-/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit. Of a site, [`DEPENDENT`] values of the residual are
-/// evidence of one.
-pub(crate) fn with_uncertain_parameters(e: &Evidence, mut last: Fitted) -> Result<Fitted> {
+/// Adds the contribution of the uncertain parameters of the machine to the covariance of a fit, of whose unknowns some were fitted to means as well as to
+/// lines. Of a site, [`DEPENDENT`] values of the residual are evidence of one.
+pub(crate) fn with_uncertain_parameters(e: &Evidence, mut last: Fitted, of_means: &[Unknown]) -> Result<Fitted> {
     let changes = e.uncertain_changes(&last.spectra, &last.machine)?;
     if changes.is_empty() || last.unknowns.is_empty() {
         return Ok(last);
     }
     let dependent = if e.site.is_some() { DEPENDENT } else { 1.0 };
-    let slopes = matrix(&e.slopes(&last.spectra, &last.machine, &last.unknowns)?);
+    let (spectra, machine) = (&last.spectra, &last.machine);
+    let of_lines: Vec<Unknown> = last.unknowns.iter().copied().filter(|unknown| !of_means.contains(unknown)).collect();
+    let mut slopes = e.slopes(spectra, machine, &of_lines)?;
+    slopes.extend(e.moving_slopes(spectra, machine, of_means)?.into_iter().map(|[lines, _]| lines));
+    let weights: Vec<f64> =
+        last.unknowns.iter().map(|unknown| if of_means.contains(unknown) { 1.0 / DEPENDENT } else { 1.0 }).collect();
     let residual = DVector::from_column_slice(&last.residual);
-    last.covariance += by_uncertain(&last.covariance, &slopes, matrix(&changes), &residual, dependent);
+    last.covariance +=
+        by_uncertain((&last.covariance, &weights), &matrix(&slopes), matrix(&changes), &residual, dependent);
     Ok(last)
 }
 
-/// Returns what uncertain parameters add to the covariance `C` of unknowns with the slopes `J`.
+/// Returns what uncertain parameters add to the covariance `C` of unknowns with the slopes `J`, in whose fit each value had the weights `D`.
 ///
-/// With the changes `V` of the residual `r` by one deviation of each parameter, the unknowns change by `-C J^T V` per deviation. What the
-/// unknowns do not make up for, `W = V - J C J^T V`, limits the parameters to the covariance `S = (1 + W^T W)^-1` about the mean `S W^T r`.
+/// With the changes `V` of the residual `r` by one deviation of each parameter, the unknowns change by `-C D J^T V` per deviation. What the
+/// unknowns do not make up for, `W = V - J C D J^T V`, limits the parameters to the covariance `S = (1 + W^T W)^-1` about the mean `S W^T r`.
 fn by_uncertain(
-    covariance: &DMatrix<f64>,
+    (covariance, weights): (&DMatrix<f64>, &[f64]),
     slopes: &DMatrix<f64>,
     changes: DMatrix<f64>,
     residual: &DVector<f64>,
     dependent: f64,
 ) -> DMatrix<f64> {
-    let moved = covariance * slopes.tr_mul(&changes);
+    let along = slopes.tr_mul(&changes);
+    let moved = covariance * DMatrix::from_fn(along.nrows(), along.ncols(), |i, j| weights[i] * along[(i, j)]);
     let left = changes - slopes * &moved;
     let precision = DMatrix::<f64>::identity(left.ncols(), left.ncols()) + left.tr_mul(&left) / dependent;
     let known = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(left.ncols(), left.ncols()));
@@ -255,19 +248,22 @@ mod tests {
         let inverse = |x: DMatrix<f64>| x.try_inverse().unwrap_or_default();
         let covariance = inverse(slopes.tr_mul(&slopes));
         let none = DVector::zeros(40);
-        let added = by_uncertain(&covariance, &slopes, changes.clone(), &none, 1.0);
+        let added = by_uncertain((&covariance, &[1.0; 3]), &slopes, changes.clone(), &none, 1.0);
         let both = DMatrix::from_fn(40, 5, |i, j| if j < 3 { slopes[(i, j)] } else { changes[(i, j - 3)] });
         let mut normal = both.tr_mul(&both);
         (3..5).for_each(|j| normal[(j, j)] += 1.0);
         let whole = inverse(normal);
         let expected = whole.view((0, 0), (3, 3)) - &covariance;
         assert!((&added - &expected).norm() < 1e-9 * expected.norm(), "{added} instead of {expected}");
+        // Values of a quarter of the weight determine the unknowns with four times the covariance, and move them as much.
+        let quarter = by_uncertain((&(4.0 * &covariance), &[0.25; 3]), &slopes, changes.clone(), &none, 1.0);
+        assert!((&quarter - &added).norm() < 1e-9 * added.norm());
         // A residual along what the unknowns do not make up for is a parameter that is off: they are as well.
         let left = &changes - &slopes * (&covariance * slopes.tr_mul(&changes));
-        let off = by_uncertain(&covariance, &slopes, changes.clone(), &(5.0 * left.column(0)), 1.0);
+        let off = by_uncertain((&covariance, &[1.0; 3]), &slopes, changes.clone(), &(5.0 * left.column(0)), 1.0);
         assert!(off.trace() > 2.0 * added.trace());
         // Where many values are evidence of one, the parameters are known as before.
-        let vague = by_uncertain(&covariance, &slopes, changes.clone(), &none, 1e9);
+        let vague = by_uncertain((&covariance, &[1.0; 3]), &slopes, changes.clone(), &none, 1e9);
         let moved = &covariance * slopes.tr_mul(&changes);
         let unlimited = &moved * moved.transpose();
         assert!((&vague - &unlimited).norm() < 1e-6 * unlimited.norm());

@@ -28,6 +28,15 @@ impl Fitted {
         at.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
     }
 
+    /// Returns the machine with the covariance of further unknowns, which were fitted apart from those of this fit.
+    fn with_covariance(mut self, unknowns: &[Unknown], covariance: &DMatrix<f64>) -> Self {
+        let (own, more) = (self.unknowns.len(), unknowns.len());
+        self.unknowns.extend(unknowns);
+        self.covariance = self.covariance.resize(own + more, own + more, 0.0);
+        self.covariance.view_mut((own, own), (more, more)).copy_from(covariance);
+        self
+    }
+
     /// Returns the least significant fall of chi-squared: while its excess is large, a fall by a small share of it is none.
     pub fn least_fall(&self) -> f64 {
         MIN_FALL + MIN_SHARE * (self.chi_square - self.residual.len() as f64).max(0.0)
@@ -181,6 +190,20 @@ pub(crate) fn fit_whole(
     Fit { e, unknowns, weights: Weights::Own, prior: None, limits }.from(start, Some(prior))
 }
 
+/// Returns true for a search that will not come below a target.
+pub(super) fn is_hopeless(Progress { iterations, square, fall }: Progress, target: f64) -> bool {
+    iterations > SETTLING && fall > 0.0 && square - FURTHER_FALLS * fall > target
+}
+
+/// Fits further unknowns of a machine beside those of its own fit, which keep their values and covariance.
+pub(super) fn fit_beside(e: &Evidence, start: &Fitted, unknowns: &[Unknown], iterations: usize) -> Result<Fitted> {
+    let is_kept = |i: &usize| !unknowns.contains(&start.unknowns[*i]);
+    let kept: Vec<usize> = (0..start.unknowns.len()).filter(is_kept).collect();
+    let covariance = DMatrix::from_fn(kept.len(), kept.len(), |i, j| start.covariance[(kept[i], kept[j])]);
+    let kept: Vec<Unknown> = kept.into_iter().map(|i| start.unknowns[i]).collect();
+    Ok(fit(e, start, unknowns, iterations)?.with_covariance(&kept, &covariance))
+}
+
 /// Fit of some unknowns of a machine to a recording.
 struct Fit<'a, 'b> {
     e: &'a Evidence<'b>,
@@ -269,8 +292,7 @@ impl Problem for Fit<'_, '_> {
         at.least_fall()
     }
 
-    fn may_continue(&self, Progress { iterations, square, fall }: Progress) -> bool {
-        let is_hopeless = iterations > SETTLING && fall > 0.0 && square - FURTHER_FALLS * fall > self.limits.target;
-        !is_hopeless && !self.limits.time_limit.is_some_and(|limit| limit.is_over())
+    fn may_continue(&self, progress: Progress) -> bool {
+        !is_hopeless(progress, self.limits.target) && !self.limits.time_limit.is_some_and(|limit| limit.is_over())
     }
 }

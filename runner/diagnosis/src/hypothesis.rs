@@ -4,7 +4,7 @@ mod own_weights;
 
 use super::faults::AnyFault;
 use super::faults::candidates::{Candidate, EXPECTED, Extent, FAR, Search};
-use super::fit::{Fitted, MODEL_ERROR, changed, evaluate, fit, square};
+use super::fit::{Fitted, MODEL_ERROR, changed, evaluate, fit, fit_beside, square};
 use super::machine::{Machine, MachineBearing};
 use super::parameter::{CAGE_SLIP, union};
 use super::residual::Evidence;
@@ -76,9 +76,13 @@ impl Scored<'_> {
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
     fn fit_further(&mut self, of: &Prepared, now: &Fitted) -> Result<()> {
         let IdentifiedFault { fault, fitted, observable, gain, .. } = &mut self.identified;
-        let unknowns = union(cage::unknowns(observable, &fitted.machine), &fitted.unknowns);
+        let cages = cage::unknowns(observable, &fitted.machine);
         let evidence = self.evidence.as_ref().unwrap_or(&of.evidence);
-        let further = fit(evidence, fitted, &unknowns, 10)?;
+        let further = if of.has_known_gaps() && fault.moves_shaft() {
+            fit_beside(evidence, fitted, &cages, 10)?
+        } else {
+            fit(evidence, fitted, &union(cages, &fitted.unknowns), 10)?
+        };
         *gain += fitted.chi_square - further.chi_square;
         *fitted = further;
         self.tolerated = tolerated(evidence, fitted)?;
@@ -202,7 +206,8 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
             evidence = moved_axially(of, &now.machine, &mut identified)?;
         }
-        if of.site.is_some() && evidence.is_some() && !is_sound {
+        let is_of_means = of.has_known_gaps() && identified.fault.moves_shaft();
+        if of.site.is_some() && evidence.is_some() && !is_sound && !is_of_means {
             let before = identified.fitted.chi_square;
             let (own, fitted) = in_own_weights(of, identified.fitted, f64::INFINITY)?;
             identified.gain += before - fitted.chi_square;

@@ -25,6 +25,7 @@ mod fit;
 mod force_rose;
 mod hypothesis;
 mod machine;
+mod means;
 mod measurement;
 mod motion;
 mod parameter;
@@ -218,6 +219,11 @@ impl<'a> Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
+    /// Returns true at a site whose gaps are known from a baseline.
+    fn has_known_gaps(&self) -> bool {
+        self.site.is_some() && !self.evidence.is_without_baseline()
+    }
+
     /// Returns the recording weighted for a machine; the readings of a site lack the errors that this machine leaves.
     fn weighted_for(&self, machine: &Machine) -> Result<Evidence<'a>> {
         let measured = self.site.as_ref().map(|site| site.clone().evidence(machine)).transpose()?;

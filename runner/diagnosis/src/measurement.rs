@@ -48,8 +48,8 @@ const SUBTRACTED: f64 = 2.0;
 /// What a site adds to the noise of the probes.
 pub struct Site {
     pub basis: std::sync::Arc<ReadingBasis>,
-    /// Standard deviation of the gap of each probe, m.
-    pub gaps: Vec<f64>,
+    /// Gap of each probe beyond that of the baseline, m: value and standard deviation.
+    pub gaps: Vec<[f64; 2]>,
     /// Expected of each probe.
     pub expected: Vec<Expected>,
     /// Per bearing: variance of each line of the waves of its races, where no sound machine has been recorded.

@@ -4,10 +4,11 @@ use super::cage::unknowns;
 use super::estimates::{Estimates, around, with_uncertain_parameters};
 use super::fault_figures::Contrast;
 use super::faults::AnyFault;
-use super::fit::{Fitted, evaluate, fit};
+use super::fit::{Fitted, evaluate, fit_beside};
 use super::hypothesis::{IdentifiedFault, MIN_GAIN};
 use super::machine::Machine;
-use super::parameter::{CAGE_PHASE, CAGE_SLIP, union};
+use super::means::fit_with_means;
+use super::parameter::{CAGE_PHASE, CAGE_SLIP, Unknown, union};
 use super::residual::Evidence;
 use super::residual::site::{self, DEPENDENT};
 use super::site::{RESOLUTION, SiteRecording};
@@ -122,14 +123,14 @@ pub(super) fn cages(e: &Evidence, of: &Fitted, observable: &[bool]) -> Vec<CageE
 /// Returns the result of a diagnosis with its figures and notes.
 pub(super) fn diagnosis(input: &DiagnosisInput, of: &Prepared, faults: &[IdentifiedFault]) -> Result<DiagnosisResult> {
     let before = of.healthy.chi_square / of.healthy.residual.len().max(1) as f64;
-    let (e, last) = joint(of, faults)?;
-    let e = &*e;
+    let Joint { evidence, fitted: last, of_means } = joint(of, faults)?;
+    let e = &*evidence;
     let after = last.chi_square / last.residual.len().max(1) as f64;
     // The model error may act along the unknowns: each unknown takes its share of the excess of chi-squared.
     let excess = (last.chi_square - (1.0 + NOISE_ERROR) * last.residual.len() as f64).max(0.0);
     let dependent = if e.site.is_some() { DEPENDENT } else { 1.0 };
     let inflation = (1.0 + excess / (dependent * last.unknowns.len().max(1) as f64)).sqrt();
-    let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last)? };
+    let last = if faults.is_empty() { last } else { with_uncertain_parameters(e, last, &of_means)? };
     let estimates = Estimates { e, last: &last, inflation, error_at_lines: 0.0 };
     let mut diagnoses: Vec<Diagnosis> = vec![];
     for (i, identified) in faults.iter().enumerate() {
@@ -318,23 +319,49 @@ fn undecided(first: Diagnosis, fault: AnyFault, other: AnyFault, e: &Evidence, h
     }
 }
 
-/// Fits the unknowns of all faults together; with the recording in the weights of this fit.
+/// Faults fitted together.
+struct Joint<'a, 'b> {
+    /// The recording in the weights of the fit.
+    evidence: Cow<'b, Evidence<'a>>,
+    fitted: Fitted,
+    /// Unknowns of a site that were fitted to means as well as to lines.
+    of_means: Vec<Unknown>,
+}
+
+/// Fits the unknowns of all faults together.
 ///
-/// A spall of a site has many lines: it is fitted again where each counts by the error of the model there, which is as large as what the faults
-/// leave.
-fn joint<'a, 'b>(of: &'b Prepared<'a>, faults: &[IdentifiedFault]) -> Result<(Cow<'b, Evidence<'a>>, Fitted)> {
-    let mut e = Cow::Borrowed(&of.evidence);
-    let Some(last) = faults.last() else { return Ok((e, of.healthy.clone())) };
-    let of_cages = unknowns(&of.observable, &last.fitted.machine);
-    let all = faults.iter().fold(of_cages, |all, fault| union(all, &fault.fitted.unknowns));
-    let mut fitted = fit(&e, &last.fitted, &all, 30)?;
-    let is_spall = |one: &&IdentifiedFault| e.site.is_some() && matches!(one.fault, AnyFault::Spall(_));
+/// Of a site, those that move the rotor are fitted to means as well. A spall has many lines there: it is fitted again where each counts by the error of the
+/// model there, which is as large as what the faults leave.
+fn joint<'a, 'b>(of: &'b Prepared<'a>, faults: &[IdentifiedFault]) -> Result<Joint<'a, 'b>> {
+    let mut evidence = Cow::Borrowed(&of.evidence);
+    let Some(last) = faults.last() else {
+        return Ok(Joint { evidence, fitted: of.healthy.clone(), of_means: vec![] });
+    };
+    let mut fitted = last.fitted.clone();
+    let of_cages = unknowns(&of.observable, &fitted.machine);
+    let mut of_lines = faults.iter().fold(of_cages, |all, fault| union(all, &fault.fitted.unknowns));
+    let moving = faults.iter().filter(|one| of.site.is_some() && one.fault.moves_shaft());
+    let mut of_means = moving.fold(vec![], |all, one| union(all, &one.fitted.unknowns));
+    of_means.retain(|unknown| !unknown.is_of_cage());
+    of_lines.retain(|unknown| !of_means.contains(unknown));
+    if of_means.is_empty() {
+        fitted.unknowns.clear();
+    } else {
+        let (own, with_means) = fit_with_means(of, &fitted.machine, &of_means, f64::INFINITY)?;
+        evidence = Cow::Owned(own);
+        // Of independent values.
+        fitted = Fitted { covariance: with_means.covariance.clone() * DEPENDENT, ..with_means };
+    }
+    fitted = fit_beside(&evidence, &fitted, &of_lines, 30)?;
+    let is_spall = |one: &&IdentifiedFault| of.site.is_some() && matches!(one.fault, AnyFault::Spall(_));
     let error = faults.iter().filter(is_spall).map(IdentifiedFault::error_at_lines).reduce(f64::max);
     for error in std::iter::repeat_n(error, ROUNDS).flatten() {
-        e.to_mut().weight_for_sizes(&fitted.machine, error)?;
-        fitted = fit(&e, &evaluate(&e, &fitted.machine)?, &all, 30)?;
+        evidence.to_mut().weight_for_sizes(&fitted.machine, error)?;
+        let start = evaluate(&evidence, &fitted.machine)?;
+        let start = Fitted { unknowns: fitted.unknowns, covariance: fitted.covariance, ..start };
+        fitted = fit_beside(&evidence, &start, &of_lines, 30)?;
     }
-    Ok((e, fitted))
+    Ok(Joint { evidence, fitted, of_means })
 }
 
 impl Estimates<'_, '_> {

@@ -150,7 +150,7 @@ impl<'a> SiteRecording<'a> {
         }
         let Some((mut e, counting)) = self.without_errors()? else { return Ok(None) };
         if let Some(basis) = &self.basis {
-            e.set_site(&self.known, basis.clone(), &counting);
+            e.set_site(&self.known, basis.clone(), &self.errors, &counting);
         }
         Ok(Some(e))
     }
@@ -175,7 +175,7 @@ impl<'a> SiteRecording<'a> {
         let none = vec![[0.0; COEFFICIENTS]; counting.len()];
         let Some(mut e) = self.without(&unknown)? else { return Ok(None) };
         if let Some(basis) = &self.basis {
-            e.set_site(&self.known, basis.clone(), &none);
+            e.set_site(&self.known, basis.clone(), &self.errors, &none);
         }
         Ok(Some(e))
     }

@@ -10,7 +10,7 @@ use super::candidates::{Candidate, Search};
 use super::{AnyFault, Fault};
 use ballrace_outcome::{FaultKind, FaultParameters};
 use ballrace_plant::Plant;
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
+use std::f64::consts::{SQRT_2, TAU};
 
 /// Tilt of an outer ring about X (0) or Y (1).
 static TILT: Parameter = Parameter {
@@ -22,8 +22,8 @@ static TILT: Parameter = Parameter {
 
 /// Tilts that are tried, rad: one about a number of axes, others about the best axis.
 const TILTS: (f64, [f64; 2], u32) = (0.4e-3, [0.15e-3, 0.8e-3], 8);
-/// Tilt of the first trials at a site whose means have moved, rad, and the number of their axes; the next are larger about the best axis, then between two
-/// axes, then between the sizes.
+/// Tilt of the first trials at a site whose means have moved, rad, and the number of their axes; the next are larger about the best axis, then twice closer
+/// by axis and by size.
 const TRIALS: (f64, u32) = (0.6e-3, 4);
 /// Least tilt, rad.
 const TOLERANCE: f64 = 3e-5;
@@ -65,11 +65,15 @@ impl Fault for Misalignment {
         let (size, axes) = TRIALS;
         let [x, y] = machine.bearings[self.bearing].tilt;
         let (now, axis) = (x.hypot(y), y.atan2(x));
+        let turned = |by: f64| [-1.0, 1.0].map(|side| (now, axis + side * by * TAU / f64::from(axes))).into();
+        let sized = |by: f64| [1.0 / by, by].map(|times| (times * now, axis)).into();
         let vectors: Vec<(f64, f64)> = match round {
             0 => (0..axes).map(|i| (size, TAU * f64::from(i) / f64::from(axes))).collect(),
             1 => [2.0, 4.0].map(|times| (times * now, axis)).into(),
-            2 => [-1.0, 1.0].map(|side| (now, axis + side * TAU / f64::from(4 * axes))).into(),
-            3 => [FRAC_1_SQRT_2, SQRT_2].map(|times| (times * now, axis)).into(),
+            2 => turned(0.25),
+            3 => sized(SQRT_2),
+            4 => turned(0.125),
+            5 => sized(SQRT_2.sqrt()),
             _ => vec![],
         };
         let tilted = |(size, axis): (f64, f64)| {
@@ -116,7 +120,7 @@ impl Fault for Misalignment {
     }
 
     fn parameters(&self, of: &Estimates) -> FaultParameters {
-        let [tilt, axis] = of.moving_vector([0, 1].map(|axis| TILT.of_bearing_at(self.bearing, axis)), 1e-3);
+        let [tilt, axis] = of.vector([0, 1].map(|axis| TILT.of_bearing_at(self.bearing, axis)), 1e-3);
         FaultParameters { tilt_mrad: Some(tilt), axis_deg: Some(axis), ..FaultParameters::default() }
     }
 

@@ -2,8 +2,9 @@
 
 use super::super::cage::{self, SLIPS};
 use super::super::faults::candidates::{Candidate, FAR};
-use super::super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit};
+use super::super::fit::{Fitted, MIN_FALL, MODEL_ERROR, evaluate, fit, fit_beside};
 use super::super::machine::Machine;
+use super::super::means::{fit_with_means, squares};
 use super::super::parameter::Unknown;
 use super::super::residual::Evidence;
 use super::super::residual::site::DEPENDENT;
@@ -64,29 +65,39 @@ pub(super) fn weighted<'a>(
     Ok(best)
 }
 
+/// Machine of a trial.
+struct Trial {
+    machine: Machine,
+    /// Fall of chi-squared.
+    gain: f64,
+    /// Minus twice the logarithm of its likelihood by lines and means.
+    square: f64,
+}
+
 /// Tries the machines of candidates that move the shaft, each in weights of its own, and further ones about the best of all while these explain more. The
 /// best of a candidate is a further start of its fit where it explains more than is expected.
 pub(super) fn with_trials(of: &Prepared, list: &mut [Candidate], now: &Fitted) -> Result<()> {
-    let gain = |machine: &Machine| -> Result<f64> {
-        Ok(now.chi_square - evaluate(&of.weighted_for(machine)?, machine)?.chi_square)
+    let trial = |machine: &Machine| -> Result<Trial> {
+        let [chi_square, square] = squares(of, machine)?;
+        Ok(Trial { machine: machine.clone(), gain: now.chi_square - chi_square, square })
     };
-    let best_of = |trials: Vec<Machine>| -> Result<Option<(f64, Machine)>> {
-        let gains = parallel::map(&trials, gain).into_iter().collect::<Result<Vec<f64>>>()?;
-        Ok(gains.into_iter().zip(trials).max_by(|a, b| a.0.total_cmp(&b.0)))
+    let best_of = |machines: Vec<Machine>| -> Result<Option<Trial>> {
+        let trials = parallel::map(&machines, trial).into_iter().collect::<Result<Vec<Trial>>>()?;
+        Ok(trials.into_iter().min_by(|a, b| a.square.total_cmp(&b.square)))
     };
     let first = list.iter().map(|candidate| best_of(candidate.fault.trials(&now.machine, 0)));
     let mut tried = first.collect::<Result<Vec<_>>>()?;
     let best = tried.iter_mut().zip(&*list).filter_map(|(tried, candidate)| Some((tried.as_mut()?, candidate.fault)));
-    if let Some((best, fault)) = best.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) {
+    if let Some((best, fault)) = best.min_by(|a, b| a.0.square.total_cmp(&b.0.square)) {
         for round in 1.. {
-            match best_of(fault.trials(&best.1, round))? {
-                Some(next) if next.0 > best.0 => *best = next,
-                _ => break,
+            let Some(next) = best_of(fault.trials(&best.machine, round))? else { break };
+            if next.square < best.square {
+                *best = next;
             }
         }
     }
     for (candidate, tried) in list.iter_mut().zip(tried) {
-        if let Some((gain, machine)) = tried.filter(|(gain, _)| *gain > candidate.gain) {
+        if let Some(Trial { machine, gain, .. }) = tried.filter(|tried| tried.gain > candidate.gain) {
             (candidate.gain, candidate.trial) = (gain, Some(machine));
         }
     }
@@ -102,6 +113,13 @@ fn weighted_from<'a>(of: &Prepared<'a>, candidate: &Candidate, start: &Machine, 
     let fitted = fit(&first, &settled, &unknowns, 12)?;
     if fitted.chi_square > FAR * target {
         return Ok(Weighted { evidence: first, fitted, observable, is_trial: false });
+    }
+    if of.has_known_gaps() && candidate.fault.moves_shaft() {
+        let moving = candidate.own_unknowns();
+        let (evidence, with_means) = fit_with_means(of, &fitted.machine, &moving, target)?;
+        unknowns.retain(|unknown| !moving.contains(unknown));
+        let fitted = fit_beside(&evidence, &with_means, &unknowns, 12)?;
+        return Ok(Weighted { evidence, fitted, observable, is_trial: false });
     }
     let (own, fitted) = in_own_weights(of, fitted, target)?;
     Ok(Weighted { evidence: own.unwrap_or(first), fitted, observable, is_trial: false })

@@ -67,18 +67,34 @@ impl Evidence<'_> {
         Ok(slopes.iter_mut().map(keep).collect())
     }
 
-    /// Returns the standard deviation that the gaps of the radial probes leave of an unknown by which the rotor of a site moves; 0 for another recording.
-    pub fn deviation_by_gaps(&self, spectra: &Spectra, machine: &Machine, unknown: Unknown) -> Result<f64> {
-        let Some(site) = &self.site else { return Ok(0.0) };
-        let mut slopes = self.force_slopes(spectra, machine, &[unknown])?;
-        let moved = self.keep_mean_forces(spectra, machine, slopes.iter_mut())?.pop().unwrap_or_default();
-        let radial = self.weighting.probes.iter().zip(&site.gaps).filter(|(p, _)| p.direction != Direction::Axial);
-        let square = |(probe, gap): (&Probe, &f64)| {
-            let read: f64 = probes::row(probe).iter().zip(moved).map(|(a, x)| a * x).sum();
-            (read / gap).powi(2)
+    /// Returns the gaps of the radial probes beyond those of the baseline, in standard deviations; nothing for another recording.
+    pub(crate) fn gaps(&self) -> Vec<f64> {
+        self.radial_gaps().map(|(_, [gap, deviation])| gap / deviation).collect()
+    }
+
+    /// Returns the radial probes of a site with their gaps.
+    fn radial_gaps(&self) -> impl Iterator<Item = (&Probe, &[f64; 2])> {
+        let gaps = self.site.iter().flat_map(|site| &site.gaps);
+        self.weighting.probes.iter().zip(gaps).filter(|(probe, _)| probe.direction != Direction::Axial)
+    }
+
+    /// Returns the change of the residual by each unknown, with the rotor of a site where the bearings carry the mean force, and that of [`Self::gaps`].
+    pub(crate) fn moving_slopes(
+        &self,
+        spectra: &Spectra,
+        machine: &Machine,
+        unknowns: &[Unknown],
+    ) -> Result<Vec<[Vec<f64>; 2]>> {
+        let mut slopes = self.force_slopes(spectra, machine, unknowns)?;
+        let moved = self.keep_mean_forces(spectra, machine, slopes.iter_mut())?;
+        let of = |(slope, moved): (&[Vec<C>; D], &[f64; D])| {
+            let read = |probe: &Probe| probes::row(probe).iter().zip(moved).map(|(a, x)| a * x).sum::<f64>();
+            [
+                self.at_probes(slope),
+                self.radial_gaps().map(|(probe, [_, deviation])| -read(probe) / deviation).collect(),
+            ]
         };
-        // At most 1: a parameter that moves no probe is not known by them.
-        Ok(radial.map(square).sum::<f64>().sqrt().max(1.0).recip())
+        Ok(slopes.iter().zip(&moved).map(of).collect())
     }
 
     /// Moves the rotor of a machine to where its bearings carry the mean force of another one; both with their spectra.

@@ -95,9 +95,15 @@ pub struct SiteKnowledge<'a> {
 }
 
 impl Evidence<'_> {
-    /// Describes the site of the recording; `subtracted` are the errors that the motion lacks, and that count against their prior. The next
-    /// call must be [`Evidence::weight_for`].
-    pub fn set_site(&mut self, known: &SiteKnowledge, basis: Arc<ReadingBasis>, subtracted: &[ReadingError]) {
+    /// Describes the site of the recording with the errors of its readings; `subtracted` are those that the motion lacks, and that count against
+    /// their prior. The next call must be [`Evidence::weight_for`].
+    pub fn set_site(
+        &mut self,
+        known: &SiteKnowledge,
+        basis: Arc<ReadingBasis>,
+        errors: &[ReadingError],
+        subtracted: &[ReadingError],
+    ) {
         let sum = self.transform.sum();
         let orders: Vec<f64> =
             self.transform.lines.iter().map(|w| w / self.motion.mean_speed().abs().max(f64::MIN_POSITIVE)).collect();
@@ -140,7 +146,8 @@ impl Evidence<'_> {
         };
         let waves = if known.learned.is_empty() { (0..self.plant.bearings.len()).map(waves).collect() } else { vec![] };
         self.subtracted = Arc::new(self.pretended(&basis, subtracted));
-        let gaps = known.deviations.iter().map(|of| of[GAP]).collect();
+        let gaps =
+            errors.iter().zip(&known.deviations).map(|(error, deviation)| [error[GAP], deviation[GAP]]).collect();
         self.site = Some(Arc::new(Site { basis, gaps, expected, waves }));
     }
 
