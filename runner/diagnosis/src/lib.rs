@@ -6,7 +6,8 @@
 //! sum of squares is a chi-squared. No equation of motion is integrated: a diagnosis is also valid for a chaotic motion.
 //!
 //! The modules in the order of a diagnosis: `block` collects samples, `motion` is their displacement and its spectra,
-//! `machine` a hypothesis with its `parameter`s, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `cage`
+//! `machine` a hypothesis with its `parameter`s, `residual` the force that it leaves unexplained, `fit` the fit of its unknowns, `means`
+//! that of faults which move the shaft to lines and gaps, `cage`
 //! angle and slip of the cages, `surface` spalls and waves from their lines, `faults` the faults that the machine may have and the
 //! search for them, `hypothesis` the choice among them, `estimates` their sizes with intervals, `result` the reported
 //! result with the data of its figures in `fault_figures` and `force_rose`, `calibration` the fit of the healthy machine.
