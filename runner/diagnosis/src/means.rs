@@ -10,6 +10,7 @@ use super::residual::Evidence;
 use super::residual::site::DEPENDENT;
 use super::{BuildError, Prepared, Result};
 use ballrace_base::least_squares::{Problem, Progress, minimise};
+use nalgebra::{DMatrix, DVector};
 
 /// Most steps of a fit, and dampings tried in each: a point has the errors of its readings and its weights found anew.
 const STEPS: usize = 12;
@@ -92,6 +93,13 @@ impl<'a> Problem for Means<'a, '_> {
 
     fn longest_step(&self, unknown: usize) -> f64 {
         LONGER * self.of.evidence.longest_step(self.unknowns[unknown])
+    }
+
+    fn add_prior(&self, _: &Point<'a>, normal: &mut DMatrix<f64>, _: &mut DVector<f64>) {
+        // An unknown that neither lines nor gaps determine keeps its value.
+        for (i, unknown) in self.unknowns.iter().enumerate() {
+            normal[(i, i)] += self.of.evidence.longest_step(*unknown).powi(-2) / DEPENDENT;
+        }
     }
 
     fn least_fall(&self, _: &Point<'a>) -> f64 {

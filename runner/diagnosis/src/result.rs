@@ -350,7 +350,7 @@ fn joint<'a, 'b>(of: &'b Prepared<'a>, faults: &[IdentifiedFault]) -> Result<Joi
         let (own, with_means) = fit_with_means(of, &fitted.machine, &of_means, f64::INFINITY)?;
         evidence = Cow::Owned(own);
         // Of independent values.
-        fitted = Fitted { covariance: with_means.covariance.clone() * DEPENDENT, ..with_means };
+        fitted = Fitted { covariance: &with_means.covariance * DEPENDENT, ..with_means };
     }
     fitted = fit_beside(&evidence, &fitted, &of_lines, 30)?;
     let is_spall = |one: &&IdentifiedFault| of.site.is_some() && matches!(one.fault, AnyFault::Spall(_));
