@@ -232,7 +232,7 @@ fn a_yielding_support_is_no_fault_of_a_bearing() {
     assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
     let stiffness = &findings[0]["support_stiffness_n_um"];
     let [low, high] = ["/low", "/high"].map(|end| number(stiffness, end));
-    assert!(low < 20.0 && 20.0 < high && high - low < 10.0, "{stiffness}");
+    assert!(low < 20.0 && 20.0 < high && high < 2.0 * low, "{stiffness}");
 }
 
 /// Waves of sound races move a rotor on a light axial load along its axis, where its bearings are soft: without a baseline, their lines beside a large
@@ -280,7 +280,7 @@ fn a_tilted_ring_is_found() {
         let findings = list(&outcome, "findings");
         assert_eq!(kinds(&outcome), ["misalignment"], "{findings:#?}");
         assert_eq!(findings[0]["bearing"], "A", "{findings:#?}");
-        let axis = about_y.atan2(about_x).to_degrees();
+        let axis = about_y.atan2(about_x).to_degrees().rem_euclid(360.0);
         for (key, truth) in [("tilt_mrad", about_x.hypot(about_y)), ("axis_deg", axis)] {
             let [low, high] = ["low", "high"].map(|end| number(&findings[0], &format!("/{key}/{end}")));
             assert!((low..=high).contains(&truth), "{key}: {truth} not in {low} to {high}");
