@@ -77,8 +77,9 @@ impl Scored<'_> {
     fn fit_further(&mut self, of: &Prepared, now: &Fitted) -> Result<()> {
         let IdentifiedFault { fault, fitted, observable, gain, .. } = &mut self.identified;
         let cages = cage::unknowns(observable, &fitted.machine);
+        let is_of_means = self.evidence.is_some() && of.has_known_gaps() && fault.moves_shaft();
         let evidence = self.evidence.as_ref().unwrap_or(&of.evidence);
-        let further = if of.has_known_gaps() && fault.moves_shaft() {
+        let further = if is_of_means {
             fit_beside(evidence, fitted, &cages, 10)?
         } else {
             fit(evidence, fitted, &union(cages, &fitted.unknowns), 10)?

@@ -74,8 +74,8 @@ struct Trial {
     square: f64,
 }
 
-/// Tries the machines of candidates that move the shaft, each in weights of its own, and further ones about the best of all while these explain more. The
-/// best of a candidate is a further start of its fit where it explains more than is expected.
+/// Tries the machines of candidates that move the shaft, each in weights of its own, and round by round further ones about the best of all. The best
+/// of a candidate is a further start of its fit where it explains more than is expected.
 pub(super) fn with_trials(of: &Prepared, list: &mut [Candidate], now: &Fitted) -> Result<()> {
     let trial = |machine: &Machine| -> Result<Trial> {
         let [chi_square, square] = squares(of, machine)?;
