@@ -60,17 +60,21 @@ struct Scored<'a> {
     prior: f64,
     /// Fall of chi-squared where the uncertain parameters of a calibrated machine may act on its force.
     tolerated: f64,
+    /// Chi-squared of the gaps that it leaves.
+    of_gaps: f64,
     /// The recording weighted for the machine with the fault, where that differs in stiffness.
     evidence: Option<Evidence<'a>>,
     /// No more than the deviations of healthy bearings and rotors.
     is_sound: bool,
     /// Found from the trial of its candidate alone.
     is_trial: bool,
+    /// A fault beside it explains enough as well.
+    has_rival: bool,
 }
 
 impl Scored<'_> {
     fn chi_square(&self) -> f64 {
-        self.identified.fitted.chi_square - self.tolerated
+        self.identified.fitted.chi_square - self.tolerated + self.of_gaps
     }
 
     /// Fits the fault together with the cages that it shows: candidates whose lines coincide differ by less than what a first fit leaves.
@@ -203,7 +207,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
         progress(0.3 + 0.2 * faults.len() as f64);
         let is_first = faults.is_empty();
         let round = Round { of, now: &now, shifted, least, is_first, first_excess };
-        let Some(Scored { mut identified, mut evidence, is_sound, .. }) = round.selected(&list)? else { break };
+        let Some(Scored { mut identified, mut evidence, is_sound, has_rival, .. }) = round.selected(&list)? else {
+            break;
+        };
         if evidence.is_none() && of.evidence.follows_axially() && identified.fault.shows_cage().is_some() {
             evidence = moved_axially(of, &now.machine, &mut identified)?;
         }
@@ -230,6 +236,9 @@ pub fn diagnose(of: &mut Prepared, most: usize, progress: &dyn Fn(f64)) -> Resul
                     let unknowns = union(last.fitted.unknowns.clone(), &now.unknowns);
                     last.fitted = Fitted { unknowns, ..now.clone() };
                 }
+            }
+            if !has_rival && excess(&now) < 0.0 {
+                break;
             }
             continue;
         }
@@ -381,7 +390,7 @@ impl<'a> Round<'a, '_> {
     /// Returns the chi-squared from which on a candidate is decided against by those that were fitted.
     fn target(&self, tried: &[Scored]) -> f64 {
         let faults = tried.iter().filter(|scored| self.is_fault(scored));
-        faults.map(|scored| scored.identified.fitted.chi_square).fold(f64::INFINITY, f64::min) + DECIDED
+        faults.map(Scored::chi_square).fold(f64::INFINITY, f64::min) + DECIDED
     }
 
     /// Returns the largest gain of a fault.
@@ -420,8 +429,7 @@ impl<'a> Round<'a, '_> {
         let next = match (tried.as_slice(), not_fitted.first()) {
             ([first, next, ..], _) => Some((next.identified.fault, 0.5 * (score(next) - score(first)) / dependent)),
             ([first], Some(next)) => {
-                let least = self.now.chi_square - GAIN_OVER_EXPECTED * next.gain;
-                Some((next.fault, 0.5 * (least - first.identified.fitted.chi_square) / dependent))
+                Some((next.fault, 0.5 * (self.least_chi_square(next) - first.chi_square()) / dependent))
             }
             _ => None,
         };
@@ -430,12 +438,20 @@ impl<'a> Round<'a, '_> {
         let is_other = |fault: &AnyFault| place(fault) != place(&first.identified.fault);
         let fitted = others.iter().filter(|other| is_other(&other.identified.fault)).map(&score);
         let not_fitted = not_fitted.iter().filter(|candidate| is_other(&candidate.fault));
-        let not_fitted = not_fitted.map(|candidate| self.now.chi_square - GAIN_OVER_EXPECTED * candidate.gain - equal);
+        let not_fitted = not_fitted.map(|candidate| self.least_chi_square(candidate) - equal);
+        let has_rival = others.iter().any(|other| !other.is_sound);
         let rival = (fitted.chain(not_fitted).fold(f64::INFINITY, f64::min) - score(first)) / (2.0 * DEPENDENT);
         Ok(tried.into_iter().next().map(|mut scored| {
             (scored.identified.next, scored.identified.rival) = (next, rival);
+            scored.has_rival = has_rival;
             scored
         }))
+    }
+
+    /// Returns the least chi-squared of lines and gaps that a fit of a candidate may lead to.
+    fn least_chi_square(&self, candidate: &Candidate) -> f64 {
+        let of_gaps = if candidate.fault.moves_shaft() { 0.0 } else { self.of.evidence.chi_square_of_gaps() };
+        self.now.chi_square - GAIN_OVER_EXPECTED * candidate.gain + of_gaps
     }
 
     /// Fits candidates and scores them.
@@ -476,7 +492,8 @@ impl<'a> Round<'a, '_> {
         if let Some(target) = search
             && fault.changes_stiffness(&of.evidence)
         {
-            let own = weighted(of, candidate, first, target)?;
+            // What explains too little competes with nothing.
+            let own = weighted(of, candidate, first, target.min(now.chi_square - self.least_of(&fault)))?;
             // Without contact, a machine has no stiffness to be weighted by.
             if own.fitted.chi_square < FAR * now.chi_square {
                 (fitted, observable, is_trial) = (own.fitted, own.observable, own.is_trial);
@@ -525,7 +542,9 @@ impl<'a> Round<'a, '_> {
             explains_motion,
             observable,
         };
-        let mut scored = Scored { is_sound, is_trial, identified, prior, tolerated: 0.0, evidence };
+        let of_gaps = evidence.as_ref().unwrap_or(&of.evidence).chi_square_of_gaps();
+        let mut scored =
+            Scored { is_sound, is_trial, identified, prior, tolerated: 0.0, of_gaps, evidence, has_rival: false };
         scored.identified.explain(scored.evidence.as_ref().unwrap_or(&of.evidence), &now.machine)?;
         Ok(scored)
     }

@@ -29,7 +29,7 @@ pub const COEFFICIENTS: usize = HUM + 2 * MAINS.len() * MULTIPLES;
 pub type ReadingError = [f64; COEFFICIENTS];
 
 /// Standard deviation of a gap before the first recording, and between recordings of one installation, m.
-const GAP_FIRST: f64 = 20e-6;
+pub const GAP_FIRST: f64 = 20e-6;
 const GAP_LATER: f64 = 1e-6;
 /// The same along the axis: 5 K lengthen 0.2 m of a shaft so much.
 const AXIAL_GAP_LATER: f64 = 12e-6;

@@ -35,6 +35,13 @@ pub(super) struct Weighted<'a> {
     pub is_trial: bool,
 }
 
+impl Weighted<'_> {
+    /// Returns chi-squared of lines and gaps.
+    fn chi_square(&self) -> f64 {
+        self.fitted.chi_square + self.evidence.chi_square_of_gaps()
+    }
+}
+
 /// Fits a candidate that changes the stiffness, weighted by the noise that the residual has with it.
 ///
 /// With its own weights each machine has its residual in units of the noise of the probes, so that the likelihoods of machines of
@@ -56,9 +63,9 @@ pub(super) fn weighted<'a>(
             break;
         }
         // Less than one value of a site does not tell two minima apart.
-        let least = best.fitted.chi_square + if best.is_trial { DEPENDENT } else { 0.0 };
+        let least = best.chi_square() + if best.is_trial { DEPENDENT } else { 0.0 };
         let other = weighted_from(of, candidate, start, target.min(least))?;
-        if other.fitted.chi_square < least {
+        if other.chi_square() < least {
             best = other;
         }
     }

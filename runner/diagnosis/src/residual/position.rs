@@ -3,8 +3,10 @@
 
 use super::super::Result;
 use super::super::machine::Machine;
+use super::super::measurement::GAP_FIRST;
 use super::super::motion::{C, D};
 use super::super::parameter::Unknown;
+use super::site::DEPENDENT;
 use super::{Evidence, Spectra};
 use ballrace_base::parallel;
 use ballrace_plant::probes;
@@ -17,6 +19,9 @@ const STEP: [f64; D] = [1e-9, 1e-9, 1e-9, 1e-8, 1e-8];
 /// Share of the least stiffness of the rotor that bounds its motion without contact: far below the stiffness of bearings that carry any load, which
 /// determines the position.
 const BOUND: f64 = 1e-3;
+
+/// Probability that a probe was touched since the baseline: its gap may be any of a first recording.
+const TOUCHED: f64 = 0.01;
 
 /// Changes of the unexplained force by each coordinate of the position that probes measure.
 struct ByPosition {
@@ -70,6 +75,14 @@ impl Evidence<'_> {
     /// Returns the gaps of the radial probes beyond those of the baseline, in standard deviations; nothing for another recording.
     pub(crate) fn gaps(&self) -> Vec<f64> {
         self.radial_gaps().map(|(_, [gap, deviation])| gap / deviation).collect()
+    }
+
+    /// Returns minus twice the logarithm of the density of the gaps over that at none, in units of chi-squared of the lines; 0 without a baseline.
+    pub(crate) fn chi_square_of_gaps(&self) -> f64 {
+        if self.is_without_baseline() {
+            return 0.0;
+        }
+        DEPENDENT * self.radial_gaps().map(|(_, gap)| surprise(*gap)).sum::<f64>()
     }
 
     /// Returns the radial probes of a site with their gaps.
@@ -141,6 +154,15 @@ impl ByPosition {
     }
 }
 
+/// Returns minus twice the logarithm of the density of a gap over that of none, from its standard deviation.
+fn surprise([gap, deviation]: [f64; 2]) -> f64 {
+    let density = |gap: f64| {
+        let normal = |deviation: f64| (-0.5 * (gap / deviation).powi(2)).exp() / deviation;
+        (1.0 - TOUCHED) * normal(deviation) + TOUCHED * normal(GAP_FIRST)
+    };
+    -2.0 * (density(gap) / density(0.0)).ln()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,5 +195,16 @@ mod tests {
         let none = |_| std::array::from_fn(|_| vec![C::new(0.0, 0.0); 2]);
         let free = ByPosition { changes: (0..D).map(|j| (j, none(j))).collect(), least: [-1e6; D] };
         assert_eq!(free.balancing(&slope).map(|moved| moved[0]), Some(3.0));
+    }
+
+    /// A gap counts by its square up to three deviations, and hardly more from where the probe was touched.
+    #[test]
+    fn a_gap_surprises_no_more_than_a_probe_that_was_touched() {
+        // 0.99 exp(-g^2 / 2) + 0.01 exp(-g^2 / 800) / 20, over its value at 0.
+        for (gap, expected) in [(0.0, 0.0), (-0.5e-6, 0.24987), (3e-6, 8.91306), (10e-6, 15.43271), (-20e-6, 16.18271)]
+        {
+            let found = surprise([gap, 1e-6]);
+            assert!((found - expected).abs() < 1e-5, "{gap}: {found} instead of {expected}");
+        }
     }
 }
